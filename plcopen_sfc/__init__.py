@@ -1,0 +1,1 @@
+"""Sequential function charts: one typed model, lossless files."""

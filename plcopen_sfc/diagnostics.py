@@ -1,0 +1,30 @@
+"""Findings: what a reader, a schema or a check has to say about a file, with a stable code each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from plcopen_sfc.errors import Location
+
+
+class Severity(StrEnum):
+    """How bad a finding is."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding. `code` is stable (``SFC101``) and documented in docs/diagnostics.md."""
+
+    code: str
+    severity: Severity
+    message: str
+    location: Location = Location()
+
+    def __str__(self) -> str:
+        place = str(self.location)
+        return f"{place}: {self.severity} {self.code}: {self.message}" if place else f"{self.code}: {self.message}"

@@ -1,0 +1,100 @@
+"""Errors and the places they point at.
+
+Every error a user can meet is an `SfcError` that says what is wrong, where (file, line, column, object path) and, where
+there is something to do, what to do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """A place in a file or in a model.
+
+    `line` and `column` count from 1. `path` names the object the way a person would: ``POU Main / step S3``, or, for
+    XML that has no model object, the element path ``/project/types/pous/pou[2]``.
+    """
+
+    file: str | None = None
+    line: int | None = None
+    column: int | None = None
+    path: str | None = None
+
+    def __str__(self) -> str:
+        place = self.file or ""
+        if self.line is not None:
+            place += f":{self.line}" if place else f"line {self.line}"
+            if self.column is not None:
+                place += f":{self.column}"
+        if self.path:
+            place += f" ({self.path})" if place else self.path
+        return place
+
+
+class SfcError(Exception):
+    """Base of all errors of this package.
+
+    `message` says what is wrong, `location` where, `hint` what to do about it (may be empty).
+    """
+
+    def __init__(self, message: str, *, location: Location | None = None, hint: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.location = location or Location()
+        self.hint = hint
+
+    def __str__(self) -> str:
+        place = str(self.location)
+        text = f"{place}: {self.message}" if place else self.message
+        return f"{text}\n  {self.hint}" if self.hint else text
+
+    def at(self, file: str) -> SfcError:
+        """The same error with `file` filled in where the place did not name one yet."""
+        if self.location.file is None:
+            place = self.location
+            self.location = Location(file, place.line, place.column, place.path)
+        return self
+
+
+class FileAccessError(SfcError, OSError):
+    """A file cannot be read or written: missing, a directory, no rights, disk full."""
+
+    __str__ = SfcError.__str__
+
+
+class FormatError(SfcError, ValueError):
+    """The content is not what its format says: the base of all reading errors."""
+
+
+class UnknownFormatError(FormatError):
+    """No format of ours recognises the content, or the requested format does not exist."""
+
+
+class XmlSyntaxError(FormatError):
+    """Not well-formed XML: not XML at all, truncated, or damaged."""
+
+
+class UnsafeXmlError(FormatError):
+    """XML refused for safety: document type declarations with entities, external references, nesting without end."""
+
+
+class EncodingError(FormatError):
+    """The bytes are not in the encoding that the file declares."""
+
+
+class UnknownVersionError(FormatError):
+    """The format is known but this version of it is not."""
+
+
+class StructureError(FormatError):
+    """Well-formed, of a known format, but what is required is missing or stands in the wrong place."""
+
+
+class LossError(SfcError):
+    """A strict conversion would drop or approximate something. Nothing was written."""
+
+
+class ModelError(SfcError, ValueError):
+    """An operation on the model that its content does not allow: a name that does not exist, or exists already."""

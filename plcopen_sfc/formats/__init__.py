@@ -1,0 +1,1 @@
+"""File formats, one package each, and the table that registers them."""
