@@ -1,0 +1,151 @@
+"""What steps do: action associations with their qualifiers, events and GRAFCET kinds."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from plcopen_sfc.model.base import Element, ElementId, Model
+from plcopen_sfc.model.conditions import Condition
+
+if TYPE_CHECKING:
+    from plcopen_sfc.model.body import Body
+
+
+class Qualifier(StrEnum):
+    """Action qualifiers.
+
+    IEC 61131-3 (ed. 3, table 59): N R S L D P P0 P1 SD DS SL; R0 is its alias for R. TC6 also lists DL. S7-GRAPH: N S R D
+    L CALL, the step switches ON and OFF, counters CS CU CD CR and timers TL TD TR TF (used with an event). NONE: the
+    association has no qualifier at all.
+    """
+
+    NONE = "None"
+    N = "N"
+    R = "R"
+    R0 = "R0"
+    S = "S"
+    L = "L"
+    D = "D"
+    P = "P"
+    P0 = "P0"
+    P1 = "P1"
+    SD = "SD"
+    DS = "DS"
+    SL = "SL"
+    DL = "DL"
+    CALL = "CALL"
+    ON = "ON"
+    OFF = "OFF"
+    CS = "CS"
+    CU = "CU"
+    CD = "CD"
+    CR = "CR"
+    TL = "TL"
+    TD = "TD"
+    TR = "TR"
+    TF = "TF"
+
+    @property
+    def needs_duration(self) -> bool:
+        """Whether IEC 61131-3 requires a duration with it."""
+        return self in _TIMED
+
+
+_TIMED = frozenset({Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL, Qualifier.DL})
+
+
+class ActionEvent(StrEnum):
+    """Events of S7-GRAPH that trigger an action once (S7-GRAPH V6: ``<Action Event=..>``).
+
+    S1/S0 the step becomes active/inactive, V1/V0 a supervision error comes/goes, L1/L0 the interlock is lost/restored,
+    A1 an error is acknowledged, R1 a registration comes. C: the action depends on the interlock (see
+    `ActionAssociation.interlock`, which is where files say it).
+    """
+
+    S1 = "S1"
+    S0 = "S0"
+    V1 = "V1"
+    V0 = "V0"
+    L1 = "L1"
+    L0 = "L0"
+    A1 = "A1"
+    R1 = "R1"
+    C = "C"
+
+
+class ActionKind(StrEnum):
+    """The kinds of GRAFCET actions (IEC 60848:2013, 4.8 and 7)."""
+
+    CONTINUOUS = "continuous"
+    CONDITIONAL = "conditional"
+    DELAYED = "delayed"
+    LIMITED = "limited"
+    ON_ACTIVATION = "onActivation"
+    ON_DEACTIVATION = "onDeactivation"
+    ON_EVENT = "onEvent"
+    FORCING = "forcing"
+
+
+class ForcedSituation(StrEnum):
+    """The situations a forcing order can impose (IEC 60848:2013, 7.1)."""
+
+    INITIAL = "INIT"
+    EMPTY = "{}"
+    CURRENT = "*"
+    EXPLICIT = "explicit"
+
+
+class ForcingOrder(Model):
+    """Forces the partial chart `chart`: ``G2{INIT}``, ``G2{}``, ``G2{*}`` or ``G2{10,12}`` with the names in `steps`."""
+
+    chart: str
+    situation: ForcedSituation
+    steps: list[str] = Field(default_factory=list)
+
+
+class ActionAssociation(Element):
+    """One line of an action block: what is done, when, for how long.
+
+    `target` names a Boolean variable, an action of the POU, or an action of an instance (``Motor.ACT_Stop``); `body` is an
+    action programmed in place; TC6 allows both at once. `value` is what is assigned to the target (S7-GRAPH ``A := B``,
+    GRAFCET stored actions). `duration` is a time literal or a variable. `indicator` is the variable that tells the step is
+    done. `negated` (TC6 action block): it acts while the step is *not* active.
+    `event` and `interlock` are S7-GRAPH's, `kind`, `condition` and `forcing` are GRAFCET's.
+    """
+
+    id: ElementId
+    qualifier: Qualifier = Qualifier.N
+    target: str | None = None
+    body: Body | None = None
+    value: str | None = None
+    duration: str | None = None
+    indicator: str | None = None
+    negated: bool = False
+    event: ActionEvent | None = None
+    interlock: bool = False
+    kind: ActionKind | None = None
+    condition: Condition | None = None
+    forcing: ForcingOrder | None = None
+    exclude: bool | None = None
+    symbol: SymbolAccess | None = None
+
+
+class SymbolAccess(StrEnum):
+    """How an element appears in the symbol configuration (CODESYS V3)."""
+
+    UNSPECIFIED = "unspecified"
+    NONE = "none"
+    READ = "read"
+    WRITE = "write"
+    READ_WRITE = "readWrite"
+
+
+class Monitoring(StrEnum):
+    """How the online view watches a transition (CODESYS V3.5 SP14 on)."""
+
+    NONE = "none"
+    VARIABLE = "variable"
+    CALL = "call"

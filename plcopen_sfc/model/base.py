@@ -1,0 +1,59 @@
+"""What every object of the model has in common."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from plcopen_sfc.model.text import Text
+
+
+class Model(BaseModel):
+    """Base of all model objects: mutable, and validated on every assignment.
+
+    Structure that is broken (a transition to nowhere, two initial steps) can be built and looked at; a value of the
+    wrong type cannot.
+    """
+
+    model_config = ConfigDict(validate_assignment=True, extra="forbid", defer_build=True)
+
+
+class UnknownDataRule(StrEnum):
+    """What a tool that does not know a piece of foreign data should do with it (TC6 2.0 ``handleUnknown``)."""
+
+    PRESERVE = "preserve"
+    DISCARD = "discard"
+    IMPLEMENTATION = "implementation"
+
+
+class ForeignData(Model):
+    """A piece of data of another tool, kept as it came (TC6 ``addData/data``).
+
+    `name` is the URI that says whose it is, `content` the markup as text.
+    """
+
+    name: str
+    rule: UnknownDataRule = UnknownDataRule.PRESERVE
+    content: str = ""
+
+
+class Carried(Model):
+    """What stands at an object in its file and has no place of its own in the model. Never dropped silently."""
+
+    data: list[ForeignData] = Field(default_factory=list)
+    attributes: dict[str, str] = Field(default_factory=dict)
+    elements: list[str] = Field(default_factory=list)
+
+
+class Element(Model):
+    """An object that a person can comment and a tool can attach data to."""
+
+    comment: Text | None = None
+    global_id: str | None = None
+    carried: Carried | None = None
+
+
+ElementId = Annotated[int, Field(ge=0)]
+"""Identifies a step, a transition, an association or a drawn element within one network. Never shown to people."""

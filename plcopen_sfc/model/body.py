@@ -1,0 +1,66 @@
+"""Bodies: the implementation of a POU, action, transition or macro-step in one of the languages of IEC 61131-3."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.sfc import SfcNetwork
+
+
+class BodyBase(Element):
+    """Common to all bodies. `worksheet` names the sheet where a POU has several bodies (TC6 2.0)."""
+
+    worksheet: str | None = None
+
+
+class StBody(BodyBase):
+    """Structured text. `markup` is the XHTML of the file where it is more than the text in its usual element."""
+
+    language: Literal["ST"] = "ST"
+    text: str = ""
+    markup: str | None = None
+
+
+class IlBody(BodyBase):
+    """Instruction list, as text; `markup` as in `StBody`."""
+
+    language: Literal["IL"] = "IL"
+    text: str = ""
+    markup: str | None = None
+
+
+class FbdBody(BodyBase):
+    """Function block diagram (FUP)."""
+
+    language: Literal["FBD"] = "FBD"
+    networks: list[LogicNetwork] = Field(default_factory=list)
+
+
+class LdBody(BodyBase):
+    """Ladder diagram (KOP)."""
+
+    language: Literal["LD"] = "LD"
+    networks: list[LogicNetwork] = Field(default_factory=list)
+
+
+class SfcBody(BodyBase):
+    """Sequential function chart (AS)."""
+
+    language: Literal["SFC"] = "SFC"
+    chart: SfcNetwork = Field(default_factory=SfcNetwork)
+
+
+class OpaqueBody(BodyBase):
+    """A body in a form that the model does not know, kept as it came: `content` in the format named `source`."""
+
+    language: Literal["opaque"] = "opaque"
+    source: str
+    content: str
+
+
+Body = Annotated[StBody | IlBody | FbdBody | LdBody | SfcBody | OpaqueBody, Field(discriminator="language")]
+"""A body in any language."""

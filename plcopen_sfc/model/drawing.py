@@ -1,0 +1,77 @@
+"""How a chart is drawn: symbols, bars, jumps and wires. What the chart does stands in `plcopen_sfc.model.sfc`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from pydantic import Field
+
+from plcopen_sfc.model.base import Element, ElementId, Model
+from plcopen_sfc.model.network import InputPin, OutputPin, Point
+
+
+class SymbolKind(StrEnum):
+    """The symbols of a chart (TC6 2.01 ``sfcObjects``)."""
+
+    STEP = "step"
+    MACRO_STEP = "macroStep"
+    TRANSITION = "transition"
+    JUMP = "jumpStep"
+    SELECTION_DIVERGENCE = "selectionDivergence"
+    SELECTION_CONVERGENCE = "selectionConvergence"
+    SIMULTANEOUS_DIVERGENCE = "simultaneousDivergence"
+    SIMULTANEOUS_CONVERGENCE = "simultaneousConvergence"
+    ACTION_BLOCK = "actionBlock"
+    EXPRESSION = "inVariable"
+
+
+class ActionEntry(Model):
+    """Where an association stands in its action block. `local_id` where the file gives it another id than the model."""
+
+    association: ElementId
+    local_id: int | None = None
+    position: Point | None = None
+    width: float | None = None
+    height: float | None = None
+    execution_order: int | None = None
+    output: OutputPin | None = None
+
+
+class Symbol(Element):
+    """One drawn symbol.
+
+    Symbols of steps and transitions have the id of what they stand for; one transition symbol below a convergence of steps
+    stands for several transitions, listed in `transitions`. `target` is the step or simultaneous divergence that a jump
+    leads to, `name` the text of a jump to something that does not exist, or the name of a bar. `condition` is the pin
+    at which a transition takes its condition, `action_output` the pin at which a step drives its action blocks,
+    `entries` the lines of an action block. `expression` is the text of a drawn expression that is not the condition
+    of a transition. `local_id` is the id in the file where another element has it too.
+    """
+
+    id: ElementId
+    kind: SymbolKind
+    position: Point = (0, 0)
+    width: float | None = None
+    height: float | None = None
+    inputs: list[InputPin] = Field(default_factory=list)
+    outputs: list[OutputPin] = Field(default_factory=list)
+    action_output: OutputPin | None = None
+    condition: InputPin | None = None
+    transitions: list[ElementId] | None = None
+    target: ElementId | None = None
+    name: str | None = None
+    entries: list[ActionEntry] | None = None
+    execution_order: int | None = None
+    exclude: bool | None = None
+    local_id: int | None = None
+
+
+class Drawing(Model):
+    """The drawing of one chart.
+
+    `order` is the order of the file's elements by id where graphical logic stands between the symbols; else the symbols come
+    first, in the order of `symbols`.
+    """
+
+    symbols: list[Symbol] = Field(default_factory=list)
+    order: list[ElementId] | None = None

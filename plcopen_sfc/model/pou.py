@@ -1,0 +1,88 @@
+"""Program organisation units and what belongs to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import StrEnum
+
+from pydantic import Field
+
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.variables import Interface
+
+
+class PouKind(StrEnum):
+    """What a POU is (IEC 61131-3 ed. 3, 6.6)."""
+
+    PROGRAM = "program"
+    FUNCTION_BLOCK = "functionBlock"
+    FUNCTION = "function"
+    ORGANIZATION_BLOCK = "organizationBlock"
+
+
+class Action(Element):
+    """An action of a POU: code that steps execute by its name."""
+
+    name: str
+    body: Body | None = None
+    object_id: str | None = None
+
+
+class NamedTransition(Element):
+    """A transition object of a POU: a condition with a name that charts refer to."""
+
+    name: str
+    body: Body | None = None
+    object_id: str | None = None
+
+
+class Method(Element):
+    """A method of a function block."""
+
+    name: str
+    interface: Interface | None = None
+    body: Body | None = None
+    object_id: str | None = None
+
+
+class Pou(Element):
+    """A program, function block or function.
+
+    `place` says where in the project the POU stands: empty for the pool of types, ``application/NAME`` for a CODESYS or
+    TwinCAT application, ``configuration/NAME/resource/NAME`` for a device export. `bodies` holds more than one where
+    the tool knows worksheets.
+    """
+
+    name: str
+    kind: PouKind
+    interface: Interface | None = None
+    actions: list[Action] = Field(default_factory=list)
+    transitions: list[NamedTransition] = Field(default_factory=list)
+    methods: list[Method] = Field(default_factory=list)
+    bodies: list[Body] = Field(default_factory=list)
+    place: str = ""
+    object_id: str | None = None
+
+    @property
+    def body(self) -> Body | None:
+        """The first body, which in most files is the only one."""
+        return self.bodies[0] if self.bodies else None
+
+    @property
+    def sfc(self) -> SfcNetwork | None:
+        """The chart of the first SFC body."""
+        return next((body.chart for body in self.bodies if isinstance(body, SfcBody)), None)
+
+    def action(self, name: str) -> Action | None:
+        """The action of this name; case does not matter."""
+        return next((a for a in self.actions if a.name.casefold() == name.casefold()), None)
+
+    def named_bodies(self) -> Iterator[tuple[str, Body]]:
+        """Every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (action, transition, method)."""
+        for body in self.bodies:
+            yield self.name, body
+        for part in (*self.actions, *self.transitions, *self.methods):
+            if part.body is not None:
+                yield f"{self.name}.{part.name}", part.body

@@ -1,0 +1,217 @@
+"""The project: everything a file holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from pydantic import Field, PrivateAttr
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.base import Element, Model
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.text import Text
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
+from plcopen_sfc.model.variables import AccessSection, ConfigSection, VariableSection
+
+if TYPE_CHECKING:
+    from plcopen_sfc.diagnostics import Diagnostic
+
+
+class FileHeader(Model):
+    """Which tool wrote the file, and when (TC6 ``fileHeader``). `created` is an ISO date and time as in the file."""
+
+    company: str = ""
+    company_url: str | None = None
+    product: str = ""
+    version: str = ""
+    release: str | None = None
+    created: str = ""
+    description: str | None = None
+
+
+class Scaling(Model):
+    """Units of the drawings of one language; None: the file does not say."""
+
+    x: float = 1
+    y: float = 1
+
+
+class DrawingScales(Model):
+    """Page size and the scaling of each graphical language (TC6 ``coordinateInfo``)."""
+
+    page: Scaling | None = None
+    fbd: Scaling = Field(default_factory=Scaling)
+    ld: Scaling = Field(default_factory=Scaling)
+    sfc: Scaling = Field(default_factory=Scaling)
+
+
+class ForeignDataInfo(Model):
+    """A declaration of a kind of foreign data used in the file (TC6 ``addDataInfo/info``)."""
+
+    name: str
+    vendor: str
+    version: str | None = None
+    description: Text | None = None
+
+
+class PouInstance(Element):
+    """A program instance or function block instance that a task or resource runs."""
+
+    name: str
+    type_name: str = ""
+
+
+class TaskWatchdog(Model):
+    """The watchdog of a CODESYS task."""
+
+    enabled: bool = False
+    time: str | None = None
+    time_unit: str | None = None
+    sensitivity: str | None = None
+
+
+class TaskSettings(Model):
+    """How CODESYS runs a task: kind (``Cyclic``, ``Freewheeling`` ..), interval as typed and its unit."""
+
+    kind: str | None = None
+    interval: str | None = None
+    interval_unit: str | None = None
+    event: str | None = None
+    watchdog: TaskWatchdog | None = None
+
+
+class Task(Element):
+    """A task. `single` is its trigger, `interval` a duration or a variable, `priority` 0 the highest."""
+
+    name: str
+    priority: int = 0
+    interval: str | None = None
+    single: str | None = None
+    instances: list[PouInstance] = Field(default_factory=list)
+    settings: TaskSettings | None = None
+    object_id: str | None = None
+
+
+class Resource(Element):
+    """A resource: tasks, instances and global variables that run on one processor. A CODESYS application is one."""
+
+    name: str
+    tasks: list[Task] = Field(default_factory=list)
+    global_variables: list[VariableSection] = Field(default_factory=list)
+    instances: list[PouInstance] = Field(default_factory=list)
+    object_id: str | None = None
+
+
+class Configuration(Element):
+    """A configuration: resources, global variables, access paths and instance configuration. A CODESYS device is one."""
+
+    name: str
+    resources: list[Resource] = Field(default_factory=list)
+    global_variables: list[VariableSection] = Field(default_factory=list)
+    access_variables: AccessSection | None = None
+    config_variables: ConfigSection | None = None
+    object_id: str | None = None
+
+
+class Tag(Element):
+    """A tag of a TIA tag table."""
+
+    name: str
+    type: str
+    address: str | None = None
+
+
+class TagTable(Element):
+    """A tag table of TIA: tags and user constants."""
+
+    name: str
+    tags: list[Tag] = Field(default_factory=list)
+    constants: list[Variable] = Field(default_factory=list)
+
+
+class TreeNode(Model):
+    """A folder or an object in the project tree of the tool (CODESYS ``projectstructure``)."""
+
+    name: str
+    folder: bool = False
+    object_id: str | None = None
+    children: list[TreeNode] = Field(default_factory=list)
+
+
+class Chart(NamedTuple):
+    """A chart and where it stands: ``Main`` or, of an action, ``Main.Fill``."""
+
+    name: str
+    pou: Pou
+    network: SfcNetwork
+
+
+class Origin(NamedTuple):
+    """Where a project was read from; what saving needs to give the same file back. Belongs to `plcopen_sfc.api`."""
+
+    format: str
+    content: bytes
+    fingerprint: bytes
+    path: str | None
+    diagnostics: tuple[Diagnostic, ...]
+
+
+class Project(Element):
+    """Everything a file holds.
+
+    `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application exports).
+    POUs and data types are in one list each, whatever their `place` is.
+    """
+
+    name: str = ""
+    header: FileHeader = Field(default_factory=FileHeader)
+    version: str | None = None
+    modified: str | None = None
+    organization: str | None = None
+    author: str | None = None
+    language: str | None = None
+    content_comment: str | None = None
+    scales: DrawingScales = Field(default_factory=DrawingScales)
+    foreign_data_infos: list[ForeignDataInfo] | None = None
+    data_types: list[DataTypeDeclaration] = Field(default_factory=list)
+    pous: list[Pou] = Field(default_factory=list)
+    global_variables: list[VariableSection] = Field(default_factory=list)
+    tag_tables: list[TagTable] = Field(default_factory=list)
+    configurations: list[Configuration] = Field(default_factory=list)
+    applications: list[Resource] = Field(default_factory=list)
+    tree: list[TreeNode] | None = None
+
+    _origin: Origin | None = PrivateAttr(default=None)
+
+    def __eq__(self, other: Any) -> bool:
+        """Equal content; where the projects were read from does not matter."""
+        return isinstance(other, Project) and self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """What the reader had to say about the file: charts that are wrong but could be loaded."""
+        return self._origin.diagnostics if self._origin else ()
+
+    def pou(self, name: str) -> Pou:
+        """The POU of this name; case does not matter. Raises `ModelError`."""
+        for pou in self.pous:
+            if pou.name.casefold() == name.casefold():
+                return pou
+        raise ModelError(f"the project has no POU {name!r}", hint="It has: " + ", ".join(p.name for p in self.pous[:20]))
+
+    def bodies(self) -> Iterator[tuple[str, Pou, Body]]:
+        """Every body in the project with its name (``Main.Fill``) and POU."""
+        for pou in self.pous:
+            for name, body in pou.named_bodies():
+                yield name, pou, body
+
+    def charts(self) -> Iterator[Chart]:
+        """Every chart of the project: of POUs, actions, transitions and methods."""
+        for name, pou, body in self.bodies():
+            if isinstance(body, SfcBody):
+                yield Chart(name, pou, body.chart)

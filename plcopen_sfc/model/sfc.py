@@ -1,0 +1,313 @@
+"""Sequential function charts: what a chart *does*. How it is drawn stands in `plcopen_sfc.model.drawing`.
+
+A chart is a net of steps and transitions. A selection is several transitions that leave a step, a simultaneous divergence
+is a transition with several targets, a simultaneous convergence one with several sources, a jump is a transition to any
+step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+from pydantic import Field
+
+from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
+from plcopen_sfc.model.base import Element, ElementId, Model
+from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.drawing import Drawing
+from plcopen_sfc.model.network import LogicNetwork, Node
+from plcopen_sfc.model.text import Text
+
+if TYPE_CHECKING:
+    from plcopen_sfc.model.body import Body
+
+
+class Macro(Model):
+    """What a macro-step stands for: a body of its own (TC6), or a partial chart by name (IEC 60848, expansion)."""
+
+    body: Body | None = None
+    expansion: str | None = None
+
+
+class Enclosure(Model):
+    """A partial chart inside an enclosing step (IEC 60848:2013, 7.3), and its steps with an activation link."""
+
+    chart: str
+    activated_steps: list[str] = Field(default_factory=list)
+
+
+class Step(Element):
+    """A step.
+
+    `name` is its identifier in programs, `number` its number where the tool has one. Times are literals or
+    expressions: `min_time` and `max_time` of CODESYS, `max_time` and `warning_time` of S7-GRAPH. `entry_action`,
+    `main_action` and `exit_action` are the CODESYS step actions: the name of an action of the POU or of an instance
+    (``Motor.ACT_Stop``), or a body in place. `negated`: the output to its action blocks is inverted (TC6).
+    """
+
+    id: ElementId
+    name: str
+    number: int | None = None
+    title: Text | None = None
+    initial: bool = False
+    actions: list[ActionAssociation] = Field(default_factory=list)
+    entry_action: str | Body | None = None
+    main_action: str | Body | None = None
+    exit_action: str | Body | None = None
+    min_time: str | None = None
+    max_time: str | None = None
+    warning_time: str | None = None
+    interlock: Supervised | None = None
+    supervision: Supervised | None = None
+    macro: Macro | None = None
+    encloses: list[Enclosure] | None = None
+    negated: bool = False
+    exclude: bool | None = None
+    symbol: SymbolAccess | None = None
+    duplicate: bool | None = None
+
+
+class Supervised(Model):
+    """The interlock or the supervision of an S7-GRAPH step: a condition, its title and the text of its alarm."""
+
+    condition: Condition | None = None
+    title: Text | None = None
+    alarm: Text | None = None
+
+
+class Transition(Element):
+    """A transition from all of `sources` to all of `targets` (ids of steps).
+
+    Rivals, transitions that share a source, are tried in the order of `priority` (1 before 2), those without one after
+    them in the order in which they stand in `SfcNetwork.transitions` (left to right). No condition: the file has none.
+    """
+
+    id: ElementId
+    name: str = ""
+    number: int | None = None
+    title: Text | None = None
+    sources: list[ElementId] = Field(default_factory=list)
+    targets: list[ElementId] = Field(default_factory=list)
+    condition: Condition | None = None
+    priority: int | None = None
+    exclude: bool | None = None
+    symbol: SymbolAccess | None = None
+    duplicate: bool | None = None
+    monitoring: Monitoring | None = None
+
+
+class SfcFlag(StrEnum):
+    """The implicit variables that control and report on a chart (CODESYS V3 "SFC flags")."""
+
+    ENABLE_LIMIT = "EnableLimit"
+    INIT = "Init"
+    RESET = "Reset"
+    QUIT_ERROR = "QuitError"
+    PAUSE = "Pause"
+    ERROR = "Error"
+    TRANS = "Trans"
+    ERROR_STEP = "ErrorStep"
+    ERROR_POU = "ErrorPOU"
+    CURRENT_STEP = "CurrentStep"
+    CURRENT_STEPS = "CurrentSteps"
+    META_STEPS = "MetaSteps"
+    TIP = "Tip"
+    TIP_MODE = "TipMode"
+    MAX_FLAGS = "MaxFlags"
+    ERROR_ANALYZATION = "SFCErrorAnalyzation"
+    ERROR_ANALYZATION_TABLE = "SFCErrorAnalyzationTable"
+
+    @property
+    def variable(self) -> str:
+        """The name of the variable in programs: ``SFCInit``."""
+        return self.value if self.value.startswith("SFC") else f"SFC{self.value}"
+
+
+class FlagUse(Model):
+    """`use`: the chart obeys or sets the flag. `declare`: the tool declares its variable."""
+
+    use: bool = False
+    declare: bool = True
+
+
+class RuntimeLibrary(Model):
+    """The library that executes charts (CODESYS ``IecSfc``)."""
+
+    title: str = ""
+    company: str = ""
+    version: str = ""
+    namespace: str = ""
+
+
+class SfcSettings(Model):
+    """The SFC settings of a POU or action (CODESYS V3.5 SP8 on)."""
+
+    flags: dict[SfcFlag, FlagUse] = Field(default_factory=dict)
+    other_flags: dict[str, FlagUse] = Field(default_factory=dict)
+    library: RuntimeLibrary | None = None
+    active_transitions_only: bool | None = None
+    use_defaults: bool | None = None
+
+
+class PermanentOperation(Element):
+    """A network or call that S7-GRAPH executes in every cycle, before or after the sequences."""
+
+    title: Text | None = None
+    body: Body | None = None
+
+
+class Sequence(Element):
+    """A sequence of an S7-GRAPH block (up to 8): the steps that belong to it."""
+
+    title: Text | None = None
+    steps: list[ElementId] = Field(default_factory=list)
+
+
+class AlarmCategory(Model):
+    """An alarm category of an S7-GRAPH block: `name` as in the file, its id, display class and text."""
+
+    name: str
+    id: int
+    display_class: int | None = None
+    text: str | None = None
+
+
+class GraphSettings(Model):
+    """Block settings of S7-GRAPH (block attributes of TIA Openness). None: not stated."""
+
+    version: str | None = None
+    acknowledge_errors_required: bool | None = None
+    lock_operating_mode: bool | None = None
+    permanent_interlock_processing_in_manual_mode: bool | None = None
+    skip_steps: bool | None = None
+    with_alarm_handling: bool | None = None
+    initial_values_acquisition: str | None = None
+    network_language: str | None = None
+    alarm_categories: list[AlarmCategory] = Field(default_factory=list)
+
+
+class PartialChartKind(StrEnum):
+    """The role of a partial chart (IEC 60848:2013, 7)."""
+
+    GLOBAL = "global"
+    EXPANSION = "expansion"
+    ENCLOSED = "enclosed"
+
+
+class PartialChart(Element):
+    """A partial chart of a GRAFCET. An expansion names its entry and exit step."""
+
+    name: str
+    kind: PartialChartKind = PartialChartKind.GLOBAL
+    network: SfcNetwork
+    entry_step: str | None = None
+    exit_step: str | None = None
+
+
+class SfcNetwork(Element):
+    """A chart.
+
+    `logic` are FBD and LD elements drawn in the chart, which conditions are wired to. `drawing` is how the file draws the
+    chart; None where it does not say.
+    """
+
+    steps: list[Step] = Field(default_factory=list)
+    transitions: list[Transition] = Field(default_factory=list)
+    logic: list[Node] = Field(default_factory=list)
+    settings: SfcSettings | None = None
+    graph_settings: GraphSettings | None = None
+    sequences: list[Sequence] = Field(default_factory=list)
+    permanent_pre: list[PermanentOperation] = Field(default_factory=list)
+    permanent_post: list[PermanentOperation] = Field(default_factory=list)
+    partial_charts: list[PartialChart] = Field(default_factory=list)
+    drawing: Drawing | None = None
+
+    def step(self, key: str | int) -> Step:
+        """The step with this name (case does not matter, as in IEC 61131-3) or id. Raises `ModelError`."""
+        for step in self.steps:
+            if step.id == key or (isinstance(key, str) and step.name.casefold() == key.casefold()):
+                return step
+        names = ", ".join(step.name for step in self.steps[:12]) + (" .." if len(self.steps) > 12 else "")
+        raise ModelError(f"this chart has no step {key!r}", hint=f"Its steps are: {names}" if names else "It has none.")
+
+    def transition(self, key: int | str) -> Transition:
+        """The transition with this id or name. Raises `ModelError`."""
+        for transition in self.transitions:
+            if transition.id == key or (key != "" and transition.name == key):
+                return transition
+        raise ModelError(f"this chart has no transition {key!r}")
+
+    @property
+    def initial_steps(self) -> list[Step]:
+        """The steps that are active at the start. IEC 61131-3 wants exactly one in each network."""
+        return [step for step in self.steps if step.initial]
+
+    def outgoing(self, step: Step) -> list[Transition]:
+        """The transitions that leave `step`, in the order in which they are tried."""
+        leaving = [t for t in self.transitions if step.id in t.sources]
+        return sorted(leaving, key=lambda t: (t.priority is None, t.priority or 0))
+
+    def incoming(self, step: Step) -> list[Transition]:
+        """The transitions that lead to `step`."""
+        return [t for t in self.transitions if step.id in t.targets]
+
+    def associations(self) -> Iterator[tuple[Step, ActionAssociation]]:
+        """Every action association with its step."""
+        for step in self.steps:
+            for association in step.actions:
+                yield step, association
+
+    def new_id(self) -> int:
+        """An id that nothing in this chart or its drawing has."""
+        used = [s.id for s in self.steps] + [t.id for t in self.transitions] + [n.id for n in self.logic]
+        used += [a.id for _, a in self.associations()]
+        if self.drawing is not None:
+            used += [s.id for s in self.drawing.symbols]
+            used += [e.local_id or 0 for s in self.drawing.symbols for e in s.entries or ()]
+        return max(used, default=-1) + 1
+
+    def add_step(self, name: str, *, initial: bool = False) -> Step:
+        """Append a step. Raises `ModelError` where the name is taken."""
+        self._claim(name)
+        step = Step(id=self.new_id(), name=name, initial=initial)
+        self.steps.append(step)
+        return step
+
+    def add_transition(
+        self,
+        sources: Step | list[Step],
+        targets: Step | list[Step],
+        condition: Condition | str | None = None,
+        *,
+        priority: int | None = None,
+    ) -> Transition:
+        """Append a transition from all `sources` to all `targets`."""
+        transition = Transition.model_validate(
+            {
+                "id": self.new_id(),
+                "sources": [s.id for s in (sources if isinstance(sources, list) else [sources])],
+                "targets": [s.id for s in (targets if isinstance(targets, list) else [targets])],
+                "condition": condition,
+                "priority": priority,
+            }
+        )
+        self.transitions.append(transition)
+        return transition
+
+    def rename_step(self, old: str, new: str) -> Step:
+        """Give a step another name. Transitions and jumps follow, since they refer to the step and not to its name.
+
+        Raises `ModelError` where there is no such step or the name is taken.
+        """
+        step = self.step(old)
+        if new.casefold() != step.name.casefold():
+            self._claim(new)
+        step.name = new
+        return step
+
+    def _claim(self, name: str) -> None:
+        if any(step.name.casefold() == name.casefold() for step in self.steps):
+            raise ModelError(f"this chart has a step {name!r} already", location=Location(path=f"step {name}"))

@@ -1,0 +1,37 @@
+"""Texts for people: comments and titles."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+
+class MarkupText(BaseModel):
+    """A text with markup (XHTML in PLCopen XML). `text` is what a person reads, `markup` how the file writes it."""
+
+    model_config = ConfigDict(extra="forbid", validate_assignment=True)
+
+    text: str
+    markup: str
+
+
+class MultilingualText(BaseModel):
+    """A text in several languages: `texts` maps a language tag (``de-DE``) to the text in it."""
+
+    model_config = ConfigDict(extra="forbid", validate_assignment=True)
+
+    texts: dict[str, str]
+
+
+Text = str | MarkupText | MultilingualText
+"""A comment or title: plain, with markup, or in several languages."""
+
+
+def plain(text: Text | None, language: str = "") -> str:
+    """What a person reads of `text`; of a multilingual one the text in `language`, else the first."""
+    if text is None:
+        return ""
+    if isinstance(text, str):
+        return text
+    if isinstance(text, MarkupText):
+        return text.text
+    return text.texts.get(language) or next(iter(text.texts.values()), "")

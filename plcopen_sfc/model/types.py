@@ -1,0 +1,220 @@
+"""IEC 61131-3 data types and initial values."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from plcopen_sfc.model.base import Carried, Element, Model
+
+
+class Elementary(StrEnum):
+    """Elementary and generic types by their IEC 61131-3 names (ed. 3, tables 10 and 9)."""
+
+    BOOL = "BOOL"
+    BYTE = "BYTE"
+    WORD = "WORD"
+    DWORD = "DWORD"
+    LWORD = "LWORD"
+    SINT = "SINT"
+    INT = "INT"
+    DINT = "DINT"
+    LINT = "LINT"
+    USINT = "USINT"
+    UINT = "UINT"
+    UDINT = "UDINT"
+    ULINT = "ULINT"
+    REAL = "REAL"
+    LREAL = "LREAL"
+    TIME = "TIME"
+    LTIME = "LTIME"
+    DATE = "DATE"
+    LDATE = "LDATE"
+    TOD = "TOD"
+    LTOD = "LTOD"
+    DT = "DT"
+    LDT = "LDT"
+    CHAR = "CHAR"
+    WCHAR = "WCHAR"
+    ANY = "ANY"
+    ANY_DERIVED = "ANY_DERIVED"
+    ANY_ELEMENTARY = "ANY_ELEMENTARY"
+    ANY_MAGNITUDE = "ANY_MAGNITUDE"
+    ANY_NUM = "ANY_NUM"
+    ANY_REAL = "ANY_REAL"
+    ANY_INT = "ANY_INT"
+    ANY_BIT = "ANY_BIT"
+    ANY_STRING = "ANY_STRING"
+    ANY_DATE = "ANY_DATE"
+
+
+class ElementaryType(Model):
+    """An elementary type such as ``BOOL``."""
+
+    kind: Literal["elementary"] = "elementary"
+    name: Elementary
+
+
+class StringType(Model):
+    """``STRING`` or ``WSTRING``. `length` is a literal or the name of a constant, None where the tool's default holds."""
+
+    kind: Literal["string"] = "string"
+    wide: bool = False
+    length: str | None = None
+
+
+class DerivedType(Model):
+    """A user type, a function block or a type this model does not list, by name."""
+
+    kind: Literal["derived"] = "derived"
+    name: str
+    carried: Carried | None = None
+
+
+class Dimension(Model):
+    """One dimension of an array or the bounds of a subrange: literals or constant names, both ends included."""
+
+    lower: str
+    upper: str
+
+
+class ArrayType(Model):
+    """``ARRAY [..] OF base``."""
+
+    kind: Literal["array"] = "array"
+    dimensions: list[Dimension]
+    base: DataType
+
+
+class StructType(Model):
+    """``STRUCT`` with its members."""
+
+    kind: Literal["struct"] = "struct"
+    members: list[Variable] = Field(default_factory=list)
+    comment: str | None = None
+    carried: Carried | None = None
+
+
+class EnumValue(Model):
+    """One name of an enumeration, with its value where the file states one."""
+
+    name: str
+    value: str | None = None
+
+
+class EnumType(Model):
+    """An enumeration."""
+
+    kind: Literal["enum"] = "enum"
+    values: list[EnumValue] = Field(default_factory=list)
+    base: DataType | None = None
+
+
+class SubrangeType(Model):
+    """A subrange of an integer type."""
+
+    kind: Literal["subrange"] = "subrange"
+    bounds: Dimension
+    base: DataType
+    unsigned: bool = False
+
+
+class PointerType(Model):
+    """A pointer (CODESYS ``POINTER TO``) or, with `reference`, an IEC ``REF_TO``."""
+
+    kind: Literal["pointer"] = "pointer"
+    base: DataType
+    reference: bool = False
+
+
+def _named_type(value: Any) -> Any:
+    """Let people write ``type="BOOL"`` or ``type="MyStruct"``."""
+    if not isinstance(value, str):
+        return value
+    upper = value.upper()
+    if upper in Elementary.__members__:
+        return {"kind": "elementary", "name": upper}
+    if upper in ("STRING", "WSTRING"):
+        return {"kind": "string", "wide": upper == "WSTRING"}
+    return {"kind": "derived", "name": value}
+
+
+DataType = Annotated[
+    Annotated[
+        ElementaryType | StringType | DerivedType | ArrayType | StructType | EnumType | SubrangeType | PointerType,
+        Field(discriminator="kind"),
+    ],
+    BeforeValidator(_named_type),
+]
+"""Any data type. In Python a plain name is accepted for an elementary or a user type: ``Variable(type="BOOL")``."""
+
+
+class SimpleValue(Model):
+    """One literal or expression. None: the file has the place for a value but no value in it."""
+
+    kind: Literal["simple"] = "simple"
+    text: str | None = None
+
+
+class RepeatedValue(Model):
+    """A value of an array initialisation and how often it stands there (``3(0)``)."""
+
+    value: Value
+    repetitions: str | None = None
+
+
+class ArrayValue(Model):
+    """``[1, 2, 3(0)]``."""
+
+    kind: Literal["array"] = "array"
+    items: list[RepeatedValue] = Field(default_factory=list)
+
+
+class MemberValue(Model):
+    """``member := value``."""
+
+    member: str
+    value: Value
+
+
+class StructValue(Model):
+    """``(a := 1, b := 2)``."""
+
+    kind: Literal["struct"] = "struct"
+    members: list[MemberValue] = Field(default_factory=list)
+
+
+def _literal(value: Any) -> Any:
+    return {"kind": "simple", "text": value} if isinstance(value, str) else value
+
+
+Value = Annotated[
+    Annotated[SimpleValue | ArrayValue | StructValue, Field(discriminator="kind")],
+    BeforeValidator(_literal),
+]
+"""An initial value. In Python a plain string is accepted for a literal: ``Variable(initial="T#5s")``."""
+
+
+class Variable(Element):
+    """A declared variable or a member of a structure."""
+
+    name: str
+    type: DataType
+    address: str | None = None
+    initial: Value | None = None
+
+
+class DataTypeDeclaration(Element):
+    """``TYPE name : type := initial; END_TYPE``.
+
+    `place` says where the declaration stands, as `Pou.place` does.
+    """
+
+    name: str
+    type: DataType
+    initial: Value | None = None
+    place: str = ""
+    declaration: str | None = None
+    object_id: str | None = None

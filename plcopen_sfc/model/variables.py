@@ -1,0 +1,97 @@
+"""Declarations: the sections of an interface and lists of global variables."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from pydantic import Field
+
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.types import DataType, Value, Variable
+
+
+class SectionKind(StrEnum):
+    """The variable sections of IEC 61131-3 (ed. 3, table 13), and those that TIA adds."""
+
+    LOCAL = "local"
+    TEMP = "temp"
+    INPUT = "input"
+    OUTPUT = "output"
+    IN_OUT = "inOut"
+    EXTERNAL = "external"
+    GLOBAL = "global"
+    ACCESS = "access"
+    CONSTANT = "constant"
+    RETURN = "return"
+
+
+class VariableSection(Element):
+    """Variables that share a section and its memory attributes (``VAR_INPUT RETAIN .. END_VAR``).
+
+    A list of global variables is a section too; it may have a name, the text as declared (`declaration`, CODESYS) and a
+    CODESYS object id. `place` is as in `Pou.place`.
+    """
+
+    kind: SectionKind = SectionKind.LOCAL
+    name: str | None = None
+    constant: bool = False
+    retain: bool = False
+    nonretain: bool = False
+    persistent: bool = False
+    nonpersistent: bool = False
+    variables: list[Variable] = Field(default_factory=list)
+    declaration: str | None = None
+    object_id: str | None = None
+
+
+class Interface(Element):
+    """What a POU declares.
+
+    `declaration` is the text as it was typed, where the file has it (CODESYS "interface as plain text"): the only form
+    that keeps pragmas and comments between the variables.
+    """
+
+    return_type: DataType | None = None
+    sections: list[VariableSection] = Field(default_factory=list)
+    declaration: str | None = None
+
+    def variables(self, kind: SectionKind | None = None) -> list[Variable]:
+        """All variables, or those of one kind of section, in the order of their declaration."""
+        return [v for s in self.sections if kind is None or s.kind is kind for v in s.variables]
+
+
+class AccessDirection(StrEnum):
+    """``READ_ONLY`` or ``READ_WRITE`` of an access path."""
+
+    READ_ONLY = "readOnly"
+    READ_WRITE = "readWrite"
+
+
+class AccessVariable(Element):
+    """An access path of ``VAR_ACCESS``: the name `alias` that a communication partner sees."""
+
+    alias: str
+    path: str
+    type: DataType
+    direction: AccessDirection | None = None
+
+
+class ConfigVariable(Element):
+    """An entry of ``VAR_CONFIG``: a located or initialised variable of an instance."""
+
+    path: str
+    type: DataType
+    address: str | None = None
+    initial: Value | None = None
+
+
+class AccessSection(Element):
+    """``VAR_ACCESS`` of a configuration."""
+
+    variables: list[AccessVariable] = Field(default_factory=list)
+
+
+class ConfigSection(Element):
+    """``VAR_CONFIG`` of a configuration."""
+
+    variables: list[ConfigVariable] = Field(default_factory=list)
