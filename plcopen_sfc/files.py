@@ -1,0 +1,131 @@
+"""Reading and writing whole files: a clear error when it fails, and never half a file.
+
+`write_atomic` writes a temporary file next to the target and renames it over the target when every byte is on the
+disk. Whoever is interrupted in between (power, a full disk, Ctrl-C, a killed process) still has the old file whole.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from plcopen_sfc.errors import FileAccessError, Location
+
+__all__ = ["read_bytes", "write_atomic"]
+
+_READ_REASONS = {
+    errno.ENOENT: ("the file does not exist", "Check the path and the working folder."),
+    errno.ENOTDIR: ("the file does not exist: a part of its path is not a folder", "Check the path."),
+    errno.EISDIR: ("this is a folder, not a file", "Name a file inside it."),
+    errno.EACCES: ("no right to read the file", "Check the file's permissions and whether another program locks it."),
+    errno.EPERM: ("no right to read the file", "Check the file's permissions and whether another program locks it."),
+    errno.ENAMETOOLONG: ("the path is too long for this system", "Use a shorter path."),
+    errno.ELOOP: ("the path is a symbolic link that leads back to itself", "Repair the link."),
+}
+_WRITE_REASONS = _READ_REASONS | {
+    errno.ENOENT: ("the folder to write into does not exist", "Create it first, or check the path."),
+    errno.EISDIR: ("the target is a folder, not a file", "Name a file inside it."),
+    errno.EACCES: ("no right to write here", "Check the permissions of file and folder, and who has the file open."),
+    errno.EPERM: ("no right to write here", "Check the permissions of file and folder, and who has the file open."),
+    errno.EROFS: ("the file system is read-only", "Write to another place."),
+    errno.ENOSPC: ("the disk is full", "Free some space; the old file is untouched."),
+    errno.EDQUOT: ("the disk quota is used up", "Free some space; the old file is untouched."),
+    errno.EFBIG: ("the file would become larger than the system allows", "The old file is untouched."),
+}
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """All bytes of the file at `path`.
+
+    Raises `FileAccessError` where the file is missing, a folder, not readable, or disappears meanwhile.
+    """
+    try:
+        if Path(path).is_dir():  # Windows reports "no rights" for a folder
+            raise IsADirectoryError(errno.EISDIR, "is a directory")
+        return Path(path).read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a path with a NUL character
+        raise _failure(path, error, _READ_REASONS, "cannot be read") from error
+
+
+def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
+    """Replace the file at `path` by `data`, or leave it exactly as it is.
+
+    Symbolic links are followed, so the link stays a link; the permissions of an existing file are kept. Raises
+    `FileAccessError`; on any other interruption (`KeyboardInterrupt` too) the temporary file is removed.
+    """
+    try:
+        target = Path(os.path.realpath(path))
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "is a directory")
+        _replace(target, data)
+    except (OSError, ValueError) as error:
+        raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
+
+
+def _replace(target: Path, data: bytes) -> None:
+    mode = _mode_of(target)
+    # The name is cut: the target's own name may already be as long as the file system allows.
+    handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".tmp", dir=target.parent)
+    try:
+        try:
+            _write_all(handle, data)
+            if hasattr(os, "fchmod"):
+                os.fchmod(handle, mode)
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+        Path(temporary).replace(target)
+    except BaseException:
+        with suppress(OSError):
+            Path(temporary).unlink()
+        raise
+    _sync_folder(target.parent)
+
+
+def _mode_of(target: Path) -> int:
+    """Permissions for the new file: those of the old one, or what a plain `open` would have given.
+
+    A file that may not be written is refused: the rename would overwrite it all the same.
+    """
+    try:
+        mode = stat.S_IMODE(target.stat().st_mode)
+    except FileNotFoundError:
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask
+    if not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, "not writable")
+    return mode
+
+
+def _write_all(handle: int, data: bytes) -> None:
+    view = memoryview(data)
+    while view:
+        view = view[os.write(handle, view) :]
+
+
+def _sync_folder(folder: Path) -> None:
+    """Put the rename itself on the disk, where the system can do that (not on Windows)."""
+    if os.name == "nt":
+        return
+    with suppress(OSError):  # the data is safe already; some network file systems refuse this
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _failure(
+    path: str | os.PathLike[str], error: OSError | ValueError, reasons: dict[int, tuple[str, str]], verb: str
+) -> FileAccessError:
+    number = error.errno if isinstance(error, OSError) else None
+    detail = (error.strerror or str(error)) if isinstance(error, OSError) else str(error)
+    message, hint = reasons.get(number or 0, (f"the file {verb}: {detail}", ""))
+    failure = FileAccessError(message, location=Location(file=os.fspath(path)), hint=hint)
+    failure.errno = number
+    return failure

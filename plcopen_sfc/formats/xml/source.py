@@ -1,0 +1,308 @@
+"""From bytes to a tree, safely: encodings, and the XML parser with its limits.
+
+PLC projects come from everywhere, so a file is untrusted input. Three things make reading it safe and still as fast as
+libxml2 itself:
+
+* Entities and external identifiers stand in the document type declaration, which stands before the root element. Only
+  those few bytes are looked at; a file that declares any is refused before the parser sees it.
+* libxml2 parses with its own limits on (nesting of 256, ten million characters in one text). Only a file that breaks
+  the text limit is parsed a second time without limits, after a count of its nesting.
+* What is not UTF-8 is decoded by Python and given to the parser as UTF-8, so that both see the same characters. UTF-8
+  (nearly all files) goes to the parser as it is.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from dataclasses import dataclass
+from xml.parsers import expat
+
+from lxml import etree
+
+from plcopen_sfc.errors import EncodingError, FormatError, Location, UnsafeXmlError, XmlSyntaxError
+from plcopen_sfc.formats.xml.diagnosis import explain_syntax_error, not_xml
+
+__all__ = ["MAX_DEPTH", "Encoding", "SourceLines", "decode", "detect_encoding", "parse"]
+
+MAX_DEPTH = 256
+"""Deepest nesting accepted: libxml2's own limit. Real exports stay below 50; recursive readers need some bound."""
+
+_BOMS = (
+    (codecs.BOM_UTF32_LE, "utf-32-le"),  # before UTF-16: its mark begins like theirs
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+_UNMARKED = (
+    (b"<\0\0\0", "utf-32-le"),
+    (b"\0\0\0<", "utf-32-be"),
+    (b"<\0", "utf-16-le"),
+    (b"\0<", "utf-16-be"),
+)
+_DECLARATION = re.compile(r"""<\?xml\s[^>]*?\sencoding\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+# Python codecs that are no character sets of files, or decode in quadratic time.
+_NO_CHARSETS = frozenset({"utf-7", "idna", "punycode", "unicode_escape", "raw_unicode_escape", "undefined"})
+_DECLARATION_LIMIT = 1024
+_WIDE = re.compile("utf-(?:16|32)|ucs-?[24]", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Encoding:
+    """How the characters of a file are stored: Python's codec, the byte order mark, and what the file declares."""
+
+    codec: str
+    bom: bytes = b""
+    declared: str | None = None
+
+    def encode(self, text: str) -> bytes:
+        """`text` as bytes of the file, byte order mark included; raises `UnicodeEncodeError`."""
+        return self.bom + text.encode(self.codec)
+
+
+def detect_encoding(data: bytes, *, file: str | None = None) -> Encoding:
+    """The encoding of an XML file, from its byte order mark, its first bytes and its XML declaration.
+
+    Raises `EncodingError` where the three contradict each other or the declared encoding is unknown.
+    """
+    bom, codec = next(((mark, name) for mark, name in _BOMS if data.startswith(mark)), (b"", ""))
+    if not codec:
+        codec = next((name for start, name in _UNMARKED if data.startswith(start)), "")
+    head = data[len(bom) : len(bom) + _DECLARATION_LIMIT].decode(codec or "latin-1", "replace")
+    found = _DECLARATION.match(head)
+    declared = (found[1] if found[1] is not None else found[2]) if found else None
+    if declared is None:
+        return Encoding(codec or "utf-8", bom)
+    named = _codec_of(declared, file)
+    if codec:
+        _check_mark(codec, named, declared, bom, file)
+        return Encoding(codec, bom, declared)
+    if _WIDE.match(named):
+        raise EncodingError(
+            f'the file declares encoding="{declared}", but its bytes are not {declared.upper()}',
+            location=Location(file, 1, 1),
+            hint="Its first bytes are those of an 8-bit encoding: most likely the declaration should say utf-8.",
+        )
+    return Encoding(named, bom, declared)
+
+
+def _codec_of(declared: str, file: str | None) -> str:
+    try:
+        codec = codecs.lookup(declared).name
+        "".encode(codec)  # refuses codecs that do not turn text into bytes, such as base64
+    except (LookupError, ValueError):
+        codec = "undefined"
+    if codec in _NO_CHARSETS:
+        raise EncodingError(
+            f'the file declares encoding="{declared}", which is not known',
+            location=Location(file, 1, 1),
+            hint="Save the file as UTF-8.",
+        )
+    return codec
+
+
+def _check_mark(codec: str, named: str, declared: str, bom: bytes, file: str | None) -> None:
+    """The byte order mark and the declaration must not contradict each other in the width of the characters."""
+    if named == codec or codec.startswith(named):
+        return
+    what = "byte order mark" if bom else "bytes"
+    raise EncodingError(
+        f'the file declares encoding="{declared}", but its {what} say {codec.upper()}',
+        location=Location(file, 1, 1),
+        hint=f'Change the declaration to encoding="{codec.removesuffix("-le").removesuffix("-be")}".',
+    )
+
+
+def decode(data: bytes, *, file: str | None = None) -> tuple[str, Encoding]:
+    """The characters of an XML file (without byte order mark, line ends as they are) and its encoding.
+
+    Raises `EncodingError`, with the byte offset, where the bytes are not in the encoding of the file.
+    """
+    encoding = detect_encoding(data, file=file)
+    try:
+        return str(memoryview(data)[len(encoding.bom) :], encoding.codec), encoding
+    except UnicodeDecodeError as error:
+        raise _wrong_bytes(data, encoding, error, file) from error
+
+
+def _wrong_bytes(data: bytes, encoding: Encoding, error: UnicodeDecodeError, file: str | None) -> EncodingError:
+    offset = error.start + len(encoding.bom)
+    before = data[len(encoding.bom) : offset].decode(encoding.codec, "replace")
+    line = before.count("\n") + 1
+    column = len(before) - before.rfind("\n")
+    source = f'declares encoding="{encoding.declared}"' if encoding.declared else f"is read as {encoding.codec.upper()}"
+    wrong = data[offset : offset + max(1, error.end - error.start)].hex(" ")
+    hint = "Save the file anew in the encoding that it declares."
+    if encoding.codec in {"utf-8", "ascii"}:
+        hint = "Most likely the file is in a Windows code page: declare that (windows-1252), or save it as UTF-8."
+    return EncodingError(
+        f"the file {source}, but at byte offset {offset} ({wrong}) it is not: {error.reason}",
+        location=Location(file, line, column),
+        hint=hint,
+    )
+
+
+def parse(data: bytes, *, file: str | None = None) -> etree._Element:
+    """The root element of an XML file.
+
+    Line numbers are in `sourceline`, which libxml2 keeps exactly up to line 65534; use `SourceLines` for longer files.
+    Comments, processing instructions and CDATA marks are kept.
+
+    Raises `EncodingError`, `UnsafeXmlError`, or `XmlSyntaxError` for what is not well-formed, or not XML at all.
+    """
+    if problem := not_xml(data):
+        raise XmlSyntaxError(problem.message, location=Location(file, 1, 1), hint=problem.hint)
+    encoding = detect_encoding(data, file=file)
+    plain = data
+    if encoding.codec != "utf-8":
+        text, _ = decode(data, file=file)
+        plain = text.encode("utf-8", "surrogatepass")
+    _refuse_entities(plain, file)
+    try:
+        root = etree.fromstring(plain, _parser())
+    except etree.XMLSyntaxError as error:
+        root = _second_try(data, plain, error, file)
+    _refuse_declared_entities(root, file)
+    return root
+
+
+def _parser(*, huge: bool = False) -> etree.XMLParser:
+    # The encoding is given: what a declaration says was checked, and here everything is UTF-8.
+    return etree.XMLParser(
+        encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, strip_cdata=False, huge_tree=huge
+    )
+
+
+def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: str | None) -> etree._Element:
+    """Parse once more without libxml2's size limits where one of them was the reason; otherwise explain the error."""
+    if "depth" in (error.msg or "").lower():
+        raise _too_deep(file, error.lineno)
+    decode(data, file=file)  # wrong bytes are a clearer answer than what the parser says about them
+    if len(plain) > 10_000_000:
+        _check_depth(plain, file)
+        try:
+            return etree.fromstring(plain, _parser(huge=True))
+        except etree.XMLSyntaxError as second:
+            error = second
+    raise explain_syntax_error(plain, error, file) from error
+
+
+def _too_deep(file: str | None, line: int | None) -> UnsafeXmlError:
+    return UnsafeXmlError(
+        f"elements are nested deeper than {MAX_DEPTH} levels",
+        location=Location(file, line),
+        hint="No PLC tool writes such a file; it is damaged or made to exhaust the reader.",
+    )
+
+
+def _check_depth(plain: bytes, file: str | None) -> None:
+    """Refuse nesting beyond `MAX_DEPTH`, without building anything. Syntax errors are left to the real parser."""
+    depth = 0
+    counter = expat.ParserCreate("utf-8")
+
+    def start(_name: str, _attributes: object) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MAX_DEPTH:
+            raise _too_deep(file, counter.CurrentLineNumber)
+
+    def end(_name: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    counter.StartElementHandler = start
+    counter.EndElementHandler = end
+    try:
+        counter.Parse(plain, True)
+    except expat.ExpatError:
+        return
+
+
+_PROLOG = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s++|<\?.*?\?>|<!--.*?-->)*+(?:(<!DOCTYPE)|)", re.DOTALL)
+_DOCTYPE_PART = re.compile(rb"""<!--.*?-->|<\?.*?\?>|"[^"]*"|'[^']*'|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""", re.DOTALL)
+
+
+def _refuse_entities(plain: bytes, file: str | None) -> None:
+    """Refuse a document type declaration that declares entities or points outside the file."""
+    prolog = _PROLOG.match(plain)
+    if prolog is None or prolog[1] is None:
+        return
+    line = plain.count(b"\n", 0, prolog.start(1)) + 1
+    inside = False
+    for part in _DOCTYPE_PART.finditer(plain, prolog.end()):
+        token = part[0]
+        if token in {b"SYSTEM", b"PUBLIC"}:
+            raise _unsafe("points to another file (SYSTEM or PUBLIC)", file, line)
+        if token in {b"<!ENTITY", b"%"}:
+            raise _unsafe("declares entities", file, line)
+        if token == b"[":
+            inside = True
+        elif token == b"]":
+            inside = False
+        elif token == b">" and not inside:
+            return
+
+
+def _refuse_declared_entities(root: etree._Element, file: str | None) -> None:
+    """The same check on what the parser saw: holds even if the look at the bytes missed something."""
+    dtd = root.getroottree().docinfo.internalDTD
+    if dtd is not None and (dtd.system_url or dtd.external_id or any(True for _ in dtd.iterentities())):
+        raise _unsafe("declares entities or points to another file", file, 1)
+
+
+def _unsafe(what: str, file: str | None, line: int) -> FormatError:
+    return UnsafeXmlError(
+        f"the document type declaration (<!DOCTYPE) {what}",
+        location=Location(file, line),
+        hint="No PLC tool writes that. Remove the declaration if you trust the file.",
+    )
+
+
+_TAGS = re.compile(
+    rb"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<!DOCTYPE(?:[^\[>"']|"[^"]*"|'[^']*'|\[.*?\]\s*(?=>))*>"""
+    rb"""|</[^>]*>|(<)[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>""",
+    re.DOTALL,
+)
+_LAST_EXACT_LINE = 65534
+
+
+class SourceLines:
+    """Line numbers of elements, right in files of any length.
+
+    libxml2 keeps 16 bits a node; beyond that `sourceline` is guessed from neighbours and is off by a few lines. Up to
+    there this asks `sourceline`; beyond, it counts once through the file. Like `sourceline`, the line is the one on
+    which the start tag ends. The object keeps the tree alive: hold it while reading only.
+    """
+
+    def __init__(self, root: etree._Element, data: bytes) -> None:
+        self._root = root
+        self._data: bytes | None = data
+        self._table: dict[etree._Element, int] = {}
+
+    def line(self, element: etree._Element) -> int | None:
+        """The line of `element`, counting from 1; None for an element that was not read from a file."""
+        line = element.sourceline
+        if line is None or line <= _LAST_EXACT_LINE:
+            return line
+        if self._data is not None:
+            self._fill(self._data)
+            self._data = None
+        return self._table.get(element, line)
+
+    def _fill(self, data: bytes) -> None:
+        text, encoding = decode(data)
+        plain = data[len(encoding.bom) :] if encoding.codec == "utf-8" else text.encode("utf-8")
+        elements = self._root.iter(etree.Element)
+        line, counted = 1, 0
+        for tag in _TAGS.finditer(plain):
+            if tag[1] is None:
+                continue
+            end = tag.end()
+            line += plain.count(b"\n", counted, end)
+            counted = end
+            element = next(elements, None)
+            if element is None:
+                break
+            if line > _LAST_EXACT_LINE:
+                self._table[element] = line
