@@ -1,17 +1,19 @@
 """Why a file is not well-formed XML, in words that help.
 
-libxml2 says "Premature end of data in tag x line 3" or "Start tag expected, '<' not found". Here the same file is looked
-at once more, slowly and only after a failure: is it XML at all, does it break off, are two tags crossed?
+libxml2 says "Premature end of data in tag x line 3" or "Start tag expected, '<' not found". Here the same file is
+looked at once more, slowly and only after a failure: is it XML at all, does it break off, are two tags crossed?
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-
-from lxml import etree
+from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, XmlSyntaxError
+
+if TYPE_CHECKING:
+    from lxml import etree
 
 __all__ = ["Problem", "explain_syntax_error", "not_xml"]
 

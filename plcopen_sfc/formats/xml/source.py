@@ -16,6 +16,7 @@ from __future__ import annotations
 import codecs
 import re
 from dataclasses import dataclass
+from typing import Any, cast
 from xml.parsers import expat
 
 from lxml import etree
@@ -220,7 +221,9 @@ def _check_depth(plain: bytes, file: str | None) -> None:
 
 
 _PROLOG = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s++|<\?.*?\?>|<!--.*?-->)*+(?:(<!DOCTYPE)|)", re.DOTALL)
-_DOCTYPE_PART = re.compile(rb"""<!--.*?-->|<\?.*?\?>|"[^"]*"|'[^']*'|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""", re.DOTALL)
+_DOCTYPE_PART = re.compile(
+    rb"""<!--.*?-->|<\?.*?\?>|"[^"]*"|'[^']*'|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""", re.DOTALL
+)
 
 
 def _refuse_entities(plain: bytes, file: str | None) -> None:
@@ -246,7 +249,7 @@ def _refuse_entities(plain: bytes, file: str | None) -> None:
 
 def _refuse_declared_entities(root: etree._Element, file: str | None) -> None:
     """The same check on what the parser saw: holds even if the look at the bytes missed something."""
-    dtd = root.getroottree().docinfo.internalDTD
+    dtd: Any = root.getroottree().docinfo.internalDTD  # its properties are missing in lxml-stubs
     if dtd is not None and (dtd.system_url or dtd.external_id or any(True for _ in dtd.iterentities())):
         raise _unsafe("declares entities or points to another file", file, 1)
 
@@ -282,7 +285,7 @@ class SourceLines:
 
     def line(self, element: etree._Element) -> int | None:
         """The line of `element`, counting from 1; None for an element that was not read from a file."""
-        line = element.sourceline
+        line = cast("int | None", element.sourceline)
         if line is None or line <= _LAST_EXACT_LINE:
             return line
         if self._data is not None:
