@@ -371,8 +371,8 @@ def test_codesys_charts_follow_the_exporters_habits(name: str) -> None:
         for transition in sfc.findall(f"{q}transition"):
             (wire,) = transition.findall(f"{q}condition/{q}connectionPointIn/{q}connection")
             expression = by_id[wire.get("refLocalId")].findtext(f"{q}expression")
-            (shown,) = transition.xpath(f".//attribute[@guid='{NAME_GUID}']/text()")
-            assert expression == shown
+            shown = [a.text for a in transition.iter("attribute") if a.get("guid") == NAME_GUID]
+            assert shown == [expression]
 
 
 def test_pous_live_in_all_three_places() -> None:
@@ -404,8 +404,8 @@ def quirks(root: etree._Element) -> Counter[str]:
         divergences = sum(local(e).endswith("Divergence") for e in by_id.values())
         convergences = sum(local(e).endswith("Convergence") for e in by_id.values())
         found["divergence without convergence"] += divergences - convergences
-        action = sfc.getparent().getparent() if sfc.getparent() is not None else None
-        if action is not None and local(action) == "action":
+        action = next((a for a in sfc.iterancestors() if local(a) == "action"), None)
+        if action is not None:
             suffix = f"_{action.get('name')}"
             found["suffixed step name"] += sum(str(s.get("name")).endswith(suffix) for s in sfc.findall(f"{q}step"))
         for attribute in sfc.iter("attribute"):
