@@ -67,16 +67,20 @@ class Storage(StrEnum):
 
 
 class NodeBase(Element):
-    """An element of a network. `position` is that of its top left corner."""
+    """An element of a network. `position` is that of its top left corner.
+
+    `local_id` is the id in the file where another element has it too.
+    """
 
     id: ElementId
+    local_id: int | None = None
     position: Point = (0, 0)
     width: float | None = None
     height: float | None = None
     execution_order: int | None = None
 
 
-class BlockVariable(Model):
+class BlockVariable(Element):
     """A parameter of a block call: an input, an output or an in-out with both pins."""
 
     name: str
@@ -86,8 +90,6 @@ class BlockVariable(Model):
     edge: Edge = Edge.NONE
     storage: Storage = Storage.NONE
     hidden: bool = False
-    comment: Text | None = None
-    carried: Carried | None = None
 
 
 class BlockParameters(Model):

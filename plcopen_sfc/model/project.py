@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model.base import Element, Model
+from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -30,6 +30,7 @@ class FileHeader(Model):
     release: str | None = None
     created: str = ""
     description: str | None = None
+    carried: Carried | None = None
 
 
 class Scaling(Model):
@@ -163,7 +164,8 @@ class Project(Element):
     """Everything a file holds.
 
     `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application exports).
-    POUs and data types are in one list each, whatever their `place` is.
+    POUs and data types are in one list each, whatever their `place` is. `content_comment` and `content_carried` belong to
+    the description of the content (TC6 ``contentHeader``).
     """
 
     name: str = ""
@@ -174,6 +176,7 @@ class Project(Element):
     author: str | None = None
     language: str | None = None
     content_comment: str | None = None
+    content_carried: Carried | None = None
     scales: DrawingScales = Field(default_factory=DrawingScales)
     foreign_data_infos: list[ForeignDataInfo] | None = None
     data_types: list[DataTypeDeclaration] = Field(default_factory=list)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.model.base import Carried, Element, Model
+from plcopen_sfc.model.text import Text
 
 
 class Elementary(StrEnum):
@@ -93,7 +94,7 @@ class StructType(Model):
 
     kind: Literal["struct"] = "struct"
     members: list[Variable] = Field(default_factory=list)
-    comment: str | None = None
+    comment: Text | None = None
     carried: Carried | None = None
 
 

@@ -1,0 +1,94 @@
+"""Writes bodies in any language, and POUs. The reader is `body_reader`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.plcopen.chart_writer import ChartWriter
+from plcopen_sfc.formats.plcopen.logic_writer import write_network
+from plcopen_sfc.formats.plcopen.types_writer import write_interface
+from plcopen_sfc.formats.plcopen.writing import WriteContext, add_markup, finish, left_over, sub, write_code
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
+from plcopen_sfc.report import Fate
+
+_WHAT = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
+_CHART = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
+
+
+def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body, attributes: dict[str, str]) -> None:
+    """Write ``body`` or ``inline`` (`name`)."""
+    if body.worksheet is not None and not ctx.version.first_generation:
+        attributes = attributes | {"WorksheetName": body.worksheet}
+    element = sub(ctx, parent, name, attributes)
+    also: dict[str, Any] = {}
+    native = frozenset({"language"}) | (frozenset() if ctx.version.first_generation else {"worksheet"})
+    if isinstance(body, StBody | IlBody):
+        write_code(ctx, sub(ctx, element, body.language), body.text, body.markup)
+        native = native | {"text", "markup"}
+    elif isinstance(body, SfcBody):
+        ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
+        native = native | {"chart"}
+        chart_left = left_over(body.chart, _CHART | ctx.dialect.native_fields.get("chart", frozenset()))
+        also = {"chart": chart_left} if chart_left else {}
+    elif isinstance(body, FbdBody | LdBody):
+        sheet = sub(ctx, element, body.language)
+        for network in body.networks:
+            write_network(ctx, sheet, network)
+        if len(body.networks) == 1 and not left_over(body.networks[0], _NETWORK):
+            native = native | {"networks"}
+    elif isinstance(body, OpaqueBody):
+        sub(ctx, element, "ST")
+        if body.source == "plcopen":
+            add_markup(element, body.content)
+    if body.language in _WHAT:
+        ctx.note(Fate.KEPT, _WHAT[body.language])
+    finish(ctx, element, body, "body", native, also=also)
+
+
+_NETWORK = frozenset({"nodes", "carried"})
+
+
+def write_part(ctx: WriteContext, parent: etree._Element, part: Action | NamedTransition, name: str) -> None:
+    """Write ``action`` or ``transition`` of a POU."""
+    element = sub(ctx, parent, name, {"name": part.name})
+    ctx.place.append(f"{name} {part.name}")
+    # the schema requires a body
+    write_body(ctx, element, "body", part.body if part.body is not None else StBody(), {})
+    ctx.note(Fate.KEPT, "action" if name == "action" else "transition object")
+    finish(ctx, element, part, name if name == "action" else "transition_object", frozenset({"name", "body"}))
+    ctx.place.pop()
+
+
+_POU_KINDS = {PouKind.PROGRAM: "program", PouKind.FUNCTION_BLOCK: "functionBlock", PouKind.FUNCTION: "function"}
+
+
+def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou, *, in_place: bool) -> None:
+    """Write ``pou``. `in_place`: it stands where its `place` says, which then need not be carried."""
+    element = sub(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
+    ctx.place.append(f"POU {pou.name}")
+    ctx.note(Fate.KEPT, "POU")
+    native = {"name", "interface", "actions", "transitions"}
+    if pou.kind in _POU_KINDS:
+        native.add("kind")
+    if in_place:
+        native.add("place")
+    if pou.interface is not None:
+        write_interface(ctx, element, pou.interface)
+    if pou.actions:
+        holder = sub(ctx, element, "actions")
+        for action in pou.actions:
+            write_part(ctx, holder, action, "action")
+    if pou.transitions:
+        holder = sub(ctx, element, "transitions")
+        for transition in pou.transitions:
+            write_part(ctx, holder, transition, "transition")
+    bodies = pou.bodies[:1] if ctx.version.first_generation else pou.bodies
+    for body in bodies:
+        write_body(ctx, element, "body", body, {})
+    if len(bodies) == len(pou.bodies):
+        native.add("bodies")
+    finish(ctx, element, pou, "pou", frozenset(native))
+    ctx.place.pop()

@@ -1,0 +1,52 @@
+"""Where TC6 XML carries what it cannot say: our own foreign data and, in 1.01, XML comments. Reading them back.
+
+``<data name="urn:plcopen-sfc:fields"><fields><field name="max_time">"T#5s"</field></fields></data>``: fields of the
+model object that belongs to the element, each as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+
+from lxml import etree
+
+from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext
+
+FIELDS_DATA = "urn:plcopen-sfc:fields"
+STEP_ACTION_DATA = "urn:plcopen-sfc:step-action"
+COMMENT_MARK = "plcopen_sfc "
+
+
+def read_fields(ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """Put our own data back into the fields of the element's object."""
+    found: Fields = {}
+    for entry in data.iterfind(f"{{{FIELDS_DATA}}}fields/{{{FIELDS_DATA}}}field"):
+        try:
+            found[entry.get("name", "")] = json.loads(entry.text or "")
+        except json.JSONDecodeError as error:
+            ctx.warn("XML208", f"carried field {entry.get('name')!r} is damaged: {error}", entry, owner)
+            return False
+    _merge(fields, found)
+    return True
+
+
+def _merge(fields: Fields, found: Fields) -> None:
+    """Add `found` to `fields`; what is a part of an object is added to that object."""
+    for name, value in found.items():
+        if isinstance(value, dict) and isinstance(fields.get(name), dict):
+            fields[name].update(value)
+        else:
+            fields[name] = value
+
+
+def read_comment(ctx: ReadContext, comment: etree._Element, fields: Fields, owner: str) -> bool:
+    """Put fields back that stand in an XML comment; False where the comment is not one of ours."""
+    text = comment.text or ""
+    if not isinstance(comment, etree._Comment) or not text.startswith(COMMENT_MARK):
+        return False
+    try:
+        _merge(fields, json.loads(text.removeprefix(COMMENT_MARK)))
+    except (ValueError, AttributeError) as error:
+        ctx.warn("XML208", f"carried fields are damaged: {error}", comment, owner)
+        return False
+    return True

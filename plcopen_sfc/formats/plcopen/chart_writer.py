@@ -1,0 +1,278 @@
+"""Writes ``SFC`` bodies. The reader is `chart_reader`.
+
+A chart that is written has a drawing that fits it; `plcopen_sfc.drawing` sees to that before a writer is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lxml import etree
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.formats.plcopen.logic_writer import geometry, write_connection, write_input, write_node, write_output
+from plcopen_sfc.formats.plcopen.writing import (
+    WriteContext,
+    add_unknown,
+    boolean,
+    finish,
+    sub,
+    write_point,
+)
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.drawing import ActionEntry, Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.report import Fate
+
+BodyWriter = Callable[[WriteContext, etree._Element, str, Body, dict[str, str]], None]
+
+_STEP = frozenset({"id", "name", "initial", "actions", "negated"})
+_TRANSITION = frozenset({"id", "sources", "targets", "condition", "priority"})
+_SYMBOL = frozenset(
+    {"id", "kind", "position", "width", "height", "inputs", "outputs", "action_output", "condition", "transitions"}
+    | {"target", "entries", "execution_order", "local_id"}
+)
+_ASSOCIATION = frozenset({"id", "target", "body", "duration", "indicator", "negated"})
+_TC6_QUALIFIERS = frozenset({"P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL"})
+
+
+class ChartWriter:
+    """Writes one chart. `write_body` writes the bodies inside it."""
+
+    def __init__(self, ctx: WriteContext, chart: SfcNetwork, write_body: BodyWriter) -> None:
+        self.ctx = ctx
+        self.chart = chart
+        self.write_body = write_body
+        self.steps = {step.id: step for step in chart.steps}
+        self.transitions = {transition.id: transition for transition in chart.transitions}
+        self.associations = {a.id: a for _, a in chart.associations()}
+        self.owner = {a.id: step for step, a in chart.associations()}
+        self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
+        self.conditions = self._drawn_conditions()
+
+    def _drawn_conditions(self) -> dict[int, str]:
+        """The text of each drawn expression, by the id of its symbol."""
+        texts: dict[int, str] = {}
+        for symbol in self.drawing.symbols:
+            if symbol.kind is SymbolKind.TRANSITION and symbol.condition is not None:
+                condition = self.transition_of(symbol).condition
+                if isinstance(condition, Expression) and symbol.condition.connections:
+                    texts[symbol.condition.connections[0].source] = condition.text
+        return texts
+
+    @property
+    def drawing(self) -> Drawing:
+        """The drawing; every chart that is written has one."""
+        if self.chart.drawing is None:
+            raise ModelError("a chart has to be drawn before it can be written as a picture")
+        return self.chart.drawing
+
+    def transition_of(self, symbol: Symbol) -> Transition:
+        """The transition that a symbol stands for, or the first of several."""
+        return self.transitions[symbol.transitions[0] if symbol.transitions else symbol.id]
+
+    def write(self, parent: etree._Element) -> None:
+        """Write the chart's symbols and logic into ``SFC``."""
+        symbols = {symbol.id: symbol for symbol in self.drawing.symbols}
+        order = [i for i in self.drawing.order or () if i in symbols or i in self.nodes]
+        placed = set(order)
+        order += [i for i in (*symbols, *self.nodes) if i not in placed]
+        for number in order:
+            if number in symbols:
+                self.write_symbol(parent, symbols[number])
+            else:
+                write_node(self.ctx, parent, self.nodes[number])
+        add_unknown(parent, self.chart.carried)
+
+    def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
+        """Write one symbol with what it stands for."""
+        if symbol.kind is SymbolKind.STEP or symbol.kind is SymbolKind.MACRO_STEP:
+            self.write_step(parent, symbol, self.steps[symbol.id])
+        elif symbol.kind is SymbolKind.TRANSITION:
+            self.write_transition(parent, symbol, self.transition_of(symbol))
+        elif symbol.kind is SymbolKind.ACTION_BLOCK:
+            self.write_action_block(parent, symbol)
+        elif symbol.kind is SymbolKind.EXPRESSION:
+            self.write_expression(parent, symbol)
+        elif symbol.kind is SymbolKind.JUMP:
+            self.write_jump(parent, symbol)
+        else:
+            self.write_bar(parent, symbol)
+
+    def _element(self, parent: etree._Element, symbol: Symbol, attributes: dict[str, str]) -> etree._Element:
+        local_id = symbol.id if symbol.local_id is None else symbol.local_id
+        size = geometry(symbol.width, symbol.height, symbol.execution_order)
+        element = sub(self.ctx, parent, symbol.kind.value, {"localId": str(local_id)} | attributes | size)
+        write_point(self.ctx, element, "position", symbol.position)
+        return element
+
+    def _pins(self, element: etree._Element, symbol: Symbol) -> None:
+        for pin in symbol.inputs:
+            write_input(self.ctx, element, pin)
+        for output in symbol.outputs:
+            write_output(self.ctx, element, output)
+
+    def write_step(self, parent: etree._Element, symbol: Symbol, step: Step) -> None:
+        """Write ``step`` or ``macroStep``."""
+        ctx = self.ctx
+        macro = symbol.kind is SymbolKind.MACRO_STEP
+        attributes = {"name": step.name}
+        if macro and not step.name:
+            del attributes["name"]
+        if step.initial and not macro:
+            attributes["initialStep"] = "true"
+        if step.negated and not macro:
+            attributes["negated"] = "true"
+        element = self._element(parent, symbol, attributes)
+        self._pins(element, symbol)
+        if symbol.action_output is not None:
+            write_output(ctx, element, symbol.action_output, "connectionPointOutAction")
+        native = _STEP
+        if macro and step.macro is not None and step.macro.expansion is None:
+            native = native | {"macro"}
+            if step.macro.body is not None:
+                self.write_body(ctx, element, "body", step.macro.body, {})
+        if macro:
+            native = native - ({"initial"} if step.initial else set()) - ({"negated"} if step.negated else set())
+        ctx.note(Fate.KEPT, "macro-step" if macro else "step", step.name)
+        ctx.place.append(f"step {step.name}")
+        finish(ctx, element, step, "macroStep" if macro else "step", native)
+        ctx.place.pop()
+
+    def write_transition(self, parent: etree._Element, symbol: Symbol, transition: Transition) -> None:
+        """Write ``transition``."""
+        ctx = self.ctx
+        attributes = {"priority": str(transition.priority)} if transition.priority is not None else {}
+        element = self._element(parent, symbol, attributes)
+        self._pins(element, symbol)
+        label = self.label(transition)
+        if transition.condition is not None:
+            self.write_condition(element, symbol, transition.condition)
+        ctx.note(Fate.KEPT, "transition", label)
+        ctx.place.append(f"transition {label}")
+        finish(ctx, element, transition, "transition", _TRANSITION)
+        ctx.place.pop()
+
+    def label(self, transition: Transition) -> str:
+        """What people call a transition that has no name: from where to where."""
+        if transition.name:
+            return transition.name
+        names = [
+            "+".join(self.steps[i].name if i in self.steps else "?" for i in side) or "nowhere"
+            for side in (transition.sources, transition.targets)
+        ]
+        return " -> ".join(names)
+
+    def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:
+        """Write ``condition`` in the form in which it is drawn."""
+        ctx = self.ctx
+        element = sub(ctx, parent, "condition", {"negated": boolean(True)} if condition.negated else {})
+        if isinstance(condition, NamedCondition):
+            sub(ctx, element, "reference", {"name": condition.name})
+            return
+        if isinstance(condition, BodyCondition):
+            self.write_body(ctx, element, "inline", condition.body, {"name": condition.name})
+            return
+        pin = symbol.condition if isinstance(condition, Expression) else condition.input
+        if pin is None:
+            text = condition.text if isinstance(condition, Expression) else ""
+            self.write_body(ctx, element, "inline", StBody(text=text), {"name": symbol.name or ""})
+        elif ctx.version.first_generation:
+            for connection in pin.connections:
+                write_connection(ctx, element, connection)
+        else:
+            write_input(ctx, element, pin)
+
+    def write_expression(self, parent: etree._Element, symbol: Symbol) -> None:
+        """Write the ``inVariable`` that a condition is wired to."""
+        element = self._element(parent, symbol, {})
+        for output in symbol.outputs:
+            write_output(self.ctx, element, output)
+        sub(self.ctx, element, "expression").text = self.conditions.get(symbol.id, symbol.name or "")
+        finish(self.ctx, element, symbol, "inVariable", _SYMBOL | {"name"})
+
+    def write_jump(self, parent: etree._Element, symbol: Symbol) -> None:
+        """Write ``jumpStep``."""
+        self.ctx.jump_name = self.jump_target(symbol)
+        element = self._element(parent, symbol, {"targetName": self.ctx.jump_name})
+        for pin in symbol.inputs:
+            write_input(self.ctx, element, pin)
+        finish(self.ctx, element, symbol, "jumpStep", _SYMBOL | {"name"})
+
+    def jump_target(self, symbol: Symbol) -> str:
+        """The name of what a jump leads to, in the spelling of the file where it means the same."""
+        name = None
+        if symbol.target in self.steps:
+            name = self.steps[symbol.target].name
+        elif symbol.target is not None:
+            name = next((s.name for s in self.drawing.symbols if s.id == symbol.target), None)
+        if name is None or (symbol.name is not None and symbol.name.casefold() == name.casefold()):
+            return symbol.name or ""
+        return name
+
+    def write_bar(self, parent: etree._Element, symbol: Symbol) -> None:
+        """Write a divergence or convergence."""
+        native = _SYMBOL
+        attributes: dict[str, str] = {}
+        if symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE:
+            native = native | {"name"}
+            if symbol.name is not None:
+                attributes["name"] = symbol.name
+        element = self._element(parent, symbol, attributes)
+        self._pins(element, symbol)
+        finish(self.ctx, element, symbol, symbol.kind.value, native)
+
+    def write_action_block(self, parent: etree._Element, symbol: Symbol) -> None:
+        """Write ``actionBlock`` with its associations."""
+        ctx = self.ctx
+        entries = [entry for entry in symbol.entries or () if entry.association in self.associations]
+        native = _SYMBOL
+        negated = any(self.associations[entry.association].negated for entry in entries)
+        element = self._element(parent, symbol, {"negated": "true"} if negated else {})
+        for pin in symbol.inputs:
+            write_input(ctx, element, pin)
+        for entry in entries:
+            self.write_action(element, entry, self.associations[entry.association])
+        if ctx.version.first_generation:
+            for output in symbol.outputs:
+                write_output(ctx, element, output)
+            native = native - {"entries"}
+        finish(ctx, element, symbol, "actionBlock", native)
+
+    def write_action(self, parent: etree._Element, entry: ActionEntry, association: ActionAssociation) -> None:
+        """Write ``action`` of a block."""
+        ctx = self.ctx
+        attributes: dict[str, str] = {}
+        native = _ASSOCIATION - ({"id"} if ctx.version.first_generation else set())
+        if not ctx.version.first_generation:
+            local_id = association.id if entry.local_id is None else entry.local_id
+            attributes["localId"] = str(local_id)
+        states = ctx.dialect.states_actions
+        if association.qualifier in _TC6_QUALIFIERS:
+            native = native | {"qualifier"}
+            if association.qualifier is not Qualifier.N or states:
+                attributes["qualifier"] = association.qualifier.value
+        if association.duration or states:
+            attributes["duration"] = association.duration or ""
+        if association.indicator or states:
+            attributes["indicator"] = association.indicator or ""
+        if not ctx.version.first_generation:
+            attributes |= geometry(entry.width, entry.height, entry.execution_order)
+        element = sub(ctx, parent, "action", attributes)
+        if entry.position is not None and not ctx.version.first_generation:
+            write_point(ctx, element, "relPosition", entry.position)
+        if association.target is not None:
+            sub(ctx, element, "reference", {"name": association.target})
+        if association.body is not None:
+            self.write_body(ctx, element, "inline", association.body, {})
+        if entry.output is not None and not ctx.version.first_generation:
+            write_output(ctx, element, entry.output)
+        owner = self.owner[association.id].name
+        label = f"{owner} {association.qualifier.value} {association.target or 'inline'}"
+        ctx.note(Fate.KEPT, "action association", label)
+        ctx.place.append(f"step {owner} / action {association.target or 'inline'}")
+        finish(ctx, element, association, "action", native)
+        ctx.place.pop()

@@ -1,0 +1,191 @@
+"""Writes a TC6 project: headers, types, instances. The reader is `project_reader`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lxml import etree
+
+from plcopen_sfc.formats.plcopen.body_writer import write_pou
+from plcopen_sfc.formats.plcopen.types_writer import (
+    write_access_section,
+    write_config_section,
+    write_data_type_declaration,
+    write_section,
+)
+from plcopen_sfc.formats.plcopen.versions import XHTML
+from plcopen_sfc.formats.plcopen.writing import Dialect, WriteContext, decimal, finish, sub, write_text
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Scaling, Task
+from plcopen_sfc.report import ConversionReport, Fate
+
+_HEADER = frozenset(
+    {"name", "header", "version", "modified", "organization", "author", "language", "content_comment"}
+    | {"content_carried", "scales", "foreign_data_infos"}
+)
+
+
+def write_project(project: Project, dialect: Dialect, report: ConversionReport) -> etree._Element:
+    """The tree of the file for `project`; what becomes of each item goes into `report`."""
+    ctx = WriteContext(dialect, report, project)
+    nsmap: dict[str | None, str] = {None: dialect.version.namespace}
+    if dialect.declares_xhtml:
+        nsmap["xhtml"] = XHTML
+    root = etree.Element(ctx.names["project"], nsmap=nsmap)  # type: ignore[arg-type]  # lxml-stubs: str keys only
+    _file_header(ctx, root, project)
+    _content_header(ctx, root, project)
+    hidden = dialect.native_fields.get("resource", frozenset())
+    types = sub(ctx, root, "types")
+    data_types = sub(ctx, types, "dataTypes")
+    for declaration in project.data_types:
+        if not declaration.place or "place" not in hidden:
+            write_data_type_declaration(ctx, data_types, declaration, in_place=not declaration.place)
+    pous = sub(ctx, types, "pous")
+    for pou in project.pous:
+        if not pou.place or "place" not in hidden:
+            write_pou(ctx, pous, pou, in_place=not pou.place)
+    instances = sub(ctx, root, "instances")
+    configurations = sub(ctx, instances, "configurations")
+    for configuration in project.configurations:
+        write_configuration(ctx, configurations, configuration)
+    native = _HEADER | {"data_types", "pous", "configurations"}
+    if ctx.version.first_generation:
+        native = native - {"content_carried", "foreign_data_infos"}
+    finish(ctx, root, project, "project", native)
+    return root
+
+
+def _attributes(pairs: Iterable[tuple[str, str | None]]) -> dict[str, str]:
+    return {name: value for name, value in pairs if value is not None}
+
+
+def _file_header(ctx: WriteContext, root: etree._Element, project: Project) -> None:
+    header = project.header
+    element = sub(
+        ctx,
+        root,
+        "fileHeader",
+        _attributes(
+            (
+                ("companyName", header.company),
+                ("companyURL", header.company_url),
+                ("productName", header.product),
+                ("productVersion", header.version),
+                ("productRelease", header.release),
+                ("creationDateTime", header.created or "1970-01-01T00:00:00"),
+                ("contentDescription", header.description),
+            )
+        ),
+    )
+    if header.carried is not None:
+        for name, value in header.carried.attributes.items():
+            element.set(name, value)
+
+
+def _content_header(ctx: WriteContext, root: etree._Element, project: Project) -> None:
+    element = sub(
+        ctx,
+        root,
+        "contentHeader",
+        _attributes(
+            (
+                ("name", project.name),
+                ("version", project.version),
+                ("modificationDateTime", project.modified),
+                ("organization", project.organization),
+                ("author", project.author),
+                ("language", project.language),
+            )
+        ),
+    )
+    if project.content_comment is not None:
+        sub(ctx, element, "Comment").text = project.content_comment
+    scales = project.scales
+    coordinates = sub(ctx, element, "coordinateInfo")
+    if scales.page is not None:
+        sub(ctx, coordinates, "pageSize", _scale(scales.page))
+    for name, scale in (("fbd", scales.fbd), ("ld", scales.ld), ("sfc", scales.sfc)):
+        sub(ctx, sub(ctx, coordinates, name), "scaling", _scale(scale))
+    if project.foreign_data_infos is not None and not ctx.version.first_generation:
+        infos = sub(ctx, element, "addDataInfo")
+        for info in project.foreign_data_infos:
+            attributes = _attributes((("name", info.name), ("version", info.version), ("vendor", info.vendor)))
+            write_text(ctx, sub(ctx, infos, "info", attributes), "description", info.description)
+    content = Project(carried=project.content_carried)
+    finish(ctx, element, content, "contentHeader", frozenset(), documents=False)
+
+
+def _scale(scale: Scaling) -> dict[str, str]:
+    return {"x": decimal(scale.x), "y": decimal(scale.y)}
+
+
+def write_configuration(
+    ctx: WriteContext, parent: etree._Element, configuration: Configuration
+) -> None:
+    """Write ``configuration``."""
+    element = sub(ctx, parent, "configuration", {"name": configuration.name})
+    ctx.place.append(f"configuration {configuration.name}")
+    for resource in configuration.resources:
+        write_resource(ctx, element, resource, f"configuration/{configuration.name}/resource/{resource.name}")
+    for section in configuration.global_variables:
+        write_section(ctx, element, section)
+    native = {"name", "resources", "global_variables"}
+    if not ctx.version.first_generation:
+        native |= {"access_variables", "config_variables"}
+        if configuration.access_variables is not None:
+            write_access_section(ctx, element, configuration.access_variables)
+        if configuration.config_variables is not None:
+            write_config_section(ctx, element, configuration.config_variables)
+    ctx.note(Fate.KEPT, "configuration")
+    finish(ctx, element, configuration, "configuration", frozenset(native))
+    ctx.place.pop()
+
+
+def write_resource(
+    ctx: WriteContext, parent: etree._Element, resource: Resource, place: str, project: Project
+) -> None:
+    """Write ``resource``. `place` is what the POUs that belong into it say of where they stand."""
+    element = sub(ctx, parent, "resource", {"name": resource.name})
+    ctx.place.append(f"resource {resource.name}")
+    for task in resource.tasks:
+        _task(ctx, element, task)
+    for section in resource.global_variables:
+        write_section(ctx, element, section)
+    for instance in resource.instances:
+        _instance(ctx, element, instance)
+    ctx.note(Fate.KEPT, "resource")
+    ctx.resource_place = place
+    finish(ctx, element, resource, "resource", frozenset({"name", "tasks", "global_variables", "instances"}))
+    ctx.place.pop()
+
+
+def _task(ctx: WriteContext, parent: etree._Element, task: Task) -> None:
+    native = {"name", "priority", "interval", "single", "instances"}
+    interval = task.interval
+    if interval is not None and ctx.version.first_generation and not _is_time(interval):
+        interval = None
+        native.discard("interval")
+    element = sub(
+        ctx,
+        parent,
+        "task",
+        _attributes(
+            (("name", task.name), ("single", task.single), ("interval", interval), ("priority", str(task.priority)))
+        ),
+    )
+    for instance in task.instances:
+        _instance(ctx, element, instance)
+    ctx.note(Fate.KEPT, "task", task.name)
+    finish(ctx, element, task, "task", frozenset(native))
+
+
+def _is_time(text: str) -> bool:
+    """Whether `text` is an ``xsd:time``, the only form of an interval in TC6 1.01."""
+    parts = text.split(":")
+    return len(parts) == 3 and all(part[:2].isdigit() for part in parts)
+
+
+def _instance(ctx: WriteContext, parent: etree._Element, instance: PouInstance) -> None:
+    type_attribute = "type" if ctx.version.first_generation else "typeName"
+    element = sub(ctx, parent, "pouInstance", {"name": instance.name, type_attribute: instance.type_name})
+    ctx.note(Fate.KEPT, "POU instance", instance.name)
+    finish(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}))

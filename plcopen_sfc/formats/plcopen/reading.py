@@ -1,0 +1,234 @@
+"""What all readers of TC6 elements share: dispatch by name, attribute values, texts, and what must be carried.
+
+Readers turn elements into plain dictionaries of model fields; the whole project is validated into the model at the end, in
+one go, which is several times faster than building object by object. A reader takes attributes out of a dictionary
+one by one: what is left in it at the end is not known, and is carried. The same holds for child elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
+
+Fields = dict[str, Any]
+"""Fields of a model object that is being read."""
+
+DataReader = Callable[["ReadContext", etree._Element, Fields, str], bool]
+"""Reads one ``addData/data`` element into the fields of its owner (an element of the given local name).
+
+Returns False where it does not understand the content; the data is then carried.
+"""
+
+_XHTML_TAG = f"{{{XHTML}}}"
+
+
+class ReadContext:
+    """State of reading one file: its version, the findings so far, and who understands which foreign data."""
+
+    def __init__(
+        self,
+        version: Tc6Version,
+        *,
+        file: str | None = None,
+        data_readers: dict[str, DataReader] | None = None,
+        usual_text_element: str = "p",
+    ) -> None:
+        self.version = version
+        self.tags = version.tags
+        self.file = file
+        self.data_readers = data_readers or {}
+        self.text_element = _XHTML_TAG + usual_text_element
+        self.diagnostics: list[Diagnostic] = []
+        self.comment_reader: DataReader | None = None
+        self.finish_chart: Callable[[ReadContext, Fields], None] | None = None
+        self.pous: list[Fields] = []
+        self.data_types: list[Fields] = []
+        self.resource_place = ""
+        """What `Pou.place` says of POUs in the resource being read."""
+        self.place: list[str] = []
+        """Names of the objects around the one being read, for messages."""
+
+    def report(self, code: str, severity: Severity, message: str, element: etree._Element, subject: str = "") -> None:
+        """Say something about `element` of the file."""
+        path = " / ".join((*self.place, subject) if subject else self.place)
+        location = Location(self.file, element.sourceline, None, path or None)
+        self.diagnostics.append(Diagnostic(code, severity, message, location))
+
+    def warn(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
+        """Report a warning."""
+        self.report(code, Severity.WARNING, message, element, subject)
+
+    def error(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
+        """Report an error that does not keep the file from being loaded."""
+        self.report(code, Severity.ERROR, message, element, subject)
+
+
+def attributes(element: etree._Element) -> dict[str, str]:
+    """The attributes of `element`, to take from."""
+    return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
+
+
+def carried(fields: Fields) -> Fields:
+    """The carried part of an object being read, created when it is needed."""
+    found: Fields | None = fields.get("carried")
+    if found is None:
+        found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
+    return found
+
+
+def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
+    """Keep the attributes that no reader took."""
+    global_id = left.pop("globalId", None)
+    if global_id is not None:
+        fields["global_id"] = global_id
+    if left:
+        carried(fields)["attributes"].update(left)
+
+
+def markup(element: etree._Element) -> str:
+    """`element` as text, with the namespaces it needs and without what follows it."""
+    return etree.tostring(element, encoding="unicode", with_tail=False)
+
+
+def carry_element(ctx: ReadContext, fields: Fields, element: etree._Element) -> None:
+    """Keep a child element that no reader knows, and say so. Comments and processing instructions stay in the file only."""
+    if not isinstance(element.tag, str):
+        if ctx.comment_reader is not None:
+            ctx.comment_reader(ctx, element, fields, "")
+        return
+    carried(fields)["elements"].append(markup(element))
+    ctx.warn("XML201", f"<{etree.QName(element).localname}> is not expected here; it is kept as it is", element)
+
+
+def read_common(ctx: ReadContext, fields: Fields, element: etree._Element, local: str | None, owner: str) -> None:
+    """Read a child that every element may have: ``addData``, ``documentation``; carry anything else."""
+    if local == "addData":
+        read_foreign_data(ctx, fields, element, owner)
+    elif local == "documentation":
+        fields["comment"] = read_text(ctx, element)
+    else:
+        carry_element(ctx, fields, element)
+
+
+def read_foreign_data(ctx: ReadContext, fields: Fields, add_data: etree._Element, owner: str) -> None:
+    """Read ``addData``: what somebody understands goes into the fields, the rest is carried."""
+    for data in add_data:
+        if ctx.tags.get(data.tag) != "data":
+            carry_element(ctx, fields, data)
+            continue
+        name = data.get("name", "")
+        reader = ctx.data_readers.get(name)
+        if reader is not None and reader(ctx, data, fields, owner):
+            continue
+        rule = data.get("handleUnknown", "implementation")
+        if rule not in ("preserve", "discard", "implementation"):
+            ctx.warn("XML203", f"handleUnknown={rule!r} is none of preserve, discard, implementation", data)
+            rule = "implementation"
+        carried(fields)["data"].append({"name": name, "rule": rule, "content": inner_markup(data)})
+
+
+def inner_markup(element: etree._Element) -> str:
+    """The content of `element` as text: each child with the namespaces it needs. Blanks between children are left out."""
+    text = element.text or ""
+    children = [markup(child) for child in element]
+    return (text if text.strip() else "") + "".join(children)
+
+
+def read_text(ctx: ReadContext, element: etree._Element) -> str | Fields:
+    """Read ``formattedText``: a plain string where it is one XHTML element without markup, else text and markup."""
+    children = list(element)
+    if len(children) == 1 and not len(children[0]) and children[0].tag == ctx.text_element and not children[0].attrib:
+        return children[0].text or ""
+    return {"text": "".join(element.itertext()), "markup": inner_markup(element)}
+
+
+def read_code(ctx: ReadContext, element: etree._Element) -> tuple[str, str | None]:
+    """Read the program text of ``ST`` or ``IL``: the text, and the markup where it is not one plain element."""
+    text = read_text(ctx, element)
+    if isinstance(text, str):
+        return text, None
+    return text["text"].strip("\n") if not element.text or not element.text.strip() else text["text"], text["markup"]
+
+
+def number(text: str | None) -> float | None:
+    """A decimal; None where it is missing or none."""
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return int(value) if value.is_integer() else value
+
+
+def read_point(element: etree._Element) -> tuple[float, float] | None:
+    """A ``position`` or ``relPosition``; None where its numbers are damaged."""
+    x, y = number(element.get("x")), number(element.get("y"))
+    return None if x is None or y is None or len(element.attrib) > 2 else (x, y)
+
+
+def take_number(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> float | None:
+    """Take a decimal attribute. A damaged one is left, and so carried, with a warning."""
+    text = left.get(name)
+    if text is None:
+        return None
+    value = number(text)
+    if value is None:
+        ctx.warn("XML202", f"{name}={text!r} is not a number; it is kept as it is", element)
+        return None
+    del left[name]
+    return value
+
+
+def take_integer(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
+    """Take a whole, non-negative number. A damaged one is left, and so carried, with a warning."""
+    text = left.get(name)
+    if text is None:
+        return None
+    stripped = text.strip()
+    if not (stripped.isascii() and stripped.isdigit()):
+        ctx.warn("XML202", f"{name}={text!r} is not a whole number; it is kept as it is", element)
+        return None
+    del left[name]
+    return int(stripped)
+
+
+def take_flag(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> bool:
+    """Take a Boolean attribute that is false by default."""
+    text = left.get(name)
+    if text is None:
+        return False
+    if text.strip() not in ("true", "false", "1", "0"):
+        ctx.warn("XML202", f"{name}={text!r} is neither true nor false; it is kept as it is", element)
+        return False
+    del left[name]
+    return text.strip() in ("true", "1")
+
+
+def take_choice(
+    ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str, choices: Iterable[str]
+) -> str | None:
+    """Take an attribute that has one of `choices`. Another value is left, and so carried, with a warning."""
+    text = left.get(name)
+    if text is None:
+        return None
+    if text not in choices:
+        ctx.warn("XML202", f"{name}={text!r} is none of {', '.join(choices)}; it is kept as it is", element)
+        return None
+    del left[name]
+    return text
+
+
+def take_required(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> str:
+    """Take an attribute that the schema requires; an empty one stands in for a missing one, with a warning."""
+    text = left.pop(name, None)
+    if text is None:
+        ctx.warn("XML204", f"<{etree.QName(element).localname}> has no {name}", element)
+        return ""
+    return text

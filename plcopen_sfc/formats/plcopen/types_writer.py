@@ -1,0 +1,179 @@
+"""Writes data types, initial values and declarations of TC6 XML. The reader is `types_reader`."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.plcopen.types_reader import SECTIONS
+from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub
+from plcopen_sfc.model.types import (
+    ArrayType,
+    ArrayValue,
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    Dimension,
+    ElementaryType,
+    EnumType,
+    PointerType,
+    SimpleValue,
+    StringType,
+    StructType,
+    Value,
+    Variable,
+)
+from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, SectionKind, VariableSection
+from plcopen_sfc.report import Fate
+
+_SECTION_ELEMENTS = {SectionKind(kind): name for name, kind in SECTIONS.items()}
+_NEVER = frozenset({"kind"})
+
+
+def write_data_type(ctx: WriteContext, parent: etree._Element, holder: str, kind: DataType) -> None:
+    """Write a type inside a new element `holder`."""
+    element = sub(ctx, parent, holder)
+    if isinstance(kind, ElementaryType):
+        _elementary(ctx, element, kind)
+    elif isinstance(kind, StringType):
+        sub(ctx, element, "wstring" if kind.wide else "string", {"length": kind.length} if kind.length is not None else {})
+    elif isinstance(kind, DerivedType):
+        finish(ctx, sub(ctx, element, "derived", {"name": kind.name}), kind, "derived", _NEVER | {"name"}, documents=False)
+    elif isinstance(kind, ArrayType):
+        array = sub(ctx, element, "array")
+        for dimension in kind.dimensions:
+            _bounds(ctx, array, "dimension", dimension)
+        write_data_type(ctx, array, "baseType", kind.base)
+    elif isinstance(kind, StructType):
+        struct = sub(ctx, element, "struct")
+        for member in kind.members:
+            write_variable(ctx, struct, member)
+        finish(ctx, struct, kind, "struct", _NEVER | {"members"})
+    elif isinstance(kind, EnumType):
+        _enum(ctx, element, kind)
+    elif isinstance(kind, PointerType):
+        write_data_type(ctx, sub(ctx, element, "pointer"), "baseType", kind.base)
+    else:
+        subrange = sub(ctx, element, "subrangeUnsigned" if kind.unsigned else "subrangeSigned")
+        _bounds(ctx, subrange, "range", kind.bounds)
+        write_data_type(ctx, subrange, "baseType", kind.base)
+
+
+def _elementary(ctx: WriteContext, element: etree._Element, kind: ElementaryType) -> None:
+    name = kind.name.value
+    if name not in ctx.names or (ctx.version.first_generation and name.startswith("ANY")):
+        # TC6 does not list the 64 bit times and the characters, 1.01 no generic types either: named like a user type
+        sub(ctx, element, "derived", {"name": name})
+        ctx.note(Fate.TRANSLATED, "data type", name, f"TC6 {ctx.version.name} does not list it; written as a derived type")
+    else:
+        sub(ctx, element, name)
+
+
+def _enum(ctx: WriteContext, element: etree._Element, kind: EnumType) -> None:
+    enum = sub(ctx, element, "enum")
+    values = sub(ctx, enum, "values")
+    for value in kind.values:
+        sub(ctx, values, "value", {"name": value.name} | ({"value": value.value} if value.value is not None else {}))
+    if kind.base is not None:
+        write_data_type(ctx, enum, "baseType", kind.base)
+
+
+def _bounds(ctx: WriteContext, parent: etree._Element, name: str, bounds: Dimension) -> None:
+    sub(ctx, parent, name, {"lower": bounds.lower, "upper": bounds.upper})
+
+
+def write_value(ctx: WriteContext, holder: etree._Element, value: Value) -> None:
+    """Write a value into `holder`."""
+    if isinstance(value, SimpleValue):
+        sub(ctx, holder, "simpleValue", {"value": value.text} if value.text is not None else {})
+    elif isinstance(value, ArrayValue):
+        array = sub(ctx, holder, "arrayValue")
+        for item in value.items:
+            attributes = {"repetitionValue": item.repetitions} if item.repetitions is not None else {}
+            write_value(ctx, sub(ctx, array, "value", attributes), item.value)
+    else:
+        struct = sub(ctx, holder, "structValue")
+        for member in value.members:
+            write_value(ctx, sub(ctx, struct, "value", {"member": member.member}), member.value)
+
+
+def write_variable(ctx: WriteContext, parent: etree._Element, variable: Variable) -> None:
+    """Write ``variable``."""
+    attributes = {"name": variable.name}
+    if variable.address is not None:
+        attributes["address"] = variable.address
+    element = sub(ctx, parent, "variable", attributes)
+    write_data_type(ctx, element, "type", variable.type)
+    if variable.initial is not None:
+        write_value(ctx, sub(ctx, element, "initialValue"), variable.initial)
+    ctx.note(Fate.KEPT, "variable", variable.name)
+    finish(ctx, element, variable, "variable", frozenset({"name", "type", "address", "initial"}))
+
+
+_FLAGS = ("constant", "retain", "nonretain", "persistent", "nonpersistent")
+
+
+def write_section(ctx: WriteContext, parent: etree._Element, section: VariableSection) -> None:
+    """Write a list of variables. A kind that TC6 does not have is written as local variables, and carried."""
+    name = _SECTION_ELEMENTS.get(section.kind)
+    native = frozenset({"name", "variables", *_FLAGS})
+    attributes = {"name": section.name} if section.name is not None else {}
+    attributes.update({flag: "true" for flag in _FLAGS if getattr(section, flag)})
+    element = sub(ctx, parent, name or "localVars", attributes)
+    if name is not None:
+        native = native | {"kind"}
+    for variable in section.variables:
+        write_variable(ctx, element, variable)
+    finish(ctx, element, section, "globalVars", native)
+
+
+def write_interface(ctx: WriteContext, parent: etree._Element, interface: Interface) -> None:
+    """Write ``interface`` of a POU or method. The declaration text belongs to the POU in the file."""
+    element = sub(ctx, parent, "interface")
+    if interface.return_type is not None:
+        write_data_type(ctx, element, "returnType", interface.return_type)
+    for section in interface.sections:
+        write_section(ctx, element, section)
+    finish(ctx, element, interface, "interface", frozenset({"return_type", "sections"}))
+
+
+def write_access_section(ctx: WriteContext, parent: etree._Element, section: AccessSection) -> None:
+    """Write ``accessVars`` of a configuration."""
+    element = sub(ctx, parent, "accessVars")
+    for variable in section.variables:
+        attributes = {"alias": variable.alias, "instancePathAndName": variable.path}
+        if variable.direction is not None:
+            attributes["direction"] = variable.direction.value
+        entry = sub(ctx, element, "accessVariable", attributes)
+        write_data_type(ctx, entry, "type", variable.type)
+        finish(ctx, entry, variable, "accessVariable", frozenset({"alias", "path", "type", "direction"}))
+    finish(ctx, element, section, "accessVars", frozenset({"variables"}))
+
+
+def write_config_section(ctx: WriteContext, parent: etree._Element, section: ConfigSection) -> None:
+    """Write ``configVars`` of a configuration."""
+    element = sub(ctx, parent, "configVars")
+    for variable in section.variables:
+        attributes = {"instancePathAndName": variable.path}
+        if variable.address is not None:
+            attributes["address"] = variable.address
+        entry = sub(ctx, element, "configVariable", attributes)
+        write_data_type(ctx, entry, "type", variable.type)
+        if variable.initial is not None:
+            write_value(ctx, sub(ctx, entry, "initialValue"), variable.initial)
+        finish(ctx, entry, variable, "configVariable", frozenset({"path", "type", "address", "initial"}))
+    finish(ctx, element, section, "configVars", frozenset({"variables"}))
+
+
+def write_data_type_declaration(
+    ctx: WriteContext, parent: etree._Element, declaration: DataTypeDeclaration, *, in_place: bool
+) -> None:
+    """Write ``dataType``. `in_place`: it stands where its `place` says, which then need not be carried."""
+    element = sub(ctx, parent, "dataType", {"name": declaration.name})
+    write_data_type(ctx, element, "baseType", declaration.type)
+    if declaration.initial is not None:
+        write_value(ctx, sub(ctx, element, "initialValue"), declaration.initial)
+    ctx.note(Fate.KEPT, "data type", declaration.name)
+    native = frozenset({"name", "type", "initial"}) | ({"place"} if in_place else frozenset())
+    finish(ctx, element, declaration, "dataType", native)
+
+

@@ -1,0 +1,243 @@
+"""What all writers of TC6 elements share: elements in the right namespace, texts, numbers, and what is carried.
+
+A writer says which fields of an object it writes natively. Whatever else the object holds is carried: as foreign data
+under our own name where the version has a place for it (TC6 2.0 on), as an XML comment in 1.01. Nothing can be
+forgotten that way, and each carried field is in the report.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
+from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
+from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
+from plcopen_sfc.report import ConversionReport, Fate
+
+Written = tuple[str, UnknownDataRule, etree._Element]
+"""One ``addData/data``: its name, its rule, and its content."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How one tool or family of tools writes TC6 XML.
+
+    `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then), `data_rank`
+    its place among the others. `text_element` is the XHTML element of texts. `states_actions`: qualifier, duration and
+    indicator are always written. `plain_flow`: only what simple readers take (see docs/formats/plcopen.md).
+    """
+
+    version: Tc6Version
+    text_element: str = "p"
+    declares_xhtml: bool = True
+    states_actions: bool = False
+    plain_flow: bool = False
+    inline_conditions: bool = False
+    native_fields: dict[str, frozenset[str]] = field(default_factory=dict)
+    data_writer: Callable[[WriteContext, Model, str], Iterable[Written]] | None = None
+    data_rank: dict[str, int] = field(default_factory=dict)
+
+
+class WriteContext:
+    """State of writing one project: the dialect, the report, and where we are."""
+
+    def __init__(self, dialect: Dialect, report: ConversionReport, project: Project) -> None:
+        self.dialect = dialect
+        self.version = dialect.version
+        self.names = dialect.version.qualified
+        self.report = report
+        self.place: list[str] = []
+        self.project = project
+        self.resource_place = ""
+        """What `Pou.place` says of POUs in the resource being written."""
+        self.jump_name = ""
+        """The name of what the jump being written leads to."""
+
+    def version_tag(self, name: str) -> str:
+        """A name in the namespace of the version that is no element of TC6."""
+        return f"{{{self.version.namespace}}}{name}"
+
+    def note(self, fate: Fate, what: str, name: str = "", why: str = "") -> None:
+        """Put the fate of an item into the report."""
+        self.report.add(fate, what, " / ".join((*self.place, name) if name else self.place), why)
+
+
+def sub(ctx: WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None) -> etree._Element:
+    """A new child of `parent`, in the TC6 namespace."""
+    return etree.SubElement(parent, ctx.names[name], attributes or {})
+
+
+def write_text(ctx: WriteContext, parent: etree._Element, name: str, text: Text | None) -> None:
+    """Write ``formattedText`` as child `name` of `parent`; nothing for None."""
+    if text is None:
+        return
+    element = sub(ctx, parent, name)
+    if isinstance(text, MarkupText):
+        add_markup(element, text.markup)
+    else:
+        if isinstance(text, MultilingualText):
+            text = "\n".join(text.texts.values())
+        xhtml_child(ctx, element).text = legal(text)
+
+
+def xhtml_child(ctx: WriteContext, parent: etree._Element) -> etree._Element:
+    """The element that holds the text of ``formattedText``."""
+    tag = f"{{{XHTML}}}{ctx.dialect.text_element}"
+    return etree.SubElement(parent, tag, nsmap=None if ctx.dialect.declares_xhtml else {None: XHTML})  # type: ignore[dict-item]
+
+
+def write_code(ctx: WriteContext, parent: etree._Element, text: str, markup: str | None) -> None:
+    """Write program text into ``ST`` or ``IL``: with its markup as long as that still says the same."""
+    if markup is not None and _text_of(markup).strip() == text.strip():
+        add_markup(parent, markup)
+    else:
+        xhtml_child(ctx, parent).text = legal(text)
+
+
+def _text_of(markup: str) -> str:
+    return "".join(etree.fromstring(f"<x>{markup}</x>").itertext())
+
+
+def add_markup(parent: etree._Element, markup: str) -> None:
+    """Append markup that was carried as text."""
+    holder = etree.fromstring(f"<x>{markup}</x>", etree.XMLParser(resolve_entities=False, huge_tree=True))
+    if holder.text and holder.text.strip():
+        parent.text = (parent.text or "") + holder.text
+    for child in list(holder):
+        parent.append(child)
+
+
+def legal(text: str) -> str:
+    """`text` without the control characters that XML 1.0 cannot hold."""
+    return text if text.isprintable() else "".join(c for c in text if c in "\t\n\r" or c >= " " and c not in "\ufffe\uffff")
+
+
+def decimal(value: float) -> str:
+    """A number as ``xsd:decimal``."""
+    return str(int(value)) if float(value).is_integer() else format(value, ".15f").rstrip("0").rstrip(".")
+
+
+def write_point(ctx: WriteContext, parent: etree._Element, name: str, point: tuple[float, float]) -> None:
+    """Write ``position`` or ``relPosition``."""
+    sub(ctx, parent, name, {"x": decimal(point[0]), "y": decimal(point[1])})
+
+
+def boolean(value: bool) -> str:
+    """A truth as ``xsd:boolean``."""
+    return "true" if value else "false"
+
+
+def add_unknown(element: etree._Element, carried: Carried | None) -> None:
+    """Write back the attributes and child elements that the reader did not know. Before ``addData``."""
+    if carried is None:
+        return
+    for name, value in carried.attributes.items():
+        if name not in element.attrib:
+            element.set(name, value)
+    for markup in carried.elements:
+        add_markup(element, markup)
+
+
+def finish(
+    ctx: WriteContext,
+    element: etree._Element,
+    thing: Model,
+    owner: str,
+    native: frozenset[str],
+    *,
+    documents: bool = True,
+    also: dict[str, Any] | None = None,
+) -> None:
+    """Write what every element ends with: unknown content, ``addData``, ``documentation``.
+
+    `native` are the fields of `thing` that the caller has written; `documents`: the element may have documentation.
+    `also` is more to carry: parts of fields.
+    """
+    carried: Carried | None = getattr(thing, "carried", None)
+    if not ctx.version.first_generation:
+        add_unknown(element, carried)
+        global_id: str | None = getattr(thing, "global_id", None)
+        if global_id is not None:
+            element.set("globalId", global_id)
+        native = native | {"carried", "global_id"}
+        written = list(ctx.dialect.data_writer(ctx, thing, owner)) if ctx.dialect.data_writer else []
+    else:
+        written = []
+    # a dialect that writes the comment as data of its own does not write it as documentation too
+    own = ctx.dialect.native_fields.get(owner, frozenset())
+    documents = documents and "comment" not in own
+    if documents:
+        native = native | {"comment"}
+    native = native | own
+    left = left_over(thing, native) | (also or {})
+    if not ctx.version.first_generation:
+        _add_data(ctx, element, written, carried, left)
+    elif left:
+        element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
+    for name in left:
+        ctx.note(Fate.CARRIED, _label(name), why=f"TC6 {ctx.version.name} has no place for it")
+    if documents:
+        write_text(ctx, element, "documentation", getattr(thing, "comment", None))
+
+
+def left_over(thing: Model, native: frozenset[str]) -> dict[str, Any]:
+    """The fields of `thing` that are not in `native` and do not have their default value, as plain data."""
+    fields = type(thing).model_fields
+    names = {
+        name
+        for name, info in fields.items()
+        if name not in native and getattr(thing, name) != info.get_default(call_default_factory=True)
+    }
+    return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
+
+
+def _label(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _add_data(
+    ctx: WriteContext,
+    element: etree._Element,
+    written: list[Written],
+    carried: Carried | None,
+    left: dict[str, Any],
+) -> None:
+    entries: list[tuple[str, UnknownDataRule, etree._Element | str]] = [*written]
+    names = {name for name, _, _ in written}
+    if carried is not None:
+        entries.extend((d.name, d.rule, d.content) for d in carried.data if not _merged(ctx, d, names))
+    if left:
+        entries.append((FIELDS_DATA, UnknownDataRule.PRESERVE, fields_element(left)))
+    if not entries:
+        return
+    rank = ctx.dialect.data_rank
+    if rank:
+        entries.sort(key=lambda entry: rank.get(entry[0], 50))
+    holder = sub(ctx, element, "addData")
+    for name, rule, content in entries:
+        data = sub(ctx, holder, "data", {"name": name, "handleUnknown": rule.value})
+        if isinstance(content, str):
+            add_markup(data, content)
+        else:
+            data.append(content)
+
+
+def _merged(ctx: WriteContext, data: ForeignData, written: set[str]) -> bool:
+    """Whether the dialect has put carried data into its own data of the same name already."""
+    return data.name in written and ctx.dialect.data_writer is not None
+
+
+def fields_element(left: dict[str, Any]) -> etree._Element:
+    """Our own data: fields of the model that TC6 has no place for, as JSON by name."""
+    holder = etree.Element(f"{{{FIELDS_DATA}}}fields", nsmap={None: FIELDS_DATA})  # type: ignore[dict-item]
+    for name, value in left.items():
+        entry = etree.SubElement(holder, f"{{{FIELDS_DATA}}}field", {"name": name})
+        entry.text = legal(json.dumps(value, ensure_ascii=False))
+    return holder

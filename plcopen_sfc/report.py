@@ -1,0 +1,77 @@
+"""What became of each item when a project was written in another format."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+class Fate(StrEnum):
+    """What was done with an item."""
+
+    KEPT = "kept"
+    """Written exactly, in the target's own terms."""
+    TRANSLATED = "translated"
+    """Written in other terms that mean the same."""
+    APPROXIMATED = "approximated"
+    """Written in terms that mean nearly the same; the reason says what differs."""
+    CARRIED = "carried"
+    """Kept in the target's place for foreign data; other tools do not act on it."""
+    DROPPED = "dropped"
+    """Not in the target file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One item of the source: what kind of thing, where, what became of it and why."""
+
+    fate: Fate
+    what: str
+    path: str
+    why: str = ""
+    line: int | None = None
+
+
+@dataclass(slots=True)
+class ConversionReport:
+    """The fates of all items. `unchanged`: the file was written back in its own format, with what was edited."""
+
+    source_format: str = ""
+    target_format: str = ""
+    items: list[Item] = field(default_factory=list)
+    unchanged: bool = False
+    written: list[str] = field(default_factory=list)
+
+    def add(self, fate: Fate, what: str, path: str, why: str = "") -> None:
+        """Note the fate of an item."""
+        self.items.append(Item(fate, what, path, why))
+
+    def with_fate(self, *fates: Fate) -> list[Item]:
+        """The items with one of these fates."""
+        return [item for item in self.items if item.fate in fates]
+
+    @property
+    def losses(self) -> list[Item]:
+        """What was dropped or approximated: what ``strict`` does not let pass."""
+        return self.with_fate(Fate.DROPPED, Fate.APPROXIMATED)
+
+    def counts(self) -> dict[tuple[str, Fate], int]:
+        """How many items of each kind had each fate."""
+        return dict(Counter((item.what, item.fate) for item in self.items))
+
+    def extend(self, items: Iterable[Item]) -> None:
+        """Add items."""
+        self.items.extend(items)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The report as plain data, for JSON."""
+        return {
+            "source_format": self.source_format,
+            "target_format": self.target_format,
+            "unchanged": self.unchanged,
+            "written": self.written,
+            "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
+        }
