@@ -1,0 +1,219 @@
+"""Which child is which: alignment of two lists of sibling elements.
+
+Two children are the same when an identifying attribute says so (`localId`, `name`, ...). Where none does, order and
+content decide: what is equal is the same, and what is left between two neighbours that are already known is paired if
+it is alike enough. Used twice: source against tree (which element of the file is this?) and tree before against after
+(what was renamed, what removed, what is new?).
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter, defaultdict
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from difflib import SequenceMatcher
+from typing import TypeAlias
+
+__all__ = ["DEFAULT_KEYS", "Item", "KeyFunction", "Keys", "align", "default_keys", "longest_rising", "similarity"]
+
+Keys: TypeAlias = Sequence[tuple[str, str]]
+KeyFunction: TypeAlias = Callable[[str, Mapping[str, str]], Keys]
+"""From tag and attributes of an element to its identifying attributes (name, value), strongest first."""
+
+DEFAULT_KEYS = (
+    "localId", "guid", "Guid", "globalId", "UId", "Id", "ID", "Number", "name", "Name", "formalParameter",
+    "refLocalId", "targetName",
+)  # fmt: skip
+
+
+def default_keys(_tag: str, attributes: Mapping[str, str]) -> Keys:
+    """The identifying attributes that PLC formats use."""
+    return [(name, attributes[name]) for name in DEFAULT_KEYS if name in attributes]
+
+
+class Item:
+    """One child in an alignment: its tag, its identifying attributes, and its content on request."""
+
+    __slots__ = ("_exact", "_features", "_make_exact", "_make_features", "keys", "tag")
+
+    def __init__(
+        self,
+        tag: str,
+        keys: Keys,
+        exact: Callable[[], Hashable] | None,
+        features: Callable[[], Counter[Hashable]],
+    ) -> None:
+        self.tag = tag
+        self.keys = keys
+        self._make_exact = exact
+        self._make_features = features
+        self._exact: Hashable = None
+        self._features: Counter[Hashable] | None = None
+
+    @property
+    def exact(self) -> Hashable:
+        """Equal for equal content; None where that cannot be told."""
+        if self._exact is None and self._make_exact is not None:
+            self._exact = self._make_exact()
+        return self._exact
+
+    @property
+    def features(self) -> Counter[Hashable]:
+        """Small facts about the content, to count how many two elements share."""
+        if self._features is None:
+            self._features = self._make_features()
+        return self._features
+
+
+def similarity(left: Item, right: Item) -> float:
+    """How much of their content two items share, 0 to 1. Two items without any content are alike."""
+    total = left.features.total() + right.features.total()
+    return 2 * (left.features & right.features).total() / total if total else 1.0
+
+
+_ALIKE = 0.5
+_MAX_PAIRS = 40_000
+
+
+def align(left: Sequence[Item], right: Sequence[Item]) -> list[int | None]:
+    """For every item of `right` the index of the item of `left` that it is the same as, or None."""
+    matches: list[int | None] = [None] * len(right)
+    free = [True] * len(left)
+
+    def pair(i: int, j: int) -> None:
+        matches[j] = i
+        free[i] = False
+
+    def group(signature: Callable[[Item], Hashable | None]) -> None:
+        groups: defaultdict[Hashable, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
+        for i, item in enumerate(left):
+            if free[i] and (sign := signature(item)) is not None:
+                groups[sign][0].append(i)
+        for j, item in enumerate(right):
+            if matches[j] is None and (sign := signature(item)) is not None:
+                groups[sign][1].append(j)
+        for lefts, rights in groups.values():
+            if lefts and rights:
+                _pair_group(left, right, lefts, rights, pair)
+
+    group(lambda item: (item.tag, tuple(item.keys)) if item.keys else None)
+    for name in _key_names((*left, *right)):
+        group(lambda item, name=name: _key(item, name))  # type: ignore[misc]  # mypy cannot infer a bound default
+    group(lambda item: None if item.keys else item.tag)
+    _between_neighbours(left, right, pair, matches, free)
+    return matches
+
+
+_Pair: TypeAlias = Callable[[int, int], None]
+
+
+def _key_names(items: Sequence[Item]) -> list[str]:
+    """Names of all keys, strongest first."""
+    rank: dict[str, int] = {}
+    for item in items:
+        for position, (name, _) in enumerate(item.keys):
+            rank[name] = max(rank.get(name, 0), position)
+    return sorted(rank, key=rank.__getitem__)
+
+
+def _key(item: Item, name: str) -> Hashable | None:
+    return next(((item.tag, value) for key, value in item.keys if key == name), None)
+
+
+def _pair_group(left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair) -> None:
+    """Pair items that differ in content only."""
+    if len(lefts) == len(rights) == 1:
+        pair(lefts[0], rights[0])
+        return
+    if left[lefts[0]].exact is None or right[rights[0]].exact is None:
+        _pair_alike(left, right, lefts, rights, pair)
+        return
+    equal = SequenceMatcher(None, [left[i].exact for i in lefts], [right[j].exact for j in rights], autojunk=False)
+    for operation, i1, i2, j1, j2 in equal.get_opcodes():
+        if operation == "equal":
+            for i, j in zip(lefts[i1:i2], rights[j1:j2], strict=True):
+                pair(i, j)
+        elif operation == "replace":
+            _pair_alike(left, right, lefts[i1:i2], rights[j1:j2], pair)
+
+
+def _pair_alike(left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair) -> None:
+    """Pair in order: all if their number is the same, else so that the pairs are as alike as can be."""
+    if len(lefts) == len(rights) or len(lefts) * len(rights) > _MAX_PAIRS:
+        for i, j in zip(lefts, rights, strict=False):
+            pair(i, j)
+        return
+    rows, columns = len(lefts), len(rights)
+    # A pair is worth a little even if nothing is alike: the shorter side is matched completely.
+    worth = [[0.01 + similarity(left[i], right[j]) for j in rights] for i in lefts]
+    best = [[0.0] * (columns + 1) for _ in range(rows + 1)]
+    for r in range(rows - 1, -1, -1):
+        for c in range(columns - 1, -1, -1):
+            best[r][c] = max(best[r + 1][c], best[r][c + 1], best[r + 1][c + 1] + worth[r][c])
+    r = c = 0
+    while r < rows and c < columns:
+        if best[r][c] == best[r + 1][c + 1] + worth[r][c]:
+            pair(lefts[r], rights[c])
+            r, c = r + 1, c + 1
+        elif best[r][c] == best[r + 1][c]:
+            r += 1
+        else:
+            c += 1
+
+
+def _between_neighbours(
+    left: Sequence[Item], right: Sequence[Item], pair: _Pair, matches: Sequence[int | None], free: Sequence[bool]
+) -> None:
+    """Pair what has other keys now (renamed, renumbered) but stands between the same neighbours and is alike."""
+    waiting: defaultdict[str, list[int]] = defaultdict(list)
+    for i, item in enumerate(left):
+        if free[i]:
+            waiting[item.tag].append(i)
+    if not waiting:
+        return
+    above: list[int] = [len(left)] * (len(right) + 1)
+    for j in range(len(right) - 1, -1, -1):
+        known = matches[j]
+        above[j] = above[j + 1] if known is None else known
+    low = -1
+    for j, item in enumerate(right):
+        known = matches[j]
+        if known is not None:
+            low = known
+            continue
+        high = above[j + 1]
+        candidates = [i for i in waiting[item.tag] if low < i < high or high <= low]
+        found = next((i for i in candidates if _renamed(left[i], item)), None)
+        if found is not None:
+            pair(found, j)
+            low = found
+            waiting[item.tag].remove(found)
+
+
+def _renamed(left: Item, right: Item) -> bool:
+    """Whether two items with different strongest keys can be the same thing."""
+    ours, theirs = dict(left.keys), dict(right.keys)
+    both = ours.keys() & theirs.keys()
+    if any(ours[name] == theirs[name] for name in both):
+        return True
+    if len(both) > 1:
+        return False
+    return similarity(left, right) >= _ALIKE
+
+
+def longest_rising(numbers: Sequence[int]) -> set[int]:
+    """Indices of a longest rising subsequence: what stays in place when a list was reordered."""
+    tails: list[int] = []
+    ends: list[int] = []
+    previous: list[int] = []
+    for index, number in enumerate(numbers):
+        place = bisect_left(tails, number)
+        previous.append(ends[place - 1] if place else -1)
+        tails[place : place + 1] = [number]
+        ends[place : place + 1] = [index]
+    chosen: set[int] = set()
+    index = ends[-1] if ends else -1
+    while index >= 0:
+        chosen.add(index)
+        index = previous[index]
+    return chosen

@@ -1,0 +1,204 @@
+"""New pieces of XML in the handwriting of the file that they go into."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias, cast
+
+from lxml import etree
+
+from plcopen_sfc.formats.xml.escaping import Habits, escape_attribute, escape_text
+from plcopen_sfc.formats.xml.tokens import COMMENT, INSTRUCTION, XML_NAMESPACE, Node, SourceTree
+
+__all__ = ["Fragments", "Handwriting", "Reuse", "is_mixed", "kind_of", "nodes_of", "qualified_name"]
+
+_XML_SPACE = f"{{{XML_NAMESPACE}}}space"
+
+
+def kind_of(element: etree._Element) -> str:
+    """The tag of an element; `COMMENT` or `INSTRUCTION` for those."""
+    tag = cast("object", element.tag)
+    if isinstance(tag, str):
+        return tag
+    return COMMENT if tag is etree.Comment else INSTRUCTION
+
+
+def nodes_of(element: etree._Element) -> list[etree._Element]:
+    """Child elements, comments and processing instructions."""
+    return list(element)
+
+
+def is_mixed(element: etree._Element) -> bool:
+    """Whether text stands beside other nodes in an element, so that its white space counts."""
+    if len(element) == 0:
+        return False
+    if element.get(_XML_SPACE) == "preserve":
+        return True
+    return bool((element.text or "").strip()) or any((child.tail or "").strip() for child in element)
+
+
+class Handwriting:
+    """How a file is written, as far as new pieces of it need to know."""
+
+    def __init__(self, tree: SourceTree) -> None:
+        self.tree = tree
+        text = tree.text
+        self.newline = tree.newline
+        self.quote = "'" if text.count("='") > text.count('="') else '"'
+        # An escaped ">" is a habit of writers; without any to be seen, escape: it is right everywhere.
+        self.habits = Habits("", newline=self.newline)
+        self._collapses = "/>" in text or "></" not in text
+        self._unit: str | None = None
+
+    def empty_end(self, position: int) -> str | None:
+        """How an empty element ends near `position`, "/>" or " />"; None where the file writes `<a></a>`."""
+        if not self._collapses:
+            return None
+        text = self.tree.text
+        found = text.rfind("/>", 0, position)
+        if found < 0:
+            found = text.find("/>", position)
+        if found < 0:
+            return " />"
+        return " />" if text[found - 1] in " \t\r\n" else "/>"
+
+    def unit(self, node: Node) -> str:
+        """What one level of indentation is, near `node`."""
+        here: Node | None = node
+        while here is not None:
+            step = self._step(here)
+            if step:
+                return step
+            here = here.parent
+        if self._unit is None:
+            self._unit = self._first_step(self.tree.root) or "  "
+        return self._unit
+
+    def _step(self, parent: Node) -> str | None:
+        outer = self.tree.line_indent(parent)
+        if outer is None:
+            return None
+        for child in parent.children[:8]:
+            inner = self.tree.line_indent(child) if child.is_element else None
+            if inner is not None and len(inner) > len(outer) and inner.startswith(outer):
+                return inner[len(outer) :]
+        return None
+
+    def _first_step(self, root: Node) -> str | None:
+        waiting = [root]
+        for node in waiting:
+            if step := self._step(node):
+                return step
+            waiting += node.children[:20]
+            if len(waiting) > 500:
+                break
+        return None
+
+    def child_indent(self, parent: Node) -> str | None:
+        """The indentation of the children of `parent`; None where they stand in one line with it."""
+        for child in parent.children:
+            indent = self.tree.line_indent(child)
+            if indent is not None:
+                return indent
+        if parent.children:
+            return None
+        outer = self.tree.line_indent(parent)
+        if outer is None or "\n" not in self.tree.text[parent.start :] + "\n" * (parent.parent is not None):
+            return None
+        return outer + self.unit(parent)
+
+
+Reuse: TypeAlias = Callable[[etree._Element, Mapping[str, str], str | None], str | None]
+"""Gives the source text of an element that was only moved here; None for one that is new."""
+
+
+class Fragments:
+    """Writes elements that the source does not have yet."""
+
+    def __init__(self, writing: Handwriting, reuse: Reuse) -> None:
+        self._writing = writing
+        self._reuse = reuse
+
+    def render(
+        self,
+        element: etree._Element,
+        scope: Mapping[str, str],
+        indent: str | None,
+        unit: str,
+        empty_end: str | None,
+    ) -> str:
+        """`element` as text, from its first `<`; its children on lines of their own unless `indent` is None."""
+        if (moved := self._reuse(element, scope, indent)) is not None:
+            return moved
+        if not isinstance(cast("object", element.tag), str):
+            return etree.tostring(element, encoding="unicode", with_tail=False)
+        scope = dict(scope)
+        declared: dict[str, str] = {}
+        name = qualified_name(element.tag, scope, declared, element.nsmap)
+        tag = [name]
+        for key, value in element.attrib.items():
+            written = qualified_name(str(key), scope, declared, element.nsmap, attribute=True)
+            tag.append(self.attribute(written, str(value)))
+        tag[1:1] = [self.attribute(f"xmlns:{prefix}" if prefix else "xmlns", uri) for prefix, uri in declared.items()]
+        head = " ".join(tag)
+        inner = self._content(element, scope, indent, unit, empty_end)
+        if inner:
+            return f"<{head}>{inner}</{name}>"
+        return f"<{head}></{name}>" if empty_end is None else f"<{head}{empty_end}"
+
+    def _content(
+        self, element: etree._Element, scope: Mapping[str, str], indent: str | None, unit: str, empty_end: str | None
+    ) -> str:
+        habits = self._writing.habits
+        children = nodes_of(element)
+        if not children:
+            return escape_text(element.text or "", habits)
+        if is_mixed(element):
+            parts = [escape_text(element.text or "", habits)]
+            for child in children:
+                parts += [
+                    self.render(child, scope, None, unit, empty_end),
+                    escape_text(child.tail or "", habits),
+                ]
+            return "".join(parts)
+        if indent is None:
+            return "".join(self.render(child, scope, None, unit, empty_end) for child in children)
+        lines = [self.render(child, scope, indent + unit, unit, empty_end) for child in children]
+        newline = self._writing.newline
+        return "".join(f"{newline}{indent}{unit}{line}" for line in lines) + newline + indent
+
+    def attribute(self, name: str, value: str) -> str:
+        """`name="value"`."""
+        quote = self._writing.quote
+        return f"{name}={quote}{escape_attribute(value, quote, self._writing.habits)}{quote}"
+
+
+def qualified_name(
+    name: str,
+    scope: dict[str, str],
+    declared: dict[str, str],
+    hints: Mapping[str | None, str],
+    *,
+    attribute: bool = False,
+) -> str:
+    """`name` as written in `scope`; a namespace that is not in scope is put into `declared` (and `scope`).
+
+    `hints` are the prefixes that the tree uses; they are taken if they do not hide another namespace.
+    """
+    uri, _, local = name.rpartition("}")
+    uri = uri[1:]
+    if not uri:
+        if not attribute and scope.get(""):
+            scope[""] = declared[""] = ""
+        return local
+    for prefix, known in scope.items():
+        if known == uri and (prefix or not attribute):
+            return f"{prefix}:{local}" if prefix else local
+    prefix = next((hint or "" for hint, known in hints.items() if known == uri and (hint or not attribute)), "ns")
+    number = 0
+    base = prefix or "ns"
+    while prefix in scope and (prefix != "" or attribute):
+        number += 1
+        prefix = f"{base}{number}"
+    scope[prefix] = declared[prefix] = uri
+    return f"{prefix}:{local}" if prefix else local

@@ -1,0 +1,271 @@
+"""The source text as a tree of positions.
+
+lxml forgets how a file was written: quotes, CDATA, blanks inside tags, where exactly an element stands. This reads the
+same text once more with one regular expression and keeps nothing but positions; what is in a tag (attributes,
+namespaces) is looked at only for the few elements that somebody asks about.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.formats.xml.escaping import RawText
+
+__all__ = ["COMMENT", "INSTRUCTION", "Attribute", "Node", "PatchError", "Segment", "SourceTree"]
+
+COMMENT = "#comment"
+INSTRUCTION = "#instruction"
+XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
+
+
+class PatchError(SfcError):
+    """An edit could not be put into the source text. Nothing was written; this is an error of ours, not the user's."""
+
+
+class Node:
+    """An element, comment or processing instruction: `text[start:end]`.
+
+    `open_end` and `close_start` are the end of the start tag and the beginning of the end tag; for anything without
+    content, and for `<a/>`, both are `end`. `name` is the tag as written, or `COMMENT` or `INSTRUCTION`.
+    """
+
+    __slots__ = ("attributes", "children", "close_start", "declared", "end", "name", "open_end", "parent", "start")
+
+    def __init__(self, name: str, start: int, open_end: int, parent: Node | None) -> None:
+        self.name = name
+        self.start = start
+        self.open_end = self.close_start = self.end = open_end
+        self.parent = parent
+        self.children: list[Node] = []
+        self.attributes: list[Attribute] | None = None
+        self.declared: dict[str, str] | None = None
+
+    @property
+    def is_element(self) -> bool:
+        """Whether this is an element."""
+        return not self.name.startswith("#")
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether this is written as one tag, `<a/>`."""
+        return self.open_end == self.end
+
+
+@dataclass(frozen=True, slots=True)
+class Attribute:
+    """An attribute as written: `text[start:end]` with the blanks before it from `blank`, its value between quotes."""
+
+    name: str
+    blank: int
+    start: int
+    value_start: int
+    value_end: int
+
+    @property
+    def end(self) -> int:
+        """Behind the closing quote."""
+        return self.value_end + 1
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A piece of character data: `text[start:end]`; in a CDATA section, `outer_*` include its marks."""
+
+    cdata: bool
+    start: int
+    end: int
+    outer_start: int
+    outer_end: int
+
+
+_TOKEN = re.compile(
+    r"""<(?:(?P<close>/)[^>]*+>|(?P<comment>!--).*?-->|(?P<cdata>!\[CDATA\[).*?\]\]>|(?P<pi>\?).*?\?>"""
+    r"""|(?P<open>[^\s/>!?]++)[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>)""",
+    re.DOTALL,
+)
+_PROLOG = re.compile(
+    r"""(?:\s++|<\?.*?\?>|<!--.*?-->|<!DOCTYPE(?:[^\[>"']|"[^"]*"|'[^']*'|\[.*?\]\s*(?=>))*>)*+""", re.DOTALL
+)
+_ATTRIBUTE = re.compile(r"""(\s+)([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+_BLANKS = " \t"
+
+
+class SourceTree:
+    """The positions of everything in one source text."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.newline = "\r\n" if "\r\n" in text else "\n"
+        self.root = self._read()
+
+    def _read(self) -> Node:
+        prolog = _PROLOG.match(self.text)
+        text = self.text
+        top = Node("", 0, 0, None)
+        current = top
+        for token in _TOKEN.finditer(text, prolog.end() if prolog else 0):
+            kind = token.lastgroup
+            end = token.end()
+            if kind == "open":
+                node = Node(token["open"], token.start(), end, current)
+                current.children.append(node)
+                if text[end - 2] != "/":
+                    current = node
+            elif kind == "close":
+                current.close_start = token.start()
+                current.end = end
+                if current.parent is None:
+                    break
+                current = current.parent
+            elif kind != "cdata":
+                name = COMMENT if kind == "comment" else INSTRUCTION
+                current.children.append(Node(name, token.start(), end, current))
+        root = next((child for child in top.children if child.is_element), None)
+        if current is not top or root is None:
+            raise PatchError("the source text is not well-formed")
+        root.parent = None
+        return root
+
+    # What is in a tag
+
+    def attributes(self, node: Node) -> list[Attribute]:
+        """Attributes in the order written, namespace declarations among them."""
+        if node.attributes is None:
+            node.attributes = []
+            if node.is_element:
+                for found in _ATTRIBUTE.finditer(self.text, self.name_end(node), node.open_end):
+                    group = 3 if found[3] is not None else 4
+                    node.attributes.append(
+                        Attribute(found[2], found.start(), found.start(2), found.start(group), found.end(group))
+                    )
+        return node.attributes
+
+    def name_end(self, node: Node) -> int:
+        """Behind the name in the start tag."""
+        return node.start + 1 + len(node.name)
+
+    def tag_end(self, node: Node) -> int:
+        """Behind the last attribute (or the name) in the start tag."""
+        attributes = self.attributes(node)
+        return attributes[-1].end if attributes else self.name_end(node)
+
+    def value(self, attribute: Attribute) -> str:
+        """The value of an attribute, as a parser reports it."""
+        return RawText(self.text[attribute.value_start : attribute.value_end], attribute=True).value
+
+    def declared(self, node: Node) -> dict[str, str]:
+        """Namespaces declared in this start tag, by prefix ("" is the default namespace)."""
+        if node.declared is None:
+            node.declared = {}
+            if self.text.find("xmlns", node.start, node.open_end) >= 0:
+                for attribute in self.attributes(node):
+                    if attribute.name == "xmlns" or attribute.name.startswith("xmlns:"):
+                        node.declared[attribute.name[6:]] = self.value(attribute)
+        return node.declared
+
+    def scope(self, node: Node | None) -> dict[str, str]:
+        """All namespaces in scope inside `node`, by prefix."""
+        chain: list[dict[str, str]] = []
+        while node is not None:
+            chain.append(self.declared(node))
+            node = node.parent
+        scope = {"xml": XML_NAMESPACE}
+        for declared in reversed(chain):
+            scope.update(declared)
+        return scope
+
+    def namespace(self, node: Node, prefix: str) -> str:
+        """The namespace that `prefix` stands for in `node`; "" for none."""
+        here: Node | None = node
+        while here is not None:
+            found = self.declared(here).get(prefix)
+            if found is not None:
+                return found
+            here = here.parent
+        return XML_NAMESPACE if prefix == "xml" else ""
+
+    def tag(self, node: Node) -> str:
+        """The tag as lxml names it, `{namespace}local`; `COMMENT` or `INSTRUCTION`."""
+        if not node.is_element:
+            return node.name
+        prefix, _, local = node.name.rpartition(":")
+        uri = self.namespace(node, prefix)
+        return f"{{{uri}}}{local}" if uri else local
+
+    def named_attributes(self, node: Node) -> dict[str, Attribute]:
+        """Attributes by the name that lxml gives them, without namespace declarations."""
+        found: dict[str, Attribute] = {}
+        for attribute in self.attributes(node):
+            prefix, _, local = attribute.name.rpartition(":")
+            if prefix == "xmlns" or attribute.name == "xmlns":
+                continue
+            found[f"{{{self.namespace(node, prefix)}}}{local}" if prefix else local] = attribute
+        return found
+
+    # What is between tags
+
+    def segments(self, start: int, end: int) -> list[Segment]:
+        """Character data between two positions that have no tags between them."""
+        found: list[Segment] = []
+        text = self.text
+        while start < end:
+            mark = text.find("<![CDATA[", start, end)
+            stop = end if mark < 0 else mark
+            if stop > start:
+                found.append(Segment(False, start, stop, start, stop))
+            if mark < 0:
+                break
+            close = text.index("]]>", mark, end)
+            found.append(Segment(True, mark + 9, close, mark, close + 3))
+            start = close + 3
+        return found
+
+    def raw(self, segment: Segment) -> RawText:
+        """The segment's characters and their meaning."""
+        return RawText(self.text[segment.start : segment.end], cdata=segment.cdata)
+
+    def value_of(self, segments: list[Segment]) -> str:
+        """The text that some segments mean together."""
+        return "".join(self.raw(segment).value for segment in segments)
+
+    def content(self, node: Node) -> list[Segment]:
+        """All character data directly in an element."""
+        found: list[Segment] = []
+        position = node.open_end
+        for child in node.children:
+            found += self.segments(position, child.start)
+            position = child.end
+        return found + self.segments(position, node.close_start)
+
+    # How things stand on lines
+
+    def line_indent(self, node: Node) -> str | None:
+        """The blanks before a node that is the first on its line; None if something else stands before it."""
+        start = self.blank_before(node.start)
+        if start > 0 and self.text[start - 1] not in "\r\n":
+            return None
+        return self.text[start : node.start]
+
+    def blank_before(self, position: int) -> int:
+        """The first of the blanks that end at `position`."""
+        while position > 0 and self.text[position - 1] in _BLANKS:
+            position -= 1
+        return position
+
+    def blank_after(self, position: int) -> int:
+        """Behind the blanks that begin at `position`."""
+        while position < len(self.text) and self.text[position] in _BLANKS:
+            position += 1
+        return position
+
+    def own_lines(self, start: int, end: int) -> tuple[int, int] | None:
+        """`start` to `end` with the line end before and all blanks, if nothing else stands on these lines."""
+        first, last = self.blank_before(start), self.blank_after(end)
+        if first == 0 or self.text[first - 1] not in "\r\n":
+            return None
+        if last < len(self.text) and self.text[last] not in "\r\n":
+            return None
+        first -= 2 if self.text[max(first - 2, 0) : first] == "\r\n" else 1
+        return first, last
