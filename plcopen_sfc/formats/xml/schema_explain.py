@@ -1,0 +1,258 @@
+"""Why an element is invalid, in words that say what to do.
+
+libxml2 says where; here the element is looked at once more with the grammar in hand. Codes (docs/diagnostics.md):
+
+======  ==============================================================
+XSD002  an element that is unknown, or stands where it may not
+XSD003  an element is missing
+XSD004  an attribute is missing
+XSD005  an unknown attribute
+XSD006  the value of an attribute is not of its type
+XSD007  the text of an element is not of its type
+XSD008  text where only elements may stand, or nothing at all
+XSD009  an id that two elements have
+XSD019  anything else, in libxml2's words
+======  ==============================================================
+"""
+
+from __future__ import annotations
+
+import difflib
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.xml.schema_grammar import Grammar, Rejection, local_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+__all__ = ["Finding", "explain"]
+
+Finding = tuple[str, str, etree._Element]
+"""Code, message, and the element that it is about."""
+
+_XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
+_XHTML = "http://www.w3.org/1999/xhtml"
+_MANY = 12
+
+
+def explain(element: etree._Element, schema: str, fallback: str) -> list[Finding]:
+    """What is wrong with an element that libxml2 objected to; `fallback` are libxml2's words for it."""
+    grammar = Grammar.of(schema)
+    declaration = grammar.declaration(element)
+    found: list[Finding] = []
+    if declaration is not None:
+        found += _attributes(grammar, declaration, element)
+        found += _content(grammar, declaration, element)
+    parent = element.getparent()
+    if not found and parent is not None:
+        # libxml2 objects to the child; the reason is in the parent.
+        above = grammar.declaration(parent)
+        if above is not None:
+            found += _children(grammar, above, parent)
+    return found or [("XSD019", fallback, element)]
+
+
+# Attributes
+
+
+def _attributes(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Finding]:
+    declared: dict[str | None, Any] = dict(declaration.attributes)
+    tag = local_name(element.tag)
+    present = {str(name): str(value) for name, value in element.attrib.items()}
+    for name, attribute in declared.items():
+        if name is not None and attribute.use == "required" and name not in present:
+            near = _similar(name, (other for other in present if other not in declared))
+            message = f"<{tag}> has no {name}, which it must have: {grammar.kind(attribute.type)}"
+            if grammar.base(attribute.type) == "string" and not attribute.type.enumeration:
+                message = f"<{tag}> has no {name}, which it must have"
+            yield "XSD004", message + (f"; {near} may be meant for it" if near else ""), element
+    for name, value in present.items():
+        if name.startswith(_XSI):
+            continue
+        if name not in declared:
+            if None not in declared:
+                yield _unknown_attribute(tag, name, declared, element)
+            continue
+        simple_type = declared[name].type
+        if not grammar.accepts(simple_type, value):
+            yield "XSD006", _wrong_value(grammar, f"{name}={_quoted(value)} of <{tag}>", simple_type, value), element
+        elif grammar.base(simple_type) == "ID":
+            yield from _duplicate(tag, name, value, element)
+
+
+def _unknown_attribute(tag: str, name: str, declared: Iterable[str | None], element: etree._Element) -> Finding:
+    known = [other for other in declared if other is not None]
+    if name.startswith("{"):
+        message = f"<{tag}> has the foreign attribute {local_name(name)}, which this format does not allow"
+        return "XSD005", f"{message}; data of one's own belong into addData", element
+    message = f"<{tag}> has an unknown attribute {name}"
+    near = _similar(name, known)
+    if near:
+        return "XSD005", f"{message}; {near} may be meant", element
+    listed = f"it may have {_list(known)}" if known else "it may have none"
+    return "XSD005", f"{message}; {listed}", element
+
+
+def _duplicate(tag: str, name: str, value: str, element: etree._Element) -> Iterator[Finding]:
+    same = element.getroottree().xpath("//*[@*[local-name() = $name] = $value]", name=name, value=value)
+    others = [other for other in same if other is not element] if isinstance(same, list) else []
+    first = next((other for other in others if isinstance(other, etree._Element)), None)
+    if first is not None:
+        place = f"<{local_name(first.tag)}> in line {first.sourceline}"
+        yield "XSD009", f"{name}={_quoted(value)} of <{tag}> is also the {name} of {place}; ids must differ", element
+
+
+def _wrong_value(grammar: Grammar, what: str, simple_type: Any, value: str) -> str:
+    message = f"{what} must be {grammar.kind(simple_type)}"
+    better = _repaired(grammar, simple_type, value)
+    return f"{message}; write {_quoted(better)}" if better else message
+
+
+def _repaired(grammar: Grammar, simple_type: Any, value: str) -> str | None:
+    """The value that was most likely meant."""
+    candidates = [value.strip(), value.strip().replace(" ", "T", 1), value.lower(), value.upper()]
+    candidates += [str(known) for known in simple_type.enumeration or () if str(known).lower() == value.strip().lower()]
+    if grammar.base(simple_type) == "decimal":
+        candidates.append(value.replace(",", "."))
+    return next((better for better in candidates if better and grammar.accepts(simple_type, better)), None)
+
+
+# Content
+
+
+def _content(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Finding]:
+    tag = local_name(element.tag)
+    content = declaration.type
+    children = [child for child in element if isinstance(child.tag, str)]
+    if content.is_simple() or content.has_simple_content():
+        if children:
+            yield "XSD002", f"<{tag}> holds text only; no element may stand in it", children[0]
+            return
+        text = "".join(str(part) for part in element.itertext())
+        simple_type = content if content.is_simple() else content.content
+        if not grammar.accepts(simple_type, text):
+            yield "XSD007", _wrong_value(grammar, f"the text {_quoted(text)} of <{tag}>", simple_type, text), element
+        return
+    if content.mixed:
+        return
+    texts = [element.text, *(child.tail for child in element)]
+    text = " ".join(part.strip() for part in texts if part and part.strip())
+    empty = content.is_empty()
+    if text:
+        yield "XSD008", _stray_text(grammar, declaration, tag, text), element
+    elif empty and any(texts):
+        yield "XSD008", f"<{tag}> must be empty; not even blanks or line breaks may stand in it", element
+    if empty and children:
+        yield "XSD002", f"<{tag}> must be empty; <{local_name(children[0].tag)}> may not stand in it", children[0]
+    elif not empty and not (text and not children and _holds_xhtml(declaration)):
+        yield from _children(grammar, declaration, element)
+
+
+def _stray_text(grammar: Grammar, declaration: Any, tag: str, text: str) -> str:
+    message = f"text {_quoted(text)} stands directly in <{tag}>"
+    if _holds_xhtml(declaration):
+        return f'{message}; it belongs into an element of XHTML: <{tag}><xhtml xmlns="{_XHTML}">...</xhtml></{tag}>'
+    known = grammar.children(declaration)
+    return f"{message}, where only elements may stand" + (f": {_list(known)}" if known else "")
+
+
+def _holds_xhtml(declaration: Any) -> bool:
+    content = declaration.type.content
+    particles = list(content.iter_elements()) if hasattr(content, "iter_elements") else []
+    return len(particles) == 1 and particles[0].name is None and _XHTML in (particles[0].namespace or ())
+
+
+def _children(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Finding]:
+    rejection = grammar.rejection(declaration, element)
+    if rejection is None:
+        return
+    tag = local_name(element.tag)
+    if _holds_xhtml(declaration):
+        yield from _xhtml(tag, rejection, element)
+    elif rejection.child is None:
+        names = rejection.required or rejection.expected
+        yield "XSD003", f"{_missing(names, grammar.children(declaration))} in <{tag}>", element
+    else:
+        yield _misplaced(grammar.children(declaration), element, rejection.child, rejection)
+
+
+def _xhtml(tag: str, rejection: Rejection, element: etree._Element) -> Iterator[Finding]:
+    form = f'<{tag}><xhtml xmlns="{_XHTML}">...</xhtml></{tag}>'
+    if rejection.child is None:
+        yield "XSD003", f"<{tag}> is empty; it must hold one element of XHTML: {form}", element
+    elif etree.QName(rejection.child).namespace == _XHTML:
+        yield "XSD002", f"<{tag}> holds more than one element; put all into one: {form}", rejection.child
+    else:
+        child = local_name(rejection.child.tag)
+        yield "XSD002", f"<{child}> may not stand in <{tag}>, only one element of XHTML: {form}", rejection.child
+
+
+def _misplaced(known: list[str], element: etree._Element, child: etree._Element, rejection: Rejection) -> Finding:
+    """A child that stops the sequence: unknown, once too often, out of order, or something before it is missing."""
+    tag, name = local_name(element.tag), local_name(child.tag)
+    if child.tag not in known:
+        return "XSD002", _unknown_child(tag, child, known, rejection), child
+    order = {each: number for number, each in enumerate(known)}
+    own = order[str(child.tag)]
+    before = next((each for each in child.itersiblings(preceding=True) if isinstance(each.tag, str)), None)
+    reached = -1 if before is None else order.get(str(before.tag), -1)
+    if reached == own or (reached > own and any(child.itersiblings(child.tag, preceding=True))):
+        return "XSD002", f"a second <{name}> in <{tag}>; only one may stand there", child
+    if before is not None and reached > own:
+        return "XSD002", f"<{name}> stands too late in <{tag}>: it must come before <{local_name(before.tag)}>", child
+    missing = [each for each in rejection.required or rejection.expected if order.get(each, own) != own]
+    if not missing:
+        excludes = f"; <{local_name(before.tag)}> excludes it" if before is not None else ""
+        return "XSD002", f"<{name}> may not stand here in <{tag}>{excludes}", child
+    if {each.tag for each in child.itersiblings()}.isdisjoint(missing):
+        return "XSD003", f"{_missing(missing, known)} in <{tag}>, before <{name}>", child
+    return "XSD002", f"<{name}> stands too early in <{tag}>: {_list(missing)} must come first", child
+
+
+def _unknown_child(tag: str, child: etree._Element, known: list[str], rejection: Rejection) -> str:
+    name = local_name(child.tag)
+    namesake = next((each for each in known if local_name(each) == name), None)
+    if namesake is not None:
+        theirs, ours = etree.QName(child).namespace or "none", etree.QName(namesake).namespace or "none"
+        return f"<{name}> in <{tag}> is in the wrong namespace: {theirs} instead of {ours}"
+    message = f"<{tag}> knows no <{name}>"
+    near = _similar(name, (local_name(each) for each in known))
+    if near:
+        return f"{message}; <{near}> may be meant"
+    if not known:
+        return f"{message}; it must be empty"
+    return f"{message}; expected here: {_list(rejection.expected or known)}"
+
+
+def _missing(names: Iterable[str], known: list[str]) -> str:
+    listed = list(names) or known
+    if len(listed) == 1:
+        return f"<{local_name(listed[0])}> is missing"
+    return f"one of {_list(listed)} is missing"
+
+
+# Words
+
+
+def _similar(name: str, candidates: Iterable[str]) -> str | None:
+    by_lower = {candidate.lower(): candidate for candidate in candidates}
+    for lower, candidate in by_lower.items():
+        if len(lower) > 3 and (lower.startswith(name.lower()) or name.lower().startswith(lower)):
+            return candidate
+    near = difflib.get_close_matches(name.lower(), by_lower, n=1, cutoff=0.75)
+    return by_lower[near[0]] if near else None
+
+
+def _list(names: Iterable[str]) -> str:
+    plain = [local_name(name) for name in names]
+    if len(plain) > _MANY:
+        return ", ".join(plain[:_MANY]) + f" and {len(plain) - _MANY} more"
+    return ", ".join(plain)
+
+
+def _quoted(text: str) -> str:
+    short = " ".join(text.split(" "))
+    short = short if len(short) <= 60 else short[:57] + "..."
+    return '"' + short.replace("\n", "\\n") + '"'
