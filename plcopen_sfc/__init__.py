@@ -1,1 +1,72 @@
-"""Sequential function charts: one typed model, lossless files."""
+"""Sequential function charts (IEC 61131-3 SFC, GRAFCET, S7-GRAPH): one typed model, lossless files.
+
+    import plcopen_sfc as sfc
+
+    project = sfc.load("line24.xml")
+    project.pou("Main").sfc.rename_step("S3", "Wait")
+    sfc.save(project, "line24.xml")
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from plcopen_sfc.version import __version__
+
+if TYPE_CHECKING:
+    from plcopen_sfc.api import convert, dumps, load, loads, save
+    from plcopen_sfc.diagnostics import Diagnostic, Severity
+    from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, SfcError
+    from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
+    from plcopen_sfc.report import ConversionReport, Fate
+
+_HOMES = {
+    "convert": "api",
+    "dumps": "api",
+    "load": "api",
+    "loads": "api",
+    "save": "api",
+    "Diagnostic": "diagnostics",
+    "Severity": "diagnostics",
+    "FormatError": "errors",
+    "Location": "errors",
+    "LossError": "errors",
+    "ModelError": "errors",
+    "SfcError": "errors",
+    "Project": "model",
+    "SfcNetwork": "model",
+    "Step": "model",
+    "Transition": "model",
+    "ConversionReport": "report",
+    "Fate": "report",
+}
+
+__all__ = [
+    "ConversionReport",
+    "Diagnostic",
+    "Fate",
+    "FormatError",
+    "Location",
+    "LossError",
+    "ModelError",
+    "Project",
+    "Severity",
+    "SfcError",
+    "SfcNetwork",
+    "Step",
+    "Transition",
+    "__version__",
+    "convert",
+    "dumps",
+    "load",
+    "loads",
+    "save",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for when it is asked for: the version and the errors cost no model."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'plcopen_sfc' has no attribute {name!r}")
+    return getattr(import_module(f"plcopen_sfc.{_HOMES[name]}"), name)

@@ -141,7 +141,7 @@ def write_configuration(
 
 
 def write_resource(
-    ctx: WriteContext, parent: etree._Element, resource: Resource, place: str, project: Project
+    ctx: WriteContext, parent: etree._Element, resource: Resource, place: str
 ) -> None:
     """Write ``resource``. `place` is what the POUs that belong into it say of where they stand."""
     element = sub(ctx, parent, "resource", {"name": resource.name})

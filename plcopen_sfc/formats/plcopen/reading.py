@@ -92,8 +92,23 @@ def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
 
 
 def markup(element: etree._Element) -> str:
-    """`element` as text, with the namespaces it needs and without what follows it."""
-    return etree.tostring(element, encoding="unicode", with_tail=False)
+    """`element` as text, with the namespaces it needs and no others, without what follows it.
+
+    The form is canonical, so that the same content is the same text wherever it stands.
+    """
+    prefixes = [prefix for prefix in element.nsmap if prefix]
+    if prefixes:
+        # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
+        plain = etree.tostring(element, encoding="unicode", with_tail=False)
+        prefixes = [prefix for prefix in prefixes if f'"{prefix}:' in plain or f">{prefix}:" in plain]
+    text: bytes = etree.tostring(
+        element, method="c14n", exclusive=True, with_tail=False, inclusive_ns_prefixes=prefixes or None
+    )
+    name = etree.QName(element)
+    if name.namespace is None:
+        # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
+        return f"<{name.localname} xmlns=\"\"" + text.decode().removeprefix(f"<{name.localname}")
+    return text.decode()
 
 
 def carry_element(ctx: ReadContext, fields: Fields, element: etree._Element) -> None:

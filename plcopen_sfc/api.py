@@ -1,0 +1,156 @@
+"""Loading and saving: the functions that scripts call."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+from typing import BinaryIO
+
+from plcopen_sfc.errors import LossError, SfcError, UnknownFormatError
+from plcopen_sfc.files import read_bytes, write_atomic
+from plcopen_sfc.formats.base import DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
+from plcopen_sfc.model.project import Origin, Project
+from plcopen_sfc.report import ConversionReport
+
+Source = str | os.PathLike[str] | BinaryIO
+
+
+def load(source: Source, *, format: str | None = None) -> Project:  # noqa: A002  # the word that users look for
+    """Load a project from a path or a binary file.
+
+    The format is recognised from the content; `format` insists on one. Charts that are wrong are loaded too; what is
+    wrong with them is in `Project.diagnostics`. Raises `FileAccessError` or `FormatError`.
+    """
+    if isinstance(source, str | os.PathLike):
+        path = os.fspath(source)
+        return loads(read_bytes(path), format=format, path=path)
+    return loads(source.read(), format=format, path=getattr(source, "name", None))
+
+
+def loads(data: bytes, *, format: str | None = None, path: str | None = None) -> Project:  # noqa: A002
+    """Load a project from bytes. `path` is what messages call them."""
+    kind = format_named(format)[0] if format is not None else recognise(data, file=path)
+    try:
+        project, diagnostics = kind.codec().read(data, file=path)
+    except SfcError as error:
+        raise error.at(path) if path is not None else error
+    project._origin = Origin(kind.name, data, fingerprint(project), path, tuple(diagnostics))
+    return project
+
+
+def save(
+    project: Project,
+    target: str | os.PathLike[str] | BinaryIO,
+    *,
+    format: str | None = None,  # noqa: A002
+    flavour: str = "",
+    strict: bool = False,
+    fresh: bool = False,
+) -> ConversionReport:
+    """Save a project to a path or a binary file; returns what became of each item.
+
+    Saved in the format it was loaded from, the file is what was read with just the edits in it. `format` converts to
+    another (see `plcopen-sfc formats`), `flavour` writes for a family of readers (``beremiz``), `fresh` writes from the
+    model alone. With `strict` a conversion that would drop or approximate anything raises `LossError` and writes
+    nothing. A path is written to a temporary file and renamed: the old file stays whole whatever happens.
+    """
+    is_path = isinstance(target, str | os.PathLike)
+    name = format or _format_for(project, Path(os.fspath(target)) if isinstance(target, str | os.PathLike) else None)
+    data, report = _encode(project, name, flavour=flavour, fresh=fresh)
+    if strict and report.losses:
+        first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in report.losses[:3])
+        raise LossError(f"{len(report.losses)} items would be lost or changed: {first}", hint="Nothing was written.")
+    if is_path:
+        path = os.fspath(target)
+        write_atomic(path, data)
+        report.written.append(path)
+    else:
+        target.write(data)  # type: ignore[union-attr]  # narrowed by is_path
+    return report
+
+
+def dumps(project: Project, *, format: str | None = None, flavour: str = "", fresh: bool = False) -> bytes:  # noqa: A002
+    """The bytes that `save` would write."""
+    return _encode(project, format or _format_for(project, None), flavour=flavour, fresh=fresh)[0]
+
+
+def convert(
+    project: Project,
+    format: str,  # noqa: A002
+    *,
+    flavour: str = "",
+) -> tuple[bytes, ConversionReport]:
+    """The bytes of `project` in another format, and the report."""
+    return _encode(project, format, flavour=flavour, fresh=False)
+
+
+def fingerprint(project: Project) -> bytes:
+    """A digest of everything in the model, to tell whether it was edited."""
+    return hashlib.blake2b(project.__pydantic_serializer__.to_json(project, exclude_none=True)).digest()
+
+
+def _format_for(project: Project, path: Path | None) -> str:
+    if project._origin is not None:
+        return project._origin.format
+    if path is not None:
+        by_extension = [f.name for f in FORMATS if path.suffix.lower() in f.extensions]
+        if len(by_extension) == 1:
+            return by_extension[0]
+    raise UnknownFormatError(
+        "say in which format to save: the project was not loaded from a file", hint='For example format="plcopen".'
+    )
+
+
+def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[bytes, ConversionReport]:
+    kind, version = format_named(name)
+    if flavour and flavour not in kind.flavours:
+        known = ", ".join(kind.flavours) or "none"
+        raise UnknownFormatError(f"format {kind.name} has no flavour {flavour!r}", hint=f"Flavours are: {known}")
+    origin = project._origin
+    report = ConversionReport(origin.format if origin is not None else "", name)
+    same = origin is not None and origin.format == kind.name and not flavour
+    if same and origin is not None and kind.name == "plcopen":
+        own = kind.codec().version_in(origin.content)
+        same = version in ("", own)
+        version = version or own
+    if same and origin is not None and not fresh:
+        if fingerprint(project) == origin.fingerprint:
+            report.unchanged = True
+            return origin.content, report
+        if kind.xml:
+            return _patched(project, kind, WriteOptions(version), report), report
+    options = WriteOptions(version, flavour)
+    return kind.codec().write(_prepared(project, kind, options), options, report), report
+
+
+def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
+    """A copy of `project` with the drawings that the writer needs."""
+    if kind.drawing is DrawingNeed.NONE:
+        return project
+    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
+
+    copy = project.model_copy(deep=True)
+    plain = bool(options.flavour)
+    style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    prepare(copy, style, positions=kind.positions, anew=plain)
+    return copy
+
+
+def _patched(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> bytes:
+    """The file that was read with the edits in it."""
+    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.patch import patch  # noqa: PLC0415
+
+    origin = project._origin
+    assert origin is not None  # noqa: S101  # the caller has looked
+    codec = kind.codec()
+    before: Project = codec.read(origin.content).project
+    style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    prepare(project, style, positions=False)
+    return patch(
+        origin.content,
+        codec.to_tree(before, options, ConversionReport()),
+        codec.to_tree(project, options, report),
+    )

@@ -1,0 +1,85 @@
+"""What a file format is to the rest of the package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from lxml import etree
+
+    from plcopen_sfc.diagnostics import Diagnostic
+    from plcopen_sfc.formats.xml.writing import XmlStyle
+    from plcopen_sfc.model.project import Project
+    from plcopen_sfc.report import ConversionReport
+
+
+class Reading(NamedTuple):
+    """A project that was read, and what there is to say about its file."""
+
+    project: Project
+    diagnostics: list[Diagnostic]
+
+
+class DrawingNeed(StrEnum):
+    """What drawing of a chart a writer needs."""
+
+    NONE = "none"
+    PLAIN = "plain"
+    STRUCTURED = "structured"
+
+
+@dataclass(frozen=True)
+class WriteOptions:
+    """How to write: the `version` of the format and the `flavour` of a family of readers (``beremiz``). Empty: usual."""
+
+    version: str = ""
+    flavour: str = ""
+
+
+class Codec(Protocol):
+    """The module of a format. One that does not write has no ``write``."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+        """Read a file. Raises `FormatError`."""
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a file anew."""
+
+
+class XmlCodec(Codec, Protocol):
+    """The module of an XML format, whose files can be patched."""
+
+    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+        """The tree of the file."""
+
+    def style(self, project: Project, options: WriteOptions) -> XmlStyle:
+        """How the tool writes XML."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format in the table of formats.
+
+    `module` is imported when the format is used. `recognises` looks at the start of a file (see `formats.registry.Head`).
+    `capabilities` are for people: what charts keep in this format in its own terms.
+    """
+
+    name: str
+    title: str
+    module: str
+    extensions: tuple[str, ...]
+    recognises: Callable[[Any], bool]
+    capabilities: tuple[str, ...] = field(default=())
+    versions: tuple[str, ...] = field(default=())
+    flavours: tuple[str, ...] = field(default=())
+    xml: bool = False
+    drawing: DrawingNeed = DrawingNeed.NONE
+    positions: bool = False
+
+    def codec(self) -> Any:
+        """The module that reads and writes it."""
+        return import_module(self.module)

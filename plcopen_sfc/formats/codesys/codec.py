@@ -1,0 +1,42 @@
+"""CODESYS and TwinCAT PLCopenXML: read, write, and the tree for patching."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.codesys import names
+from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
+from plcopen_sfc.formats.codesys.dialect import CODESYS
+from plcopen_sfc.formats.plcopen.loading import load
+from plcopen_sfc.formats.plcopen.project_writer import write_project
+from plcopen_sfc.formats.xml import writing
+from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport
+
+
+def read(data: bytes, *, file: str | None = None) -> Reading:
+    """Read an export. Raises `FormatError`."""
+    return load(
+        data,
+        file=file,
+        data_readers=DATA_READERS,
+        usual_text_element=names.XHTML_CHILD,
+        finish_chart=finish_chart,
+    )
+
+
+def to_tree(project: Project, _options: WriteOptions, report: ConversionReport) -> etree._Element:
+    """The tree of the export for `project`."""
+    return write_project(project, CODESYS, report)
+
+
+def style(_project: Project, _options: WriteOptions) -> XmlStyle:
+    """As both tools write: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""
+    return XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
+
+
+def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+    """Write an export anew."""
+    return writing.write(to_tree(project, options, report), style(project, options))

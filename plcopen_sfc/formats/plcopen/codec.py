@@ -1,0 +1,44 @@
+"""PLCopen TC6 XML: read, write, and the tree for patching."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.plcopen.loading import load
+from plcopen_sfc.formats.plcopen.project_writer import write_project
+from plcopen_sfc.formats.plcopen.versions import V2_01, version_named
+from plcopen_sfc.formats.plcopen.writing import Dialect
+from plcopen_sfc.formats.xml import writing
+from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport
+
+
+def read(data: bytes, *, file: str | None = None) -> Reading:
+    """Read a file of any TC6 version. Raises `FormatError`."""
+    return load(data, file=file)
+
+
+def version_in(data: bytes) -> str:
+    """The version that the file `data` has, by its namespace."""
+    from plcopen_sfc.formats.plcopen.project_reader import find_version  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.source import parse  # noqa: PLC0415
+
+    return find_version(parse(data)).name
+
+
+def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+    """The tree of the file for `project`."""
+    version = version_named(options.version) or V2_01
+    return write_project(project, Dialect(version), report)
+
+
+def style(_project: Project, _options: WriteOptions) -> XmlStyle:
+    """As Beremiz and OpenPLC write: UTF-8 without a mark, LF, two blanks, ``<a/>``."""
+    return XmlStyle(encoding="utf-8", newline="\n", self_closing="/>", final_newline=True)
+
+
+def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+    """Write a file anew."""
+    return writing.write(to_tree(project, options, report), style(project, options))

@@ -1,0 +1,126 @@
+"""The table of formats, and recognising a file by its content."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from plcopen_sfc.errors import Location, UnknownFormatError
+from plcopen_sfc.formats.base import DrawingNeed, Format
+
+_ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
+_HEAD = 65536
+
+
+@dataclass(frozen=True)
+class Head:
+    """What recognising needs to know of a file: its first text, and the root element where it is XML."""
+
+    text: str
+    root: str = ""
+    namespace: str = ""
+    data: bytes = b""
+
+    def mentions(self, text: str) -> bool:
+        """Whether `text` occurs anywhere in the file, in any of the encodings that XML uses."""
+        return any(text.encode(codec) in self.data for codec in ("utf-8", "utf-16-le", "utf-16-be"))
+
+
+def _is_tc6(head: Head) -> bool:
+    return head.root == "project" and head.namespace.startswith("http://www.plcopen.org/xml/tc6")
+
+
+def _is_codesys(head: Head) -> bool:
+    return _is_tc6(head) and head.mentions("http://www.3s-software.com/plcopenxml/")
+
+
+def _is_native(head: Head) -> bool:
+    return head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000]
+
+
+FORMATS: tuple[Format, ...] = (
+    Format(
+        name="codesys",
+        title="CODESYS V3 and TwinCAT 3 PLCopenXML",
+        module="plcopen_sfc.formats.codesys.codec",
+        extensions=(".xml", ".export"),
+        recognises=_is_codesys,
+        capabilities=("steps", "step actions", "associations", "times", "flags", "comments", "branches", "logic bodies"),
+        xml=True,
+        drawing=DrawingNeed.STRUCTURED,
+    ),
+    Format(
+        name="plcopen",
+        title="PLCopen TC6 XML",
+        module="plcopen_sfc.formats.plcopen.codec",
+        extensions=(".xml",),
+        recognises=lambda head: _is_tc6(head) and not _is_codesys(head),
+        capabilities=("steps", "macro-steps", "associations", "priorities", "logic in charts", "layout", "logic bodies"),
+        versions=("1.01", "2.0", "2.01"),
+        flavours=("beremiz",),
+        xml=True,
+        drawing=DrawingNeed.PLAIN,
+        positions=True,
+    ),
+    Format(
+        name="json",
+        title="the model itself",
+        module="plcopen_sfc.formats.native.codec",
+        extensions=(".json",),
+        recognises=_is_native,
+        capabilities=("everything",),
+    ),
+)
+"""Every format, in the order in which they are tried."""
+
+
+def format_named(name: str) -> tuple[Format, str]:
+    """The format of this name and the version in it (``plcopen-2.0``). Raises `UnknownFormatError`."""
+    for candidate in FORMATS:
+        if name == candidate.name:
+            return candidate, ""
+        version = name.removeprefix(candidate.name + "-")
+        if version != name and version in (*candidate.versions, "1.0"):
+            return candidate, version
+    known = [n for f in FORMATS for n in (f.name, *(f"{f.name}-{v}" for v in f.versions))]
+    raise UnknownFormatError(f"there is no format {name!r}", hint="Formats are: " + ", ".join(known))
+
+
+def recognise(data: bytes, *, file: str | None = None) -> Format:
+    """The format of a file's content. Raises `UnknownFormatError`, or what is wrong with the XML where it is XML."""
+    head = _head(data)
+    found = next((f for f in FORMATS if f.recognises(head)), None)
+    if found is not None:
+        return found
+    if head.text.lstrip().startswith("{"):
+        raise UnknownFormatError(
+            "JSON, but not a model that plcopen_sfc has saved", location=Location(file), hint=_HINT
+        )
+    # what is wrong with it as XML says more than that nobody knows it
+    from plcopen_sfc.formats.plcopen.project_reader import find_version  # noqa: PLC0415  # only for files in trouble
+    from plcopen_sfc.formats.xml.source import parse  # noqa: PLC0415
+
+    find_version(parse(data, file=file), file=file)
+    raise UnknownFormatError("no format recognises this file", location=Location(file), hint=_HINT)
+
+
+_HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
+
+
+def _head(data: bytes) -> Head:
+    start = data[:_HEAD]
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
+    elif start[:2] in (b"<\0", b"\0<"):
+        text = start[: len(start) // 2 * 2].decode("utf-16-le" if start[:1] == b"<" else "utf-16-be", errors="replace")
+    else:
+        text = start.decode("utf-8-sig", errors="replace")
+    plain = re.sub(r"<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\])?\s*>", "", text, flags=re.DOTALL)
+    match = _ROOT.search(plain)
+    if match is None or plain[: match.start()].strip():
+        return Head(text, data=data)
+    prefix, root, attributes = match.groups()
+    name = f"xmlns:{prefix}" if prefix else "xmlns"
+    declared = re.search(rf"\s{re.escape(name)}\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", attributes)
+    namespace = (declared.group(1) or declared.group(2) or "") if declared else ""
+    return Head(text, root, namespace, data)
