@@ -25,10 +25,23 @@ class SymbolKind(StrEnum):
     EXPRESSION = "inVariable"
 
 
+class StepActionKind(StrEnum):
+    """The step actions of CODESYS."""
+
+    ENTRY = "entry"
+    MAIN = "main"
+    EXIT = "exit"
+
+
 class ActionEntry(Model):
-    """Where an association stands in its action block. `local_id` where the file gives it another id than the model."""
+    """A line of an action block: an association, or a step action where the format has no other place for it.
+
+    `association` is the id of the association, or an id of the line's own where it is a step action. `local_id` where the
+    file gives it another id than the model.
+    """
 
     association: ElementId
+    step_action: StepActionKind | None = None
     local_id: int | None = None
     position: Point | None = None
     width: float | None = None
@@ -70,8 +83,10 @@ class Drawing(Model):
     """The drawing of one chart.
 
     `order` is the order of the file's elements by id where graphical logic stands between the symbols; else the symbols come
-    first, in the order of `symbols`.
+    first, in the order of `symbols`. `computed`: the places were computed for a format that wants some, and are no work
+    of a person; a format without places may forget them.
     """
 
     symbols: list[Symbol] = Field(default_factory=list)
     order: list[ElementId] | None = None
+    computed: bool = False

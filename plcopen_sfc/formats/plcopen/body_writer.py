@@ -32,6 +32,8 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
         native = native | {"chart"}
         chart_left = left_over(body.chart, _CHART | ctx.dialect.native_fields.get("chart", frozenset()))
+        if body.chart.drawing is not None and body.chart.drawing.computed:
+            chart_left["drawing"] = {"computed": True}
         also = {"chart": chart_left} if chart_left else {}
     elif isinstance(body, FbdBody | LdBody):
         sheet = sub(ctx, element, body.language)

@@ -13,7 +13,10 @@ from lxml import etree
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext
 
 FIELDS_DATA = "urn:plcopen-sfc:fields"
-STEP_ACTION_DATA = "urn:plcopen-sfc:step-action"
+STEP_ACTION_FIELD = "step_action"
+"""At an association: the step action that it stands for."""
+APPLICATION_FIELD = "application"
+"""At a configuration: it only holds an application."""
 COMMENT_MARK = "plcopen_sfc "
 
 
@@ -34,7 +37,7 @@ def _merge(fields: Fields, found: Fields) -> None:
     """Add `found` to `fields`; what is a part of an object is added to that object."""
     for name, value in found.items():
         if isinstance(value, dict) and isinstance(fields.get(name), dict):
-            fields[name].update(value)
+            _merge(fields[name], value)
         else:
             fields[name] = value
 

@@ -8,6 +8,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
 from plcopen_sfc.formats.plcopen.logic_reader import (
     IdKeeper,
     read_connection,
@@ -376,23 +377,39 @@ class ChartReader:
             carried_entries = symbol.pop("entries", None)
             symbol["entries"] = []
             for association, entry, local_id in entries:
+                if self._is_step_action(step, association, entry):
+                    if carried_entries is None:
+                        entry["association"] = self._entry_id(entry, local_id)
+                        symbol["entries"].append(entry)
+                    continue
                 if carried_entries is not None and "id" in association:
                     # TC6 1.01 has no ids at actions: both come back from what was carried
                     step["actions"].append(association)
                     self.ids.used.add(association["id"])
                     continue
-                number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
-                if number is None or number in self.ids.used:
-                    association["id"] = self.ids.new()
-                    entry["local_id"] = number
-                else:
-                    association["id"] = number
-                    self.ids.used.add(number)
-                entry["association"] = association["id"]
+                association["id"] = entry["association"] = self._entry_id(entry, local_id)
                 step["actions"].append(association)
                 symbol["entries"].append(entry)
             if carried_entries is not None:
                 symbol["entries"] = carried_entries
+
+    def _entry_id(self, entry: Fields, local_id: str | None) -> int:
+        """The id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
+        number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
+        if number is None or number in self.ids.used:
+            entry["local_id"] = number
+            return self.ids.new()
+        self.ids.used.add(number)
+        return number
+
+    def _is_step_action(self, step: Fields, association: Fields, entry: Fields) -> bool:
+        """Make a marked association the step action again that it stands for."""
+        kind = association.pop(STEP_ACTION_FIELD, None)
+        if kind not in ("entry", "main", "exit"):
+            return False
+        entry["step_action"] = kind
+        step[f"{kind}_action"] = association.get("target", association.get("body"))
+        return True
 
     def _carry_block(self, symbol: Fields, element: etree._Element, owners: int) -> None:
         what = "is wired to no step" if not owners else f"is wired to {owners} steps"

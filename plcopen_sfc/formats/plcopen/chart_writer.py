@@ -10,6 +10,7 @@ from collections.abc import Callable
 from lxml import etree
 
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
 from plcopen_sfc.formats.plcopen.logic_writer import geometry, write_connection, write_input, write_node, write_output
 from plcopen_sfc.formats.plcopen.writing import (
     WriteContext,
@@ -22,7 +23,7 @@ from plcopen_sfc.formats.plcopen.writing import (
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
-from plcopen_sfc.model.drawing import ActionEntry, Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import Fate
@@ -36,6 +37,12 @@ _SYMBOL = frozenset(
     | {"target", "entries", "execution_order", "local_id"}
 )
 _ASSOCIATION = frozenset({"id", "target", "body", "duration", "indicator", "negated"})
+STEP_ACTION_QUALIFIERS = {
+    StepActionKind.ENTRY: Qualifier.P1,
+    StepActionKind.MAIN: Qualifier.N,
+    StepActionKind.EXIT: Qualifier.P0,
+}
+"""The qualifier that does what a step action does (IEC 61131-3 ed. 3, table 59)."""
 _TC6_QUALIFIERS = frozenset({"P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL"})
 
 
@@ -52,6 +59,7 @@ class ChartWriter:
         self.owner = {a.id: step for step, a in chart.associations()}
         self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
         self.conditions = self._drawn_conditions()
+        self.drawn_step_actions = self._drawn_step_actions()
 
     def _drawn_conditions(self) -> dict[int, str]:
         """The text of each drawn expression, by the id of its symbol."""
@@ -62,6 +70,16 @@ class ChartWriter:
                 if isinstance(condition, Expression) and symbol.condition.connections:
                     texts[symbol.condition.connections[0].source] = condition.text
         return texts
+
+    def _drawn_step_actions(self) -> dict[int, set[StepActionKind]]:
+        """Which step actions of each step stand in an action block."""
+        drawn: dict[int, set[StepActionKind]] = {}
+        for symbol in self.drawing.symbols:
+            kinds = {entry.step_action for entry in symbol.entries or () if entry.step_action is not None}
+            for pin in symbol.inputs if kinds else ():
+                for connection in pin.connections:
+                    drawn.setdefault(connection.source, set()).update(kinds)
+        return drawn
 
     @property
     def drawing(self) -> Drawing:
@@ -137,6 +155,8 @@ class ChartWriter:
                 self.write_body(ctx, element, "body", step.macro.body, {})
         if macro:
             native = native - ({"initial"} if step.initial else set()) - ({"negated"} if step.negated else set())
+        if not macro:
+            native = native | {f"{kind.value}_action" for kind in self.drawn_step_actions.get(step.id, ())}
         ctx.note(Fate.KEPT, "macro-step" if macro else "step", step.name)
         ctx.place.append(f"step {step.name}")
         finish(ctx, element, step, "macroStep" if macro else "step", native)
@@ -145,7 +165,13 @@ class ChartWriter:
     def write_transition(self, parent: etree._Element, symbol: Symbol, transition: Transition) -> None:
         """Write ``transition``."""
         ctx = self.ctx
-        attributes = {"priority": str(transition.priority)} if transition.priority is not None else {}
+        native = _TRANSITION
+        attributes = {}
+        if ctx.dialect.states_actions:
+            # these tools go by the order of the legs
+            native = native - {"priority"}
+        elif transition.priority is not None:
+            attributes["priority"] = str(transition.priority)
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
         label = self.label(transition)
@@ -153,7 +179,7 @@ class ChartWriter:
             self.write_condition(element, symbol, transition.condition)
         ctx.note(Fate.KEPT, "transition", label)
         ctx.place.append(f"transition {label}")
-        finish(ctx, element, transition, "transition", _TRANSITION)
+        finish(ctx, element, transition, "transition", native)
         ctx.place.pop()
 
     def label(self, transition: Transition) -> str:
@@ -228,28 +254,57 @@ class ChartWriter:
     def write_action_block(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write ``actionBlock`` with its associations."""
         ctx = self.ctx
-        entries = [entry for entry in symbol.entries or () if entry.association in self.associations]
+        entries = [e for e in symbol.entries or () if e.step_action is not None or e.association in self.associations]
         native = _SYMBOL
-        negated = any(self.associations[entry.association].negated for entry in entries)
+        negated = any(self.associations[e.association].negated for e in entries if e.step_action is None)
         element = self._element(parent, symbol, {"negated": "true"} if negated else {})
         for pin in symbol.inputs:
             write_input(ctx, element, pin)
         for entry in entries:
-            self.write_action(element, entry, self.associations[entry.association])
+            if entry.step_action is None:
+                self.write_action(element, entry, self.associations[entry.association])
+            else:
+                self.write_step_action(element, symbol, entry, entry.step_action)
         if ctx.version.first_generation:
             for output in symbol.outputs:
                 write_output(ctx, element, output)
             native = native - {"entries"}
         finish(ctx, element, symbol, "actionBlock", native)
 
-    def write_action(self, parent: etree._Element, entry: ActionEntry, association: ActionAssociation) -> None:
-        """Write ``action`` of a block."""
+    def write_step_action(self, parent: etree._Element, symbol: Symbol, entry: ActionEntry, kind: StepActionKind) -> None:
+        """Write a step action as the association that comes nearest to it, with a mark by which it is read back."""
+        sources = [c.source for pin in symbol.inputs for c in pin.connections]
+        step = next((self.steps[source] for source in sources if source in self.steps), None)
+        if step is None:
+            return
+        action = getattr(step, f"{kind.value}_action")
+        if action is None:
+            return
+        qualifier = STEP_ACTION_QUALIFIERS[kind]
+        association = ActionAssociation(
+            id=entry.association,
+            qualifier=qualifier,
+            target=action if isinstance(action, str) else None,
+            body=None if isinstance(action, str) else action,
+        )
+        self.associations[entry.association], self.owner[entry.association] = association, step
+        self.write_action(parent, entry, association, {STEP_ACTION_FIELD: kind.value})
+        why = f"an association with qualifier {qualifier.value}; a main action has no final scan, an N action has"
+        self.ctx.note(Fate.TRANSLATED, f"{kind.value} action", f"step {step.name}", why)
+
+    def write_action(
+        self,
+        parent: etree._Element,
+        entry: ActionEntry,
+        association: ActionAssociation,
+        also: dict[str, str] | None = None,
+    ) -> None:
+        """Write ``action`` of a block. `also` is more to carry."""
         ctx = self.ctx
         attributes: dict[str, str] = {}
         native = _ASSOCIATION - ({"id"} if ctx.version.first_generation else set())
         if not ctx.version.first_generation:
-            local_id = association.id if entry.local_id is None else entry.local_id
-            attributes["localId"] = str(local_id)
+            attributes["localId"] = str(entry.association if entry.local_id is None else entry.local_id)
         states = ctx.dialect.states_actions
         if association.qualifier in _TC6_QUALIFIERS:
             native = native | {"qualifier"}
@@ -272,7 +327,8 @@ class ChartWriter:
             write_output(ctx, element, entry.output)
         owner = self.owner[association.id].name
         label = f"{owner} {association.qualifier.value} {association.target or 'inline'}"
-        ctx.note(Fate.KEPT, "action association", label)
+        if not also:
+            ctx.note(Fate.KEPT, "action association", label)
         ctx.place.append(f"step {owner} / action {association.target or 'inline'}")
-        finish(ctx, element, association, "action", native)
+        finish(ctx, element, association, "action", native, also=also)
         ctx.place.pop()

@@ -8,7 +8,7 @@ from lxml import etree
 
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.plcopen.body_reader import read_pou
-from plcopen_sfc.formats.plcopen.carrying import FIELDS_DATA, read_comment, read_fields
+from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD, FIELDS_DATA, read_comment, read_fields
 from plcopen_sfc.formats.plcopen.reading import (
     DataReader,
     Fields,
@@ -185,7 +185,11 @@ def _instances(ctx: ReadContext, element: etree._Element, fields: Fields) -> Non
             continue
         for part in child:
             if ctx.tags.get(part.tag) == "configuration":
-                fields["configurations"].append(read_configuration(ctx, part))
+                configuration = read_configuration(ctx, part)
+                if configuration.pop(APPLICATION_FIELD, False) and len(configuration["resources"]) == 1:
+                    fields["applications"].extend(configuration["resources"])
+                else:
+                    fields["configurations"].append(configuration)
             else:
                 carry_element(ctx, fields, part)
 

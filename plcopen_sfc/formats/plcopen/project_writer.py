@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.body_writer import write_pou
+from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD
 from plcopen_sfc.formats.plcopen.types_writer import (
     write_access_section,
     write_config_section,
@@ -47,7 +48,11 @@ def write_project(project: Project, dialect: Dialect, report: ConversionReport) 
     configurations = sub(ctx, instances, "configurations")
     for configuration in project.configurations:
         write_configuration(ctx, configurations, configuration)
-    native = _HEADER | {"data_types", "pous", "configurations"}
+    if "applications" not in dialect.native_fields.get("project", frozenset()):
+        for application in project.applications:
+            holder = Configuration(name=application.name, resources=[application])
+            write_configuration(ctx, configurations, holder, is_application=True)
+    native = _HEADER | {"data_types", "pous", "configurations", "applications"}
     if ctx.version.first_generation:
         native = native - {"content_carried", "foreign_data_infos"}
     finish(ctx, root, project, "project", native)
@@ -119,9 +124,9 @@ def _scale(scale: Scaling) -> dict[str, str]:
 
 
 def write_configuration(
-    ctx: WriteContext, parent: etree._Element, configuration: Configuration
+    ctx: WriteContext, parent: etree._Element, configuration: Configuration, *, is_application: bool = False
 ) -> None:
-    """Write ``configuration``."""
+    """Write ``configuration``. `is_application`: it only holds an application, which is read back as such."""
     element = sub(ctx, parent, "configuration", {"name": configuration.name})
     ctx.place.append(f"configuration {configuration.name}")
     for resource in configuration.resources:
@@ -135,8 +140,12 @@ def write_configuration(
             write_access_section(ctx, element, configuration.access_variables)
         if configuration.config_variables is not None:
             write_config_section(ctx, element, configuration.config_variables)
-    ctx.note(Fate.KEPT, "configuration")
-    finish(ctx, element, configuration, "configuration", frozenset(native))
+    if is_application:
+        ctx.note(Fate.TRANSLATED, "application", why="a configuration with one resource; TC6 has no application")
+    else:
+        ctx.note(Fate.KEPT, "configuration")
+    also = {APPLICATION_FIELD: True} if is_application else None
+    finish(ctx, element, configuration, "configuration", frozenset(native), also=also)
     ctx.place.pop()
 
 

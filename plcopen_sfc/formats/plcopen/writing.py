@@ -181,7 +181,7 @@ def finish(
         _add_data(ctx, element, written, carried, left)
     elif left:
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
-    for name in left:
+    for name in left.keys() - (also or {}).keys():
         ctx.note(Fate.CARRIED, _label(name), why=f"TC6 {ctx.version.name} has no place for it")
     if documents:
         write_text(ctx, element, "documentation", getattr(thing, "comment", None))

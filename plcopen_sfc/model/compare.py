@@ -1,0 +1,48 @@
+"""Comparing models: what differs, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.text import MarkupText, MultilingualText
+
+
+class Difference(NamedTuple):
+    """`path` leads to the place (``pous[Main].bodies[0].chart.steps[S3].max_time``); one side may be None."""
+
+    path: str
+    left: Any
+    right: Any
+
+
+def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), path: str = "") -> Iterator[Difference]:
+    """What differs between two model objects. Fields named in `ignore` are not looked at."""
+    if type(left) is not type(right):
+        yield Difference(path, left, right)
+    elif isinstance(left, Model | MarkupText | MultilingualText):
+        for name in type(left).model_fields:
+            if name not in ignore:
+                a, b = getattr(left, name), getattr(right, name)
+                if a is not b:
+                    yield from differences(a, b, ignore=ignore, path=f"{path}.{name}" if path else name)
+    elif isinstance(left, list):
+        if len(left) != len(right):
+            yield Difference(path, _names(left), _names(right))
+        else:
+            for index, (a, b) in enumerate(zip(left, right, strict=True)):
+                yield from differences(a, b, ignore=ignore, path=f"{path}[{_label(a, index)}]")
+    elif isinstance(left, dict):
+        for key in left.keys() | right.keys():
+            yield from differences(left.get(key), right.get(key), ignore=ignore, path=f"{path}[{key}]")
+    elif left != right:
+        yield Difference(path, left, right)
+
+
+def _label(thing: Any, index: int) -> str:
+    return getattr(thing, "name", None) or str(index)
+
+
+def _names(things: list[Any]) -> list[str]:
+    return [_label(thing, index) for index, thing in enumerate(things)]
