@@ -21,7 +21,7 @@ _OFFICIAL = {
 
 
 def corpus_files(kind: str) -> list[Path]:
-    """All files of a format (`plcopen`, `codesys`, `twincat` ...), pictures and the like left out; [] without corpus."""
+    """The files of a format (`plcopen`, `codesys`, `twincat` ...), without pictures and the like; [] without corpus."""
     folder = CORPUS / kind
     files = (path for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else iter(())
     return sorted(path for path in files if path.suffix.lower() not in _NO_PROJECTS)

@@ -12,25 +12,28 @@ from lxml import etree
 Mutation = Callable[["Mutator", etree._Element], None]
 
 VALUES = (
-    "", " ", "x", "0", "1", "-1", "65535", "65536", "18446744073709551616", "1.5", "1,5", " 2 ", "+3", "true", "TRUE", "none",
-    " none", "set", "rising", "N", "DL", "P1", "program", "functionBlock", "preserve", "readOnly", "Main", "a b", "http://x/y",
-    "%zz", "de-DE", "de DE", "12:00:00", "2024-01-31T08:30:00", "2024-01-31 08:30:00", "2024-13-31T08:30:00Z",
+    "", " ", "x", "0", "1", "-1", "65535", "65536", "18446744073709551616", "1.5", "1,5", " 2 ", "+3", "true",
+    "TRUE", "none", " none", "set", "rising", "N", "DL", "P1", "program", "functionBlock", "preserve", "readOnly",
+    "Main", "a b", "http://x/y", "%zz", "de-DE", "de DE", "12:00:00", "2024-01-31T08:30:00",
+    "2024-01-31 08:30:00", "2024-13-31T08:30:00Z",
 )  # fmt: skip
-ATTRIBUTES = (
-    "localId", "name", "globalId", "height", "width", "executionOrderId", "negated", "edge", "storage", "formalParameter",
-    "refLocalId", "priority", "interval", "type", "typeName", "pouType", "x", "y", "qualifier", "duration", "indicator",
-    "initialStep", "targetName", "label", "instanceName", "hidden", "value", "member", "repetitionValue", "lower", "upper",
-    "length", "address", "constant", "retain", "WorksheetName", "handleUnknown", "alias", "direction", "unheardOf",
-    "{http://example.org/own}mark",
-)  # fmt: skip
-TAGS = (
-    "position", "relPosition", "connectionPointIn", "connectionPointOut", "connectionPointOutAction", "connection", "expression",
-    "documentation", "addData", "data", "body", "ST", "IL", "FBD", "LD", "SFC", "step", "macroStep", "jumpStep", "transition",
-    "condition", "reference", "inline", "actionBlock", "action", "vendorElement", "block", "inVariable", "variable", "type",
-    "baseType", "initialValue", "simpleValue", "arrayValue", "structValue", "value", "BOOL", "ANY", "derived", "string", "pou",
-    "interface", "actions", "transitions", "localVars", "globalVars", "accessVars", "configVars", "task", "resource",
-    "pouInstance", "comment", "content", "label", "jump", "unheardOf",
-)  # fmt: skip
+_ATTRIBUTES = """
+    localId name globalId height width executionOrderId negated edge storage formalParameter refLocalId priority
+    interval type typeName pouType x y qualifier duration indicator initialStep targetName label instanceName
+    hidden value member repetitionValue lower upper length address constant retain WorksheetName handleUnknown
+    alias direction unheardOf {http://example.org/own}mark
+"""
+_TAGS = """
+    position relPosition connectionPointIn connectionPointOut connectionPointOutAction connection expression
+    documentation addData data body ST IL FBD LD SFC step macroStep jumpStep transition condition reference inline
+    actionBlock action vendorElement block inVariable variable type baseType initialValue simpleValue arrayValue
+    structValue value BOOL ANY derived string pou interface actions transitions localVars globalVars accessVars
+    configVars task resource pouInstance comment content label jump unheardOf
+"""
+
+
+ATTRIBUTES = tuple(_ATTRIBUTES.split())
+TAGS = tuple(_TAGS.split())
 
 
 class Mutator:

@@ -193,7 +193,7 @@ def _misplaced(known: list[str], element: etree._Element, child: etree._Element,
     """A child that stops the sequence: unknown, once too often, out of order, or something before it is missing."""
     tag, name = local_name(element.tag), local_name(child.tag)
     if child.tag not in known:
-        return "XSD002", _unknown_child(tag, child, known, rejection), child
+        return "XSD002", _unknown_child(tag, child, known), child
     order = {each: number for number, each in enumerate(known)}
     own = order[str(child.tag)]
     before = next((each for each in child.itersiblings(preceding=True) if isinstance(each.tag, str)), None)
@@ -203,15 +203,19 @@ def _misplaced(known: list[str], element: etree._Element, child: etree._Element,
     if before is not None and reached > own:
         return "XSD002", f"<{name}> stands too late in <{tag}>: it must come before <{local_name(before.tag)}>", child
     missing = [each for each in rejection.required or rejection.expected if order.get(each, own) != own]
+    if not missing and before is None:
+        # The whole sequence may be left out, but not begun in its middle.
+        missing = known[:own]
     if not missing:
         excludes = f"; <{local_name(before.tag)}> excludes it" if before is not None else ""
         return "XSD002", f"<{name}> may not stand here in <{tag}>{excludes}", child
     if {each.tag for each in child.itersiblings()}.isdisjoint(missing):
-        return "XSD003", f"{_missing(missing, known)} in <{tag}>, before <{name}>", child
+        listed = missing[:1] if before is None and not rejection.expected else missing
+        return "XSD003", f"{_missing(listed, known)} in <{tag}>, before <{name}>", child
     return "XSD002", f"<{name}> stands too early in <{tag}>: {_list(missing)} must come first", child
 
 
-def _unknown_child(tag: str, child: etree._Element, known: list[str], rejection: Rejection) -> str:
+def _unknown_child(tag: str, child: etree._Element, known: list[str]) -> str:
     name = local_name(child.tag)
     namesake = next((each for each in known if local_name(each) == name), None)
     if namesake is not None:
@@ -223,7 +227,7 @@ def _unknown_child(tag: str, child: etree._Element, known: list[str], rejection:
         return f"{message}; <{near}> may be meant"
     if not known:
         return f"{message}; it must be empty"
-    return f"{message}; expected here: {_list(rejection.expected or known)}"
+    return f"{message}; it may hold {_list(known)}"
 
 
 def _missing(names: Iterable[str], known: list[str]) -> str:

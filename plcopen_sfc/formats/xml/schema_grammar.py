@@ -108,6 +108,8 @@ class Grammar:
             return "one of " + ", ".join(str(value) for value in simple_type.enumeration)
         low, high = simple_type.min_value, simple_type.max_value
         base = _builtin(simple_type)
+        if simple_type.name == _XS + base:
+            return _KINDS.get(base, f"a value of type {base}")
         if base == "integer" and low is not None and high is not None:
             return f"a whole number from {low} to {high}"
         if simple_type.patterns:

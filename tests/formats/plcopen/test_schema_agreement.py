@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import random
 from functools import cache
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from lxml import etree
@@ -15,6 +15,9 @@ from plcopen_sfc.formats.xml.schema import is_valid
 from plcopen_sfc.formats.xml.source import parse
 from tests.corpus import ROOT, corpus_files, require_corpus, require_official_schema
 from tests.mutants import Mutator
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FULL = ROOT / "fixtures" / "plcopen"
 PER_FILE = 100
