@@ -1,10 +1,10 @@
 """Sequential function charts (IEC 61131-3 SFC, GRAFCET, S7-GRAPH): one typed model, lossless files.
 
-    import plcopen_sfc as sfc
+import plcopen_sfc as sfc
 
-    project = sfc.load("line24.xml")
-    project.pou("Main").sfc.rename_step("S3", "Wait")
-    sfc.save(project, "line24.xml")
+project = sfc.load("line24.xml")
+project.pou("Main").sfc.rename_step("S3", "Wait")
+sfc.save(project, "line24.xml")
 """
 
 from __future__ import annotations

@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
-from plcopen_sfc.errors import LossError, SfcError, UnknownFormatError
+from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
-from plcopen_sfc.formats.base import DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, WriteOptions
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
 from plcopen_sfc.model.project import Origin, Project
 from plcopen_sfc.report import ConversionReport
@@ -17,7 +17,7 @@ from plcopen_sfc.report import ConversionReport
 Source = str | os.PathLike[str] | BinaryIO
 
 
-def load(source: Source, *, format: str | None = None) -> Project:  # noqa: A002  # the word that users look for
+def load(source: Source, *, format: str | None = None) -> Project:  # the word that users look for
     """Load a project from a path or a binary file.
 
     The format is recognised from the content; `format` insists on one. Charts that are wrong are loaded too; what is
@@ -29,14 +29,12 @@ def load(source: Source, *, format: str | None = None) -> Project:  # noqa: A002
     return loads(source.read(), format=format, path=getattr(source, "name", None))
 
 
-def loads(data: bytes, *, format: str | None = None, path: str | None = None) -> Project:  # noqa: A002
+def loads(data: bytes, *, format: str | None = None, path: str | None = None) -> Project:
     """Load a project from bytes. `path` is what messages call them."""
     kind = format_named(format)[0] if format is not None else recognise(data, file=path)
-    try:
-        project, diagnostics = kind.codec().read(data, file=path)
-    except SfcError as error:
-        raise error.at(path) if path is not None else error
-    project._origin = Origin(kind.name, data, fingerprint(project), path, tuple(diagnostics))
+    reading: Reading = kind.codec().read(data, file=path)
+    project = reading.project
+    project._origin = Origin(kind.name, data, fingerprint(project), path, tuple(reading.diagnostics))
     return project
 
 
@@ -44,7 +42,7 @@ def save(
     project: Project,
     target: str | os.PathLike[str] | BinaryIO,
     *,
-    format: str | None = None,  # noqa: A002
+    format: str | None = None,
     flavour: str = "",
     strict: bool = False,
     fresh: bool = False,
@@ -56,29 +54,28 @@ def save(
     model alone. With `strict` a conversion that would drop or approximate anything raises `LossError` and writes
     nothing. A path is written to a temporary file and renamed: the old file stays whole whatever happens.
     """
-    is_path = isinstance(target, str | os.PathLike)
-    name = format or _format_for(project, Path(os.fspath(target)) if isinstance(target, str | os.PathLike) else None)
+    path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
+    name = format or _format_for(project, Path(path) if path is not None else None)
     data, report = _encode(project, name, flavour=flavour, fresh=fresh)
     if strict and report.losses:
         first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in report.losses[:3])
         raise LossError(f"{len(report.losses)} items would be lost or changed: {first}", hint="Nothing was written.")
-    if is_path:
-        path = os.fspath(target)
-        write_atomic(path, data)
-        report.written.append(path)
+    if isinstance(target, str | os.PathLike):
+        write_atomic(target, data)
+        report.written.append(os.fspath(target))
     else:
-        target.write(data)  # type: ignore[union-attr]  # narrowed by is_path
+        target.write(data)
     return report
 
 
-def dumps(project: Project, *, format: str | None = None, flavour: str = "", fresh: bool = False) -> bytes:  # noqa: A002
+def dumps(project: Project, *, format: str | None = None, flavour: str = "", fresh: bool = False) -> bytes:
     """The bytes that `save` would write."""
     return _encode(project, format or _format_for(project, None), flavour=flavour, fresh=fresh)[0]
 
 
 def convert(
     project: Project,
-    format: str,  # noqa: A002
+    format: str,
     *,
     flavour: str = "",
 ) -> tuple[bytes, ConversionReport]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from plcopen_sfc.errors import Location
@@ -23,7 +23,7 @@ class Diagnostic:
     code: str
     severity: Severity
     message: str
-    location: Location = Location()
+    location: Location = field(default_factory=Location)
 
     def __str__(self) -> str:
         place = str(self.location)

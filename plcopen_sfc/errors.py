@@ -50,13 +50,6 @@ class SfcError(Exception):
         text = f"{place}: {self.message}" if place else self.message
         return f"{text}\n  {self.hint}" if self.hint else text
 
-    def at(self, file: str) -> SfcError:
-        """The same error with `file` filled in where the place did not name one yet."""
-        if self.location.file is None:
-            place = self.location
-            self.location = Location(file, place.line, place.column, place.path)
-        return self
-
 
 class FileAccessError(SfcError, OSError):
     """A file cannot be read or written: missing, a directory, no rights, disk full."""

@@ -34,7 +34,7 @@ class DrawingNeed(StrEnum):
 
 @dataclass(frozen=True)
 class WriteOptions:
-    """How to write: the `version` of the format and the `flavour` of a family of readers (``beremiz``). Empty: usual."""
+    """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual."""
 
     version: str = ""
     flavour: str = ""
@@ -64,8 +64,8 @@ class XmlCodec(Codec, Protocol):
 class Format:
     """One format in the table of formats.
 
-    `module` is imported when the format is used. `recognises` looks at the start of a file (see `formats.registry.Head`).
-    `capabilities` are for people: what charts keep in this format in its own terms.
+    `module` is imported when the format is used. `recognises` looks at the start of a file (see
+    `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms.
     """
 
     name: str

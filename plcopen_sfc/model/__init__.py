@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.model import actions, body, conditions, sfc, types, variables
+from plcopen_sfc.model import actions, conditions, sfc
 from plcopen_sfc.model.actions import (
     ActionAssociation,
     ActionEvent,

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 class Qualifier(StrEnum):
     """Action qualifiers.
 
-    IEC 61131-3 (ed. 3, table 59): N R S L D P P0 P1 SD DS SL; R0 is its alias for R. TC6 also lists DL. S7-GRAPH: N S R D
-    L CALL, the step switches ON and OFF, counters CS CU CD CR and timers TL TD TR TF (used with an event). NONE: the
-    association has no qualifier at all.
+    IEC 61131-3 (ed. 3, table 59): N R S L D P P0 P1 SD DS SL; R0 is its alias for R. TC6 also lists DL. S7-GRAPH: N S
+    R D L CALL, the step switches ON and OFF, counters CS CU CD CR and timers TL TD TR TF (used with an event). NONE:
+    the association has no qualifier at all.
     """
 
     NONE = "None"
@@ -99,7 +99,7 @@ class ForcedSituation(StrEnum):
 
 
 class ForcingOrder(Model):
-    """Forces the partial chart `chart`: ``G2{INIT}``, ``G2{}``, ``G2{*}`` or ``G2{10,12}`` with the names in `steps`."""
+    """Forces the partial chart `chart`: ``G2{INIT}``, ``G2{}``, ``G2{*}``, or ``G2{10,12}`` with `steps`."""
 
     chart: str
     situation: ForcedSituation
@@ -109,10 +109,10 @@ class ForcingOrder(Model):
 class ActionAssociation(Element):
     """One line of an action block: what is done, when, for how long.
 
-    `target` names a Boolean variable, an action of the POU, or an action of an instance (``Motor.ACT_Stop``); `body` is an
-    action programmed in place; TC6 allows both at once. `value` is what is assigned to the target (S7-GRAPH ``A := B``,
-    GRAFCET stored actions). `duration` is a time literal or a variable. `indicator` is the variable that tells the step is
-    done. `negated` (TC6 action block): it acts while the step is *not* active.
+    `target` names a Boolean variable, an action of the POU, or an action of an instance (``Motor.ACT_Stop``); `body`
+    is an action programmed in place; TC6 allows both at once. `value` is what is assigned to the target (S7-GRAPH ``A
+    := B``, GRAFCET stored actions). `duration` is a time literal or a variable. `indicator` is the variable that
+    tells the step is done. `negated` (TC6 action block): it acts while the step is *not* active.
     `event` and `interlock` are S7-GRAPH's, `kind`, `condition` and `forcing` are GRAFCET's.
     """
 

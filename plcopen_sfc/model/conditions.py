@@ -55,4 +55,4 @@ Condition = Annotated[
     Annotated[Expression | NamedCondition | BodyCondition | WiredCondition, Field(discriminator="kind")],
     BeforeValidator(_expression),
 ]
-"""Any condition. In Python a plain string is accepted for an expression: ``transition.condition = "Start AND NOT Fault"``."""
+"""Any condition. In Python a plain string is an expression: ``transition.condition = "Start AND NOT Fault"``."""

@@ -36,8 +36,8 @@ class StepActionKind(StrEnum):
 class ActionEntry(Model):
     """A line of an action block: an association, or a step action where the format has no other place for it.
 
-    `association` is the id of the association, or an id of the line's own where it is a step action. `local_id` where the
-    file gives it another id than the model.
+    `association` is the id of the association, or an id of the line's own where it is a step action. `local_id` where
+    the file gives it another id than the model.
     """
 
     association: ElementId
@@ -53,12 +53,12 @@ class ActionEntry(Model):
 class Symbol(Element):
     """One drawn symbol.
 
-    Symbols of steps and transitions have the id of what they stand for; one transition symbol below a convergence of steps
-    stands for several transitions, listed in `transitions`. `target` is the step or simultaneous divergence that a jump
-    leads to, `name` the text of a jump to something that does not exist, or the name of a bar. `condition` is the pin
-    at which a transition takes its condition, `action_output` the pin at which a step drives its action blocks,
-    `entries` the lines of an action block. `expression` is the text of a drawn expression that is not the condition
-    of a transition. `local_id` is the id in the file where another element has it too.
+    Symbols of steps and transitions have the id of what they stand for; one transition symbol below a convergence of
+    steps stands for several transitions, listed in `transitions`. `target` is the step or simultaneous divergence
+    that a jump leads to, `name` the text of a jump to something that does not exist, or the name of a bar.
+    `condition` is the pin at which a transition takes its condition, `action_output` the pin at which a step drives
+    its action blocks, `entries` the lines of an action block. `local_id` is the id in the file where another element
+    has it too.
     """
 
     id: ElementId
@@ -82,9 +82,9 @@ class Symbol(Element):
 class Drawing(Model):
     """The drawing of one chart.
 
-    `order` is the order of the file's elements by id where graphical logic stands between the symbols; else the symbols come
-    first, in the order of `symbols`. `computed`: the places were computed for a format that wants some, and are no work
-    of a person; a format without places may forget them.
+    `order` is the order of the file's elements by id where graphical logic stands between the symbols; else the
+    symbols come first, in the order of `symbols`. `computed`: the places were computed for a format that wants some,
+    and are no work of a person; a format without places may forget them.
     """
 
     symbols: list[Symbol] = Field(default_factory=list)

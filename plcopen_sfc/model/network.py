@@ -1,5 +1,6 @@
-"""Graphical logic: networks of FBD and LD elements (IEC 61131-3 ed. 3, 8.2 and 8.3; TC6 2.01 common, fbd and ld objects).
+"""Graphical logic: networks of FBD and LD elements.
 
+IEC 61131-3 ed. 3, 8.2 and 8.3; the common, fbd and ld objects of TC6 2.01.
 Wires stand at their consumer: an input pin lists the outputs it is connected to.
 """
 

@@ -80,9 +80,10 @@ class Pou(Element):
         return next((a for a in self.actions if a.name.casefold() == name.casefold()), None)
 
     def named_bodies(self) -> Iterator[tuple[str, Body]]:
-        """Every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (action, transition, method)."""
+        """Every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""
         for body in self.bodies:
             yield self.name, body
-        for part in (*self.actions, *self.transitions, *self.methods):
+        parts: list[Action | NamedTransition | Method] = [*self.actions, *self.transitions, *self.methods]
+        for part in parts:
             if part.body is not None:
                 yield f"{self.name}.{part.name}", part.body

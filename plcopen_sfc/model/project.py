@@ -107,7 +107,7 @@ class Resource(Element):
 
 
 class Configuration(Element):
-    """A configuration: resources, global variables, access paths and instance configuration. A CODESYS device is one."""
+    """A configuration: resources, global variables, access paths, VAR_CONFIG. A CODESYS device is one."""
 
     name: str
     resources: list[Resource] = Field(default_factory=list)
@@ -163,9 +163,9 @@ class Origin(NamedTuple):
 class Project(Element):
     """Everything a file holds.
 
-    `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application exports).
-    POUs and data types are in one list each, whatever their `place` is. `content_comment` and `content_carried` belong to
-    the description of the content (TC6 ``contentHeader``).
+    `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application
+    exports). POUs and data types are in one list each, whatever their `place` is. `content_comment` and
+    `content_carried` belong to the description of the content (TC6 ``contentHeader``).
     """
 
     name: str = ""
@@ -205,7 +205,9 @@ class Project(Element):
         for pou in self.pous:
             if pou.name.casefold() == name.casefold():
                 return pou
-        raise ModelError(f"the project has no POU {name!r}", hint="It has: " + ", ".join(p.name for p in self.pous[:20]))
+        raise ModelError(
+            f"the project has no POU {name!r}", hint="It has: " + ", ".join(p.name for p in self.pous[:20])
+        )
 
     def bodies(self) -> Iterator[tuple[str, Pou, Body]]:
         """Every body in the project with its name (``Main.Fill``) and POU."""

@@ -1,8 +1,8 @@
 """Sequential function charts: what a chart *does*. How it is drawn stands in `plcopen_sfc.model.drawing`.
 
-A chart is a net of steps and transitions. A selection is several transitions that leave a step, a simultaneous divergence
-is a transition with several targets, a simultaneous convergence one with several sources, a jump is a transition to any
-step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.)
+A chart is a net of steps and transitions. A selection is several transitions that leave a step, a simultaneous
+divergence is a transition with several targets, a simultaneous convergence one with several sources, a jump is a
+transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.)
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAcces
 from plcopen_sfc.model.base import Element, ElementId, Model
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.drawing import Drawing
-from plcopen_sfc.model.network import LogicNetwork, Node
+from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.text import Text
 
 if TYPE_CHECKING:
@@ -210,8 +210,8 @@ class PartialChart(Element):
 class SfcNetwork(Element):
     """A chart.
 
-    `logic` are FBD and LD elements drawn in the chart, which conditions are wired to. `drawing` is how the file draws the
-    chart; None where it does not say.
+    `logic` are FBD and LD elements drawn in the chart, which conditions are wired to. `drawing` is how the file draws
+    the chart; None where it does not say.
     """
 
     steps: list[Step] = Field(default_factory=list)

@@ -59,7 +59,7 @@ class ElementaryType(Model):
 
 
 class StringType(Model):
-    """``STRING`` or ``WSTRING``. `length` is a literal or the name of a constant, None where the tool's default holds."""
+    """``STRING`` or ``WSTRING``. `length` is a literal or a constant's name, None for the tool's default."""
 
     kind: Literal["string"] = "string"
     wide: bool = False

@@ -61,8 +61,8 @@ def trace(
 ) -> Wiring:
     """Follow the wires of a chart.
 
-    `kinds` gives the kind of each symbol by id in drawing order, `inputs` the ids wired to its inputs, `jumps` the id of
-    the step or simultaneous divergence that each jump leads to (None: it exists nowhere).
+    `kinds` gives the kind of each symbol by id in drawing order, `inputs` the ids wired to its inputs, `jumps` the id
+    of the step or simultaneous divergence that each jump leads to (None: it exists nowhere).
     """
     return _Tracer(kinds, inputs, jumps).run()
 

@@ -11,7 +11,15 @@ from lxml import etree
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.plcopen.body_reader import read_body, read_pou
 from plcopen_sfc.formats.plcopen.project_reader import read_resource
-from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext, attributes, carried, markup, read_common
+from plcopen_sfc.formats.plcopen.reading import (
+    DataReader,
+    Fields,
+    ReadContext,
+    attributes,
+    carried,
+    markup,
+    read_common,
+)
 from plcopen_sfc.formats.plcopen.types_reader import read_data_type_declaration, read_interface
 from plcopen_sfc.model.network import BlockCall
 from plcopen_sfc.model.sfc import SfcFlag
@@ -45,9 +53,13 @@ def read_element_attributes(ctx: ReadContext, data: etree._Element, fields: Fiel
         guid = attribute.get("guid") if _local(attribute) == "attribute" else None
         raw = attribute.text or ""
         value = raw.strip()
-        if guid is None or len(attribute) or len(attribute.attrib) != 1 or not _take(fields, owner, guid, value):
-            unknown.append(attribute)
-        elif raw != value and guid not in (names.COMMENT, names.NAME):
+        if (
+            guid is None
+            or len(attribute)
+            or len(attribute.attrib) != 1
+            or not _take(fields, owner, guid, value)
+            or (raw != value and guid not in (names.COMMENT, names.NAME))
+        ):
             unknown.append(attribute)
         elif guid == names.NAME and owner == "transition":
             # the condition is known only when the whole chart is: `finish_chart` compares the two
@@ -57,7 +69,9 @@ def read_element_attributes(ctx: ReadContext, data: etree._Element, fields: Fiel
             _check_name(ctx, attribute, fields, owner, value)
     if unknown:
         rule = data.get("handleUnknown", "implementation")
-        content = '<attributes xmlns="">' + "".join(markup(attribute).strip() for attribute in unknown) + "</attributes>"
+        content = (
+            '<attributes xmlns="">' + "".join(markup(attribute).strip() for attribute in unknown) + "</attributes>"
+        )
         carried(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": content})
     return True
 
@@ -78,10 +92,10 @@ def _take(fields: Fields, owner: str, guid: str, value: str) -> bool:
         elif guid == names.DUPLICATION:
             fields["duplicate"] = value == "TRUE"
         elif guid == names.INITIAL:
-            return fields.get("initial", False) == (value == "TRUE")
+            return bool(fields.get("initial", False)) == (value == "TRUE")
         else:
             return (owner == "simultaneousDivergence") == (value == "TRUE")
-    elif guid == names.SYMBOL or guid == names.MONITORING:
+    elif guid in (names.SYMBOL, names.MONITORING):
         choices = names.SYMBOL_VALUES if guid == names.SYMBOL else names.MONITORING_VALUES
         if value not in map(str, range(len(choices))):
             return False
@@ -113,7 +127,9 @@ def _derived_name(fields: Fields, owner: str) -> str | None:
 def _check_name(ctx: ReadContext, attribute: etree._Element, fields: Fields, owner: str, value: str) -> None:
     derived = _derived_name(fields, owner)
     if derived is not None and derived.strip() != value:
-        ctx.warn("CDS101", f"the Name attribute says {value!r}, the element {derived!r}", attribute, f"{owner} {derived}")
+        ctx.warn(
+            "CDS101", f"the Name attribute says {value!r}, the element {derived!r}", attribute, f"{owner} {derived}"
+        )
 
 
 _PENDING = "name_attribute"

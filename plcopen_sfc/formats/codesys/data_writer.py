@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
+from typing import Any
 
 from lxml import etree
 
@@ -45,7 +46,17 @@ NATIVE_FIELDS = {
     "globalVars": frozenset({"object_id", "declaration"}),
     "chart": frozenset({"settings"}),
     "step": frozenset(
-        {"exclude", "symbol", "duplicate", "min_time", "max_time", "main_action", "entry_action", "exit_action", "comment"}
+        {
+            "exclude",
+            "symbol",
+            "duplicate",
+            "min_time",
+            "max_time",
+            "main_action",
+            "entry_action",
+            "exit_action",
+            "comment",
+        }
     ),
     "transition": frozenset({"exclude", "symbol", "duplicate", "monitoring", "comment"}),
     "selectionDivergence": frozenset({"exclude", "name", "comment"}),
@@ -397,7 +408,7 @@ def _vendor(_ctx: WriteContext, element: VendorElement, _owner: str) -> Iterator
         yield names.FBD_ATTRIBUTES, _IMPLEMENTATION, table
 
 
-_WRITERS = (
+_WRITERS: tuple[tuple[type[Model], Callable[[WriteContext, Any, str], Iterator[Written]]], ...] = (
     (Step, _step),
     (Transition, _transition),
     (ActionAssociation, _association),

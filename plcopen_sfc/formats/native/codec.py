@@ -28,7 +28,9 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
     if not isinstance(content, dict) or content.get("format") != "plcopen_sfc" or "project" not in content:
         raise StructureError("this JSON is no model that plcopen_sfc has saved", location=Location(file))
     if content.get("version") != _VERSION:
-        raise UnknownVersionError(f"version {content.get('version')!r} of the model is not known", location=Location(file))
+        raise UnknownVersionError(
+            f"version {content.get('version')!r} of the model is not known", location=Location(file)
+        )
     try:
         project = Project.model_validate(content["project"])
     except ValidationError as error:
@@ -40,6 +42,10 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 
 def write(project: Project, _options: WriteOptions, report: ConversionReport) -> bytes:
     """Write the model."""
-    content = {"format": "plcopen_sfc", "version": _VERSION, "project": project.model_dump(mode="json", exclude_none=True)}
+    content = {
+        "format": "plcopen_sfc",
+        "version": _VERSION,
+        "project": project.model_dump(mode="json", exclude_none=True),
+    }
     report.add(Fate.KEPT, "project", project.name)
     return (json.dumps(content, ensure_ascii=False, indent=1) + "\n").encode()

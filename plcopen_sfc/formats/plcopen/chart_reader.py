@@ -442,7 +442,10 @@ class ChartReader:
         kinds = {symbol["id"]: symbol["kind"] for symbol in self.symbols}
         wiring = trace(
             kinds,
-            {s["id"]: [c["source"] for pin in s.get("inputs", ()) for c in pin.get("connections", ())] for s in self.symbols},
+            {
+                s["id"]: [c["source"] for pin in s.get("inputs", ()) for c in pin.get("connections", ())]
+                for s in self.symbols
+            },
             {s["id"]: s.get("target") for s in self.symbols if s["kind"] is SymbolKind.JUMP},
         )
         symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
@@ -467,7 +470,9 @@ class ChartReader:
         for holder in (*self.symbols, *self.nodes):
             for connection in _connections(holder):
                 if connection["source"] not in known:
-                    self._error("SFC102", f"a connection leads to element {connection['source']}, which does not exist", holder)
+                    self._error(
+                        "SFC102", f"a connection leads to element {connection['source']}, which does not exist", holder
+                    )
         for transition in self.transitions:
             condition = transition.get("condition")
             if condition is None:

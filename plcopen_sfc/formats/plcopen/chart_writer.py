@@ -271,7 +271,9 @@ class ChartWriter:
             native = native - {"entries"}
         finish(ctx, element, symbol, "actionBlock", native)
 
-    def write_step_action(self, parent: etree._Element, symbol: Symbol, entry: ActionEntry, kind: StepActionKind) -> None:
+    def write_step_action(
+        self, parent: etree._Element, symbol: Symbol, entry: ActionEntry, kind: StepActionKind
+    ) -> None:
         """Write a step action as the association that comes nearest to it, with a mark by which it is read back."""
         sources = [c.source for pin in symbol.inputs for c in pin.connections]
         step = next((self.steps[source] for source in sources if source in self.steps), None)

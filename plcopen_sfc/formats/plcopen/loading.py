@@ -41,7 +41,9 @@ def load(
         except ValidationError as error:
             first = error.errors()[0]
             path = ".".join(map(str, first["loc"]))
-            raise StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file)) from error
+            raise StructureError(
+                f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file)
+            ) from error
     return Reading(project, ctx.diagnostics)
 
 

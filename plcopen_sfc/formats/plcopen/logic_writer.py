@@ -101,7 +101,9 @@ def write_node(ctx: WriteContext, parent: etree._Element, node: Node) -> None:
     """Write one FBD, LD or common element."""
     tag, attributes = _head(ctx, node)
     local_id = node.id if node.local_id is None else node.local_id
-    element = sub(ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, node.execution_order))
+    element = sub(
+        ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, node.execution_order)
+    )
     for name, value in attributes.items():
         element.set(name, value)
     write_point(ctx, element, "position", node.position)

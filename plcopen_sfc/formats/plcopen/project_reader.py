@@ -16,6 +16,7 @@ from plcopen_sfc.formats.plcopen.reading import (
     attributes,
     carry_attributes,
     carry_element,
+    line_of,
     number,
     read_common,
     read_text,
@@ -34,7 +35,7 @@ from plcopen_sfc.formats.plcopen.versions import PREFIX, VERSIONS, Tc6Version, v
 def find_version(root: etree._Element, *, file: str | None = None) -> Tc6Version:
     """The TC6 version of a document. Raises `StructureError` and `UnknownVersionError`."""
     name = etree.QName(root)
-    place = Location(file, root.sourceline, None, f"/{name.localname}")
+    place = Location(file, line_of(root), None, f"/{name.localname}")
     version = version_of(name.namespace or "")
     if version is None:
         if (name.namespace or "").startswith(PREFIX):
@@ -75,7 +76,7 @@ def read_project(
     fields: Fields = {"configurations": [], "applications": [], "pous": ctx.pous, "data_types": ctx.data_types}
     for child in root:
         local = ctx.tags.get(child.tag)
-        reader = _PARTS.get(local)
+        reader = _PARTS.get(local or "")
         if reader is not None:
             reader(ctx, child, fields)
         else:
@@ -123,9 +124,7 @@ def _content_header(ctx: ReadContext, element: etree._Element, fields: Fields) -
         elif local == "coordinateInfo":
             fields["scales"] = _scales(ctx, child)
         elif local == "addDataInfo":
-            fields["foreign_data_infos"] = [
-                _data_info(ctx, info) for info in child if ctx.tags.get(info.tag) == "info"
-            ]
+            fields["foreign_data_infos"] = [_data_info(ctx, info) for info in child if ctx.tags.get(info.tag) == "info"]
         else:
             read_common(ctx, content, child, local, "contentHeader")
     if left:

@@ -149,9 +149,7 @@ def write_configuration(
     ctx.place.pop()
 
 
-def write_resource(
-    ctx: WriteContext, parent: etree._Element, resource: Resource, place: str
-) -> None:
+def write_resource(ctx: WriteContext, parent: etree._Element, resource: Resource, place: str) -> None:
     """Write ``resource``. `place` is what the POUs that belong into it say of where they stand."""
     element = sub(ctx, parent, "resource", {"name": resource.name})
     ctx.place.append(f"resource {resource.name}")

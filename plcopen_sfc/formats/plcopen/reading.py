@@ -1,8 +1,8 @@
 """What all readers of TC6 elements share: dispatch by name, attribute values, texts, and what must be carried.
 
-Readers turn elements into plain dictionaries of model fields; the whole project is validated into the model at the end, in
-one go, which is several times faster than building object by object. A reader takes attributes out of a dictionary
-one by one: what is left in it at the end is not known, and is carried. The same holds for child elements.
+Readers turn elements into plain dictionaries of model fields; the whole project is validated into the model at the
+end, in one go, which is several times faster than building object by object. A reader takes attributes out of a
+dictionary one by one: what is left in it at the end is not known, and is carried. The same holds for child elements.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class ReadContext:
     def report(self, code: str, severity: Severity, message: str, element: etree._Element, subject: str = "") -> None:
         """Say something about `element` of the file."""
         path = " / ".join((*self.place, subject) if subject else self.place)
-        location = Location(self.file, element.sourceline, None, path or None)
+        location = Location(self.file, line_of(element), None, path or None)
         self.diagnostics.append(Diagnostic(code, severity, message, location))
 
     def warn(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
@@ -67,6 +67,12 @@ class ReadContext:
     def error(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
         """Report an error that does not keep the file from being loaded."""
         self.report(code, Severity.ERROR, message, element, subject)
+
+
+def line_of(element: etree._Element) -> int | None:
+    """The line of `element` in its file."""
+    line = element.sourceline
+    return line if isinstance(line, int) else None
 
 
 def attributes(element: etree._Element) -> dict[str, str]:
@@ -107,12 +113,12 @@ def markup(element: etree._Element) -> str:
     name = etree.QName(element)
     if name.namespace is None:
         # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
-        return f"<{name.localname} xmlns=\"\"" + text.decode().removeprefix(f"<{name.localname}")
+        return f'<{name.localname} xmlns=""' + text.decode().removeprefix(f"<{name.localname}")
     return text.decode()
 
 
 def carry_element(ctx: ReadContext, fields: Fields, element: etree._Element) -> None:
-    """Keep a child element that no reader knows, and say so. Comments and processing instructions stay in the file only."""
+    """Keep a child element that no reader knows, and say so. Comments stay in the file only."""
     if not isinstance(element.tag, str):
         if ctx.comment_reader is not None:
             ctx.comment_reader(ctx, element, fields, "")
@@ -149,7 +155,7 @@ def read_foreign_data(ctx: ReadContext, fields: Fields, add_data: etree._Element
 
 
 def inner_markup(element: etree._Element) -> str:
-    """The content of `element` as text: each child with the namespaces it needs. Blanks between children are left out."""
+    """The content of `element` as text, each child with the namespaces it needs, without blanks between children."""
     text = element.text or ""
     children = [markup(child) for child in element]
     return (text if text.strip() else "") + "".join(children)
@@ -160,7 +166,7 @@ def read_text(ctx: ReadContext, element: etree._Element) -> str | Fields:
     children = list(element)
     if len(children) == 1 and not len(children[0]) and children[0].tag == ctx.text_element and not children[0].attrib:
         return children[0].text or ""
-    return {"text": "".join(element.itertext()), "markup": inner_markup(element)}
+    return {"text": "".join(map(str, element.itertext())), "markup": inner_markup(element)}
 
 
 def read_code(ctx: ReadContext, element: etree._Element) -> tuple[str, str | None]:

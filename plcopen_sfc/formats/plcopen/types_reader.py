@@ -32,7 +32,7 @@ SECTIONS = {
 
 
 def read_data_type(ctx: ReadContext, holder: etree._Element, fields: Fields) -> Fields:
-    """Read the one type inside `holder` (``type``, ``baseType``, ``returnType``). `fields`: what carries the unknown."""
+    """Read the one type inside `holder` (``type``, ``baseType`` ..). `fields`: what carries the unknown."""
     found: Fields | None = None
     for child in holder:
         local = ctx.tags.get(child.tag)
@@ -294,5 +294,3 @@ def read_data_type_declaration(ctx: ReadContext, element: etree._Element, place:
     carry_attributes(fields, left)
     ctx.place.pop()
     return fields
-
-

@@ -35,9 +35,16 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, holder: str, kind
     if isinstance(kind, ElementaryType):
         _elementary(ctx, element, kind)
     elif isinstance(kind, StringType):
-        sub(ctx, element, "wstring" if kind.wide else "string", {"length": kind.length} if kind.length is not None else {})
+        sub(
+            ctx,
+            element,
+            "wstring" if kind.wide else "string",
+            {"length": kind.length} if kind.length is not None else {},
+        )
     elif isinstance(kind, DerivedType):
-        finish(ctx, sub(ctx, element, "derived", {"name": kind.name}), kind, "derived", _NEVER | {"name"}, documents=False)
+        finish(
+            ctx, sub(ctx, element, "derived", {"name": kind.name}), kind, "derived", _NEVER | {"name"}, documents=False
+        )
     elif isinstance(kind, ArrayType):
         array = sub(ctx, element, "array")
         for dimension in kind.dimensions:
@@ -63,7 +70,9 @@ def _elementary(ctx: WriteContext, element: etree._Element, kind: ElementaryType
     if name not in ctx.names or (ctx.version.first_generation and name.startswith("ANY")):
         # TC6 does not list the 64 bit times and the characters, 1.01 no generic types either: named like a user type
         sub(ctx, element, "derived", {"name": name})
-        ctx.note(Fate.TRANSLATED, "data type", name, f"TC6 {ctx.version.name} does not list it; written as a derived type")
+        ctx.note(
+            Fate.TRANSLATED, "data type", name, f"TC6 {ctx.version.name} does not list it; written as a derived type"
+        )
     else:
         sub(ctx, element, name)
 
@@ -175,5 +184,3 @@ def write_data_type_declaration(
     ctx.note(Fate.KEPT, "data type", declaration.name)
     native = frozenset({"name", "type", "initial"}) | ({"place"} if in_place else frozenset())
     finish(ctx, element, declaration, "dataType", native)
-
-

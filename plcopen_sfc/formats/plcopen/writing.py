@@ -29,9 +29,10 @@ Written = tuple[str, UnknownDataRule, etree._Element]
 class Dialect:
     """How one tool or family of tools writes TC6 XML.
 
-    `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then), `data_rank`
-    its place among the others. `text_element` is the XHTML element of texts. `states_actions`: qualifier, duration and
-    indicator are always written. `plain_flow`: only what simple readers take (see docs/formats/plcopen.md).
+    `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then),
+    `data_rank` its place among the others. `text_element` is the XHTML element of texts. `states_actions`: qualifier,
+    duration and indicator are always written. `plain_flow`: only what simple readers take (see
+    docs/formats/plcopen.md).
     """
 
     version: Tc6Version
@@ -69,7 +70,9 @@ class WriteContext:
         self.report.add(fate, what, " / ".join((*self.place, name) if name else self.place), why)
 
 
-def sub(ctx: WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None) -> etree._Element:
+def sub(
+    ctx: WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None
+) -> etree._Element:
     """A new child of `parent`, in the TC6 namespace."""
     return etree.SubElement(parent, ctx.names[name], attributes or {})
 
@@ -102,7 +105,7 @@ def write_code(ctx: WriteContext, parent: etree._Element, text: str, markup: str
 
 
 def _text_of(markup: str) -> str:
-    return "".join(etree.fromstring(f"<x>{markup}</x>").itertext())
+    return "".join(map(str, etree.fromstring(f"<x>{markup}</x>").itertext()))
 
 
 def add_markup(parent: etree._Element, markup: str) -> None:
@@ -116,7 +119,11 @@ def add_markup(parent: etree._Element, markup: str) -> None:
 
 def legal(text: str) -> str:
     """`text` without the control characters that XML 1.0 cannot hold."""
-    return text if text.isprintable() else "".join(c for c in text if c in "\t\n\r" or c >= " " and c not in "\ufffe\uffff")
+    return (
+        text
+        if text.isprintable()
+        else "".join(c for c in text if c in "\t\n\r" or (c >= " " and c not in "\ufffe\uffff"))
+    )
 
 
 def decimal(value: float) -> str:
