@@ -12,6 +12,7 @@ from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from difflib import SequenceMatcher
+from itertools import islice
 from typing import TypeAlias
 
 __all__ = ["DEFAULT_KEYS", "Item", "KeyFunction", "Keys", "align", "default_keys", "longest_rising", "similarity"]
@@ -73,6 +74,8 @@ def similarity(left: Item, right: Item) -> float:
 
 _ALIKE = 0.5
 _MAX_PAIRS = 40_000
+_MAX_EXACT = 1_000_000
+_MAX_CANDIDATES = 8
 
 
 def align(left: Sequence[Item], right: Sequence[Item]) -> list[int | None]:
@@ -126,6 +129,13 @@ def _pair_group(left: Sequence[Item], right: Sequence[Item], lefts: list[int], r
         pair(lefts[0], rights[0])
         return
     if left[lefts[0]].exact is None or right[rights[0]].exact is None:
+        _pair_alike(left, right, lefts, rights, pair)
+        return
+    while lefts and rights and left[lefts[0]].exact == right[rights[0]].exact:
+        pair(lefts.pop(0), rights.pop(0))
+    while lefts and rights and left[lefts[-1]].exact == right[rights[-1]].exact:
+        pair(lefts.pop(), rights.pop())
+    if len(lefts) * len(rights) > _MAX_EXACT:
         _pair_alike(left, right, lefts, rights, pair)
         return
     equal = SequenceMatcher(None, [left[i].exact for i in lefts], [right[j].exact for j in rights], autojunk=False)
@@ -182,7 +192,7 @@ def _between_neighbours(
             low = known
             continue
         high = above[j + 1]
-        candidates = [i for i in waiting[item.tag] if low < i < high or high <= low]
+        candidates = islice((i for i in waiting[item.tag] if low < i < high or high <= low), _MAX_CANDIDATES)
         found = next((i for i in candidates if _renamed(left[i], item)), None)
         if found is not None:
             pair(found, j)

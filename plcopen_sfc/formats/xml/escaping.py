@@ -98,9 +98,11 @@ def escape_attribute(value: str, quote: str, habits: Habits) -> str:
     return raw.replace("\r", "&#13;").replace("\n", "&#10;").replace("\t", "&#9;")
 
 
-_UNESCAPABLE = re.compile(
-    r"(?P<cdata><!\[CDATA\[.*?\]\]>)|<!--.*?-->|<\?.*?\?>|</?[^\s<>=\"'/]+|[^\s<>=\"']+(?=\s*=\s*[\"'])", re.DOTALL
+_MARKUP = re.compile(
+    r"""(?P<cdata><!\[CDATA\[.*?\]\]>)|<!--.*?-->|<\?.*?\?>|(?P<tag><[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>)""",
+    re.DOTALL,
 )
+_VALUE = re.compile(r"""("[^"]*"|'[^']*')""")
 
 
 def encode_text(text: str, codec: str) -> bytes:
@@ -110,20 +112,22 @@ def encode_text(text: str, codec: str) -> bytes:
     """
     try:
         return text.encode(codec)
-    except UnicodeEncodeError as error:
-        if text.isascii() or error.reason.startswith("surrogates"):
-            raise _cannot_encode(text, error.start, codec) from error
+    except UnicodeEncodeError:
+        pass
     parts: list[bytes] = []
     done = 0
-    for token in _UNESCAPABLE.finditer(text):
+    for token in _MARKUP.finditer(text):
         parts.append(text[done : token.start()].encode(codec, "xmlcharrefreplace"))
         raw = token[0]
         if token["cdata"] is not None:
             raw = re.sub(r"[^\x00-\x7f]", lambda found: _outside_cdata(found[0], codec), raw)
+        pieces = _VALUE.split(raw) if token["tag"] is not None else [raw]
+        pieces[1::2] = [value.encode(codec, "xmlcharrefreplace").decode(codec) for value in pieces[1::2]]
         try:
-            parts.append(raw.encode(codec))
+            parts.append("".join(pieces).encode(codec))
         except UnicodeEncodeError as error:
-            raise _cannot_encode(text, token.start() + error.start, codec) from error
+            position = token.start() + raw.index(error.object[error.start])
+            raise _cannot_encode(text, position, codec) from error
         done = token.end()
     parts.append(text[done:].encode(codec, "xmlcharrefreplace"))
     return b"".join(parts)

@@ -40,8 +40,9 @@ def is_mixed(element: etree._Element) -> bool:
 class Handwriting:
     """How a file is written, as far as new pieces of it need to know."""
 
-    def __init__(self, tree: SourceTree) -> None:
+    def __init__(self, tree: SourceTree, codec: str) -> None:
         self.tree = tree
+        self.codec = codec
         text = tree.text
         self.newline = tree.newline
         self.quote = "'" if text.count("='") > text.count('="') else '"'
@@ -49,6 +50,14 @@ class Handwriting:
         self.habits = Habits("", newline=self.newline)
         self._collapses = "/>" in text or "></" not in text
         self._unit: str | None = None
+
+    def encodable(self, text: str) -> bool:
+        """Whether the encoding of the file has all these characters."""
+        try:
+            text.encode(self.codec)
+        except UnicodeEncodeError:
+            return False
+        return True
 
     def empty_end(self, position: int) -> str | None:
         """How an empty element ends near `position`, "/>" or " />"; None where the file writes `<a></a>`."""
@@ -103,7 +112,7 @@ class Handwriting:
         if parent.children:
             return None
         outer = self.tree.line_indent(parent)
-        if outer is None or "\n" not in self.tree.text[parent.start :] + "\n" * (parent.parent is not None):
+        if outer is None or (parent.parent is None and "\n" not in self.tree.text):
             return None
         return outer + self.unit(parent)
 
@@ -152,7 +161,7 @@ class Fragments:
         habits = self._writing.habits
         children = nodes_of(element)
         if not children:
-            return escape_text(element.text or "", habits)
+            return self.text(element)
         if is_mixed(element):
             parts = [escape_text(element.text or "", habits)]
             for child in children:
@@ -166,6 +175,15 @@ class Fragments:
         lines = [self.render(child, scope, indent + unit, unit, empty_end) for child in children]
         newline = self._writing.newline
         return "".join(f"{newline}{indent}{unit}{line}" for line in lines) + newline + indent
+
+    def text(self, element: etree._Element) -> str:
+        """The text of an element without children, as CDATA if the tree marks it so and it can be."""
+        value = element.text or ""
+        # lxml tells of CDATA only when it writes; anywhere else it escapes the "<".
+        wanted = value and b"<![CDATA[" in etree.tostring(element, with_tail=False)
+        if wanted and "]]>" not in value and "\r" not in value and self._writing.encodable(value):
+            return "<![CDATA[" + value.replace("\n", self._writing.newline) + "]]>"
+        return escape_text(value, self._writing.habits)
 
     def attribute(self, name: str, value: str) -> str:
         """`name="value"`."""

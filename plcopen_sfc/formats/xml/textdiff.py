@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from difflib import SequenceMatcher
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-__all__ = ["Change", "changes"]
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["Change", "apply", "changes"]
 
 
 class Change(NamedTuple):
@@ -74,3 +77,18 @@ def _common(old: str, new: str, limit: int) -> int:
         else:
             high = middle
     return low
+
+
+def apply(text: str, edits: Iterable[Change], start: int = 0, end: int | None = None) -> str:
+    """`text[start:end]` with all edits made; insertions at one place keep their order and come before replacements.
+
+    Raises `ValueError` where two edits overlap.
+    """
+    parts: list[str] = []
+    for edit in sorted(edits, key=lambda edit: (edit.start, edit.end)):
+        if edit.start < start:
+            raise ValueError(f"two edits overlap at position {edit.start}")
+        parts += (text[start : edit.start], edit.text)
+        start = edit.end
+    parts.append(text[start:end])
+    return "".join(parts)

@@ -204,6 +204,10 @@ class SourceTree:
             found[f"{{{self.namespace(node, prefix)}}}{local}" if prefix else local] = attribute
         return found
 
+    def values(self, node: Node) -> dict[str, str]:
+        """Attribute values by the name that lxml gives them."""
+        return {name: self.value(attribute) for name, attribute in self.named_attributes(node).items()}
+
     # What is between tags
 
     def segments(self, start: int, end: int) -> list[Segment]:
@@ -238,6 +242,11 @@ class SourceTree:
             found += self.segments(position, child.start)
             position = child.end
         return found + self.segments(position, node.close_start)
+
+    def inner(self, node: Node) -> str:
+        """The text of a comment or processing instruction."""
+        text = self.text[node.start : node.end]
+        return text[4:-3] if node.name == COMMENT else text[2:-2].partition(" ")[2]
 
     # How things stand on lines
 

@@ -1,0 +1,331 @@
+"""The walk down source, `before` and `after` together; see `patch` for the idea."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lxml import etree
+
+from plcopen_sfc.formats.xml.align import KeyFunction, align, longest_rising
+from plcopen_sfc.formats.xml.escaping import escape_text
+from plcopen_sfc.formats.xml.features import Comparison
+from plcopen_sfc.formats.xml.fragments import Fragments, Handwriting, is_mixed, kind_of, nodes_of, qualified_name
+from plcopen_sfc.formats.xml.layout import ChildLayout, Insertion, make_empty
+from plcopen_sfc.formats.xml.moves import Origin, Removed, missing_declarations, reindented
+from plcopen_sfc.formats.xml.textdiff import Change, apply
+from plcopen_sfc.formats.xml.texts import attribute_changes, text_changes, with_source_blanks
+from plcopen_sfc.formats.xml.tokens import Attribute, Node, PatchError, Segment, SourceTree
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["Merge"]
+
+
+class Merge:
+    """One three-way merge: collects the edits of the source text that the difference of two trees asks for."""
+
+    def __init__(
+        self, tree: SourceTree, codec: str, before: etree._Element, after: etree._Element, *, keys: KeyFunction
+    ) -> None:
+        self._tree = tree
+        self._before = before
+        self._after = after
+        self._comparison = Comparison(tree, before, after, keys)
+        self._writing = Handwriting(tree, codec)
+        self._fragments = Fragments(self._writing, self._reuse)
+        self._edits: list[Change] = []
+        self._insertions: list[Insertion] = []
+        self._removed = Removed(self._comparison)
+        self._moved: dict[etree._Element, Origin] = {}
+
+    def run(self) -> str:
+        """The edited text."""
+        root = self._tree.root
+        if not self._tree.tag(root) == kind_of(self._before) == kind_of(self._after):
+            raise PatchError(
+                f"the root element is <{self._tree.tag(root)}> in the file, <{kind_of(self._before)}> before and "
+                f"<{kind_of(self._after)}> after the edit"
+            )
+        self._element(root, self._before, self._after)
+        self._write_insertions()
+        return apply(self._tree.text, self._edits)
+
+    # One element. Recursion: `_element` -> `_children` or `_mixed` -> `_element`; depth is bounded by the parser.
+
+    def _element(self, node: Node, before: etree._Element, after: etree._Element) -> None:
+        if self._comparison.same(before, after):
+            return
+        if not node.is_element:
+            self._replace(node.start, node.end, etree.tostring(after, encoding="unicode", with_tail=False))
+            return
+        self._attributes(node, before, after)
+        old_text, new_text = before.text or "", after.text or ""
+        has_old, has_new = len(before) > 0, len(after) > 0
+        if not has_old and not has_new:
+            self._text(node, self._tree.content(node), old_text, new_text, cdata_like=after)
+        elif (
+            is_mixed(before)
+            or is_mixed(after)
+            or (not has_old and old_text.strip())
+            or (not has_new and new_text.strip())
+        ):
+            self._mixed(node, before, after)
+        else:
+            self._children(node, nodes_of(before), nodes_of(after))
+
+    def _attributes(self, node: Node, before: etree._Element, after: etree._Element) -> None:
+        written = self._tree.named_attributes(node)
+        for name in before.attrib:
+            found = written.get(str(name))
+            if name not in after.attrib and found is not None:
+                self._replace(found.blank, found.end, "")
+        anchor = self._last_leading_declaration(node)
+        scope = self._tree.scope(node)
+        for name, value in after.attrib.items():
+            found = written.get(str(name))
+            anchor = found or anchor
+            if before.get(name) == value:
+                continue
+            if found is not None:
+                self._edits += attribute_changes(self._writing, found, str(value))
+                continue
+            declared: dict[str, str] = {}
+            plain = qualified_name(str(name), scope, declared, after.nsmap, attribute=True)
+            new = [self._fragments.attribute(f"xmlns:{prefix}", uri) for prefix, uri in declared.items()]
+            new.append(self._fragments.attribute(plain, str(value)))
+            position = anchor.end if anchor else self._tree.name_end(node)
+            blank = self._tree.text[anchor.blank : anchor.start] if anchor else " "
+            self._replace(position, position, "".join(blank + text for text in new))
+
+    def _last_leading_declaration(self, node: Node) -> Attribute | None:
+        last: Attribute | None = None
+        for attribute in self._tree.attributes(node):
+            if attribute.name != "xmlns" and not attribute.name.startswith("xmlns:"):
+                break
+            last = attribute
+        return last
+
+    # Children
+
+    def _match(
+        self, node: Node, old: list[etree._Element], new: list[etree._Element]
+    ) -> tuple[list[Node | None], list[int | None]]:
+        """For every node of `old` its place in the source, and for every node of `new` its index in `old`."""
+        item = self._comparison.tree_item
+        places = align(
+            [self._comparison.source_item(child) for child in node.children],
+            [item(element, exact=False) for element in old],
+        )
+        origins = align([item(element) for element in old], [item(element) for element in new])
+        return [None if place is None else node.children[place] for place in places], origins
+
+    def _children(self, node: Node, old: list[etree._Element], new: list[etree._Element]) -> None:
+        places, origins = self._match(node, old, new)
+        stays, going = self._sort_out(places, origins, old, new)
+        layout = ChildLayout(self._writing, node, going)
+        # From the end, to know of every new node which one that stays follows it.
+        following: list[Node | None] = [None] * (len(new) + 1)
+        for index in range(len(new) - 1, -1, -1):
+            following[index] = stays[index][0] if index in stays else following[index + 1]
+        anchor: Node | None = None
+        insertion: Insertion | None = None
+        inserted = False
+        for index, element in enumerate(new):
+            if index in stays:
+                place, original = stays[index]
+                self._element(place, original, element)
+                anchor, insertion = place, None
+                continue
+            origin = origins[index]
+            if origin is not None and places[origin] is None and self._comparison.same(old[origin], element):
+                continue  # the source does without it, and nothing about it was edited
+            if insertion is None:
+                insertion = layout.insertion(anchor, following[index])
+                self._insertions.append(insertion)
+            insertion.elements.append(element)
+            inserted = True
+        self._edits += layout.removals_one_by_one() if inserted else layout.removals()
+
+    def _sort_out(
+        self,
+        places: list[Node | None],
+        origins: list[int | None],
+        old: list[etree._Element],
+        new: list[etree._Element],
+    ) -> tuple[dict[int, Origin], set[Node]]:
+        """Which new nodes stay where they are in the source, and which source nodes go (removed or moved)."""
+        going: set[Node] = set()
+        kept = set(origins)
+        for index, place in enumerate(places):
+            if index not in kept and place is not None:
+                going.add(place)
+                self._removed.add(place, old[index])
+        followed: list[tuple[int, int, Node]] = []
+        for index, origin in enumerate(origins):
+            if origin is not None and (place := places[origin]) is not None:
+                followed.append((index, origin, place))
+        in_order = longest_rising([origin for _, origin, _ in followed])
+        stays: dict[int, Origin] = {}
+        for position, (index, origin, place) in enumerate(followed):
+            if position in in_order:
+                stays[index] = (place, old[origin])
+            else:
+                going.add(place)
+                self._moved[new[index]] = (place, old[origin])
+        return stays, going
+
+    # Text
+
+    def _text(
+        self, node: Node, segments: list[Segment], old: str, new: str, *, cdata_like: etree._Element | None = None
+    ) -> None:
+        """Change the text that `segments` hold together from `old` to `new`."""
+        if old == new:
+            return
+        current = self._tree.value_of(segments)
+        new = with_source_blanks(current, old, new)
+        if current == new:
+            return
+        if not new and not node.children:
+            self._edits.append(make_empty(self._writing, node))
+        elif segments:
+            self._edits += text_changes(self._writing, segments, current, new)
+        else:
+            plain = escape_text(new, self._writing.habits)
+            raw = plain if cdata_like is None else self._fragments.text(cdata_like)
+            self._fill(node, raw, node.open_end)
+
+    def _fill(self, node: Node, raw: str, end: int) -> None:
+        """Put content into an element, in place of what stands there up to `end`."""
+        if node.is_closed:
+            self._replace(self._tree.tag_end(node), node.end, f">{raw}</{node.name}>")
+        else:
+            self._replace(node.open_end, end, raw)
+
+    # Text beside children
+
+    def _mixed(self, node: Node, before: etree._Element, after: etree._Element) -> None:
+        old, new = nodes_of(before), nodes_of(after)
+        places, origins = self._match(node, old, new)
+        found = [place for place in places if place is not None]
+        in_order = found == sorted(found, key=lambda place: place.start)
+        if origins == list(range(len(old))) and len(found) == len(old) and in_order:
+            self._mixed_runs(node, before, after, found)
+            for place, original, element in zip(found, old, new, strict=True):
+                self._element(place, original, element)
+            return
+        used = {places[origin] for origin in origins if origin is not None}
+        for index, gone in enumerate(places):
+            if gone is not None and gone not in used:
+                self._removed.add(gone, old[index])
+        matched: list[Origin | None] = []
+        for origin in origins:
+            known = None if origin is None else places[origin]
+            matched.append(None if origin is None or known is None else (known, old[origin]))
+        self._fill(node, self._mixed_anew(node, after, matched, set(found)), node.close_start)
+
+    def _runs(self, node: Node, known: set[Node]) -> list[list[Segment]]:
+        """The text before, between and behind the children in `known`."""
+        runs: list[list[Segment]] = [[]]
+        position = node.open_end
+        for child in node.children:
+            runs[-1] += self._tree.segments(position, child.start)
+            position = child.end
+            if child in known:
+                runs.append([])
+        runs[-1] += self._tree.segments(position, node.close_start)
+        return runs
+
+    def _mixed_runs(self, node: Node, before: etree._Element, after: etree._Element, places: list[Node]) -> None:
+        """The children are the same ones: change the text between them, piece by piece."""
+        runs = self._runs(node, set(places))
+        starts = [node.open_end, *(place.end for place in places)]
+        for run, start, old, new in zip(runs, starts, _texts(before), _texts(after), strict=True):
+            if run or old == new:
+                self._text(node, run, old, new)
+            else:
+                self._replace(start, start, escape_text(new, self._writing.habits))
+
+    def _mixed_anew(self, node: Node, after: etree._Element, matched: list[Origin | None], known: set[Node]) -> str:
+        """The content written anew, out of the old pieces where they are still wanted."""
+        tree = self._tree
+        scope = tree.scope(node)
+        empty_end = self._writing.empty_end(node.start)
+        raw_of = {
+            tree.value_of(run): tree.text[run[0].outer_start : run[-1].outer_end]
+            for run in self._runs(node, set(node.children))
+            if run
+        }
+
+        def written(text: str) -> str:
+            return raw_of.get(text) or escape_text(text, self._writing.habits)
+
+        parts = [*self._unknown_behind(node, None, known), written(after.text or "")]
+        for element, origin in zip(after, matched, strict=True):
+            if origin is None:
+                parts.append(self._fragments.render(element, scope, None, "", empty_end))
+            else:
+                parts.append(self._slice(*origin, element))
+                parts += self._unknown_behind(node, origin[0], known)
+            parts.append(written(element.tail or ""))
+        return "".join(parts)
+
+    def _unknown_behind(self, node: Node, place: Node | None, known: set[Node]) -> list[str]:
+        """The source's own nodes directly behind `place`, which the trees do not have."""
+        found: list[str] = []
+        for child in node.children[node.children.index(place) + 1 if place else 0 :]:
+            if child in known:
+                break
+            found.append(self._tree.text[child.start : child.end])
+        return found
+
+    # Writing
+
+    def _replace(self, start: int, end: int, text: str) -> None:
+        self._edits.append(Change(start, end, text))
+
+    def _write_insertions(self) -> None:
+        """Turn the noted insertions into edits. Only now all that goes, and may come in elsewhere, is known."""
+        waiting, self._insertions = self._insertions, []
+        for insertion in waiting:
+            scope = self._tree.scope(insertion.parent)
+            unit = self._writing.unit(insertion.parent)
+            empty_end = self._writing.empty_end(insertion.start)
+            parts: list[str] = []
+            for element in insertion.elements:
+                parts.append(insertion.separator if parts else insertion.first_separator)
+                parts.append(self._fragments.render(element, scope, insertion.indent, unit, empty_end))
+            self._replace(insertion.start, insertion.end, f"{insertion.head}{''.join(parts)}{insertion.tail}")
+
+    def _slice(
+        self, node: Node, before: etree._Element, after: etree._Element, scope: Mapping[str, str] | None = None
+    ) -> str:
+        """The source text of `node` with the edits inside it, to stand where `scope` holds."""
+        outer = self._edits, self._insertions
+        self._edits, self._insertions = [], []
+        if scope is not None:
+            for prefix, uri in missing_declarations(self._tree, node, scope).items():
+                name = f"xmlns:{prefix}" if prefix else "xmlns"
+                end = self._tree.name_end(node)
+                self._replace(end, end, f" {self._fragments.attribute(name, uri)}")
+        self._element(node, before, after)
+        self._write_insertions()
+        edits = self._edits
+        self._edits, self._insertions = outer
+        return apply(self._tree.text, edits, node.start, node.end)
+
+    def _reuse(self, element: etree._Element, scope: Mapping[str, str], indent: str | None) -> str | None:
+        """The source text of an element that was moved; None for a new one."""
+        origin = self._moved.pop(element, None) or self._removed.take(element)
+        if origin is None:
+            return None
+        text = self._slice(*origin, element, scope)
+        old = self._tree.line_indent(origin[0])
+        if old is None or indent is None:
+            return text
+        return reindented(text, old, indent)
+
+
+def _texts(element: etree._Element) -> list[str]:
+    return [element.text or "", *(child.tail or "" for child in element)]
