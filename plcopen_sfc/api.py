@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
+from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, WriteOptions
@@ -32,9 +33,10 @@ def load(source: Source, *, format: str | None = None) -> Project:  # the word t
 def loads(data: bytes, *, format: str | None = None, path: str | None = None) -> Project:
     """Load a project from bytes. `path` is what messages call them."""
     kind = format_named(format)[0] if format is not None else recognise(data, file=path)
-    reading: Reading = kind.codec().read(data, file=path)
-    project = reading.project
-    project._origin = Origin(kind.name, data, fingerprint(project), path, tuple(reading.diagnostics))
+    with collector_paused():
+        reading: Reading = kind.codec().read(data, file=path)
+        project = reading.project
+        project._origin = Origin(kind.name, data, fingerprint(project), path, tuple(reading.diagnostics))
     return project
 
 
@@ -85,7 +87,9 @@ def convert(
 
 def fingerprint(project: Project) -> bytes:
     """A digest of everything in the model, to tell whether it was edited."""
-    return hashlib.blake2b(project.__pydantic_serializer__.to_json(project, exclude_none=True)).digest()
+    with collector_paused():
+        content = project.__pydantic_serializer__.to_json(project, exclude_none=True)
+        return hashlib.blake2b(content).digest()
 
 
 def _format_for(project: Project, path: Path | None) -> str:
@@ -108,7 +112,7 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
     origin = project._origin
     report = ConversionReport(origin.format if origin is not None else "", name)
     same = origin is not None and origin.format == kind.name and not flavour
-    if same and origin is not None and kind.name == "plcopen":
+    if same and origin is not None and kind.xml:
         own = kind.codec().version_in(origin.content)
         same = version in ("", own)
         version = version or own
