@@ -1,0 +1,90 @@
+"""Whether a drawing still means its chart."""
+
+from __future__ import annotations
+
+from plcopen_sfc.drawing.style import STEPS
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.drawing import Drawing, SymbolKind
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.wiring import Link, trace_drawing
+
+
+def fits(chart: SfcNetwork) -> bool:
+    """Whether the chart has a drawing that means exactly the chart.
+
+    Every step, transition and association is drawn once and nothing else is; the wires lead from where to where the
+    transitions lead; conditions are wired in the form that they have.
+    """
+    drawing = chart.drawing
+    return drawing is not None and _complete(chart, drawing) and _linked(chart, drawing)
+
+
+def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
+    steps = {step.id: step for step in chart.steps}
+    transitions = {t.id: t for t in chart.transitions}
+    nodes = {node.id for node in chart.logic}
+    symbols = {symbol.id: symbol for symbol in drawing.symbols}
+    if len(symbols) != len(drawing.symbols) or not nodes.isdisjoint(symbols):
+        return False
+    drawn_steps = {s.id for s in drawing.symbols if s.kind in STEPS}
+    if drawn_steps != steps.keys() or len(steps) != len(chart.steps) or len(transitions) != len(chart.transitions):
+        return False
+    drawn: list[int] = []
+    entries: list[tuple[int, int]] = []
+    expressions: set[int] = set()
+    for symbol in drawing.symbols:
+        if symbol.kind is SymbolKind.TRANSITION:
+            members = symbol.transitions or [symbol.id]
+            drawn += members
+            if symbol.id not in members or not transitions.keys() >= set(members):
+                return False
+            first = transitions[members[0]]
+            if not all(same_drawn(first, transitions[i]) for i in members):
+                return False
+            wired = [c.source for c in symbol.condition.connections] if symbol.condition is not None else []
+            if isinstance(first.condition, Expression):
+                expressions.update(wired)
+            elif symbol.condition is not None:
+                return False
+        elif symbol.kind is SymbolKind.ACTION_BLOCK:
+            owners = {c.source for pin in symbol.inputs for c in pin.connections if c.source in steps}
+            if len(owners) != 1:
+                return False
+            owner = owners.pop()
+            entries += [(owner, entry.association) for entry in symbol.entries or ()]
+        elif (symbol.kind in STEPS and (symbol.kind is SymbolKind.MACRO_STEP) != (steps[symbol.id].macro is not None)) or (symbol.kind is SymbolKind.JUMP and symbol.target is not None and symbol.target not in symbols):
+            return False
+        if any(c.source not in symbols and c.source not in nodes for pin in symbol.inputs for c in pin.connections):
+            return False
+    if len(drawn) != len(transitions) or set(drawn) != transitions.keys():
+        return False
+    if any(i not in symbols or symbols[i].kind is not SymbolKind.EXPRESSION for i in expressions):
+        return False
+    return sorted(entries) == sorted((step.id, a.id) for step, a in chart.associations())
+
+
+def same_drawn(one: Transition, other: Transition) -> bool:
+    """Whether one symbol can stand for both: they differ in nothing but their id and their sources."""
+    if one is other:
+        return True
+    same = {"id": 0, "sources": []}
+    return one.model_copy(update=same) == other.model_copy(update=same)
+
+
+def _linked(chart: SfcNetwork, drawing: Drawing) -> bool:
+    links = trace_drawing(drawing).links
+    transitions = {t.id: t for t in chart.transitions}
+    for symbol in drawing.symbols:
+        if symbol.kind is SymbolKind.TRANSITION:
+            members = symbol.transitions or [symbol.id]
+            found = links[symbol.id]
+            if len(found) != len(members):
+                return False
+            if not all(link_fits(transitions[i], link) for i, link in zip(members, found, strict=True)):
+                return False
+    return True
+
+
+def link_fits(transition: Transition, link: Link) -> bool:
+    """Whether a transition leads from where to where the wires lead."""
+    return set(transition.sources) == set(link.sources) and set(transition.targets) == set(link.targets)

@@ -1,0 +1,72 @@
+"""Sees to it that every chart of a project has a drawing that fits it, before a writer needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.drawing.draw import draw
+from plcopen_sfc.drawing.fits import fits
+from plcopen_sfc.drawing.layout import has_positions, layout
+from plcopen_sfc.drawing.redraw import redraw
+from plcopen_sfc.drawing.renumber import renumber
+from plcopen_sfc.drawing.style import DrawingStyle
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+
+
+def prepare(
+    project: Project, style: DrawingStyle, *, positions: bool, anew: bool = False, renumbered: bool = False
+) -> None:
+    """Draw what is not drawn, and bring up to date what no longer fits.
+
+    `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too. `renumbered`:
+    charts that are drawn anew get new ids in document order, as CODESYS numbers them.
+    """
+    for chart in all_charts(project):
+        if anew or chart.drawing is None:
+            chart.drawing = draw(chart, style)
+            if renumbered:
+                renumber(chart)
+        elif not fits(chart):
+            redraw(chart, style)
+        if positions and chart.drawing is not None and not has_positions(chart.drawing):
+            layout(chart)
+
+
+def all_charts(project: Project) -> Iterator[SfcNetwork]:
+    """Every chart of a project: of its POUs and their parts, and those inside charts, an outer one before its inner ones."""
+    for _, _, body in project.bodies():
+        yield from charts_in(body)
+
+
+def charts_in(body: Body | None) -> Iterator[SfcNetwork]:
+    """The chart of a body and the charts inside it: macro-steps, partial charts, and bodies programmed in place."""
+    pending: list[Body | SfcNetwork | None] = [body]
+    while pending:
+        one = pending.pop()
+        if isinstance(one, SfcBody):
+            one = one.chart
+        if isinstance(one, SfcNetwork):
+            yield one
+            pending += reversed(_inner(one))
+
+
+def _inner(chart: SfcNetwork) -> list[Body | SfcNetwork | None]:
+    inner: list[Body | SfcNetwork | None] = []
+    for step in chart.steps:
+        if step.macro is not None:
+            inner.append(step.macro.body)
+        inner += [a for a in (step.entry_action, step.main_action, step.exit_action) if not isinstance(a, str)]
+        inner += [_body_of(part.condition) for part in (step.interlock, step.supervision) if part is not None]
+        for association in step.actions:
+            inner += [association.body, _body_of(association.condition)]
+    inner += [_body_of(transition.condition) for transition in chart.transitions]
+    inner += [operation.body for operation in (*chart.permanent_pre, *chart.permanent_post)]
+    inner += [part.network for part in chart.partial_charts]
+    return inner
+
+
+def _body_of(condition: Condition | None) -> Body | None:
+    return condition.body if isinstance(condition, BodyCondition) else None

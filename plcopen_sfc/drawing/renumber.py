@@ -1,0 +1,87 @@
+"""Gives everything in a chart new ids in the order of its drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from plcopen_sfc.drawing.logic import node_inputs
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.conditions import Condition, WiredCondition
+from plcopen_sfc.model.drawing import Symbol
+from plcopen_sfc.model.network import InputPin
+from plcopen_sfc.model.sfc import SfcNetwork
+
+
+def renumber(chart: SfcNetwork) -> dict[int, int]:
+    """Number everything from 0 in document order: steps, transitions, associations before their block, bars, logic.
+
+    Every reference follows. Transitions that share a symbol get ids above all others. Returns the new id of each old
+    one. Raises `ModelError` where the chart is not drawn.
+    """
+    drawing = chart.drawing
+    if drawing is None:
+        raise ModelError("a chart has to be drawn before it can be numbered in the order of its drawing")
+    symbols = {symbol.id: symbol for symbol in drawing.symbols}
+    order = list(dict.fromkeys((*(drawing.order or ()), *symbols, *(node.id for node in chart.logic))))
+    order = [i for i in order if i in symbols or any(node.id == i for node in chart.logic)] if drawing.order else order
+    numbers: dict[int, int] = {}
+    for number in order:
+        if number in symbols:
+            for entry in symbols[number].entries or ():
+                numbers.setdefault(entry.association, len(numbers))
+        numbers.setdefault(number, len(numbers))
+    for thing in (*chart.steps, *chart.transitions, *(a for _, a in chart.associations())):
+        numbers.setdefault(thing.id, len(numbers))
+    _apply(chart, list(symbols.values()), numbers)
+    if drawing.order is not None:
+        drawing.order = [numbers[i] for i in order]
+    return numbers
+
+
+def _apply(chart: SfcNetwork, symbols: list[Symbol], numbers: dict[int, int]) -> None:
+    for pin in _pins(chart, symbols):
+        for connection in pin.connections:
+            connection.source = numbers.get(connection.source, connection.source)
+    for step in chart.steps:
+        step.id = numbers[step.id]
+        for association in step.actions:
+            association.id = numbers[association.id]
+    for transition in chart.transitions:
+        transition.id = numbers[transition.id]
+        transition.sources = [numbers.get(i, i) for i in transition.sources]
+        transition.targets = [numbers.get(i, i) for i in transition.targets]
+    for node in chart.logic:
+        node.id = numbers[node.id]
+        node.local_id = None
+    for sequence in chart.sequences:
+        sequence.steps = [numbers.get(i, i) for i in sequence.steps]
+    for symbol in symbols:
+        symbol.id = numbers[symbol.id]
+        symbol.local_id = None
+        if symbol.target is not None:
+            symbol.target = numbers.get(symbol.target, symbol.target)
+        if symbol.transitions is not None:
+            symbol.transitions = [numbers.get(i, i) for i in symbol.transitions]
+        for entry in symbol.entries or ():
+            entry.association = numbers.get(entry.association, entry.association)
+            entry.local_id = None
+
+
+def _pins(chart: SfcNetwork, symbols: Iterable[Symbol]) -> Iterator[InputPin]:
+    """Every input pin once: symbol and condition may share theirs."""
+    seen: set[int] = set()
+    conditions: list[Condition | None] = [t.condition for t in chart.transitions]
+    conditions += [a.condition for _, a in chart.associations()]
+    for step in chart.steps:
+        conditions += [part.condition for part in (step.interlock, step.supervision) if part is not None]
+    pins = [condition.input for condition in conditions if isinstance(condition, WiredCondition)]
+    for symbol in symbols:
+        pins += symbol.inputs
+        if symbol.condition is not None:
+            pins.append(symbol.condition)
+    for node in chart.logic:
+        pins += node_inputs(node)
+    for pin in pins:
+        if id(pin) not in seen:
+            seen.add(id(pin))
+            yield pin
