@@ -1,0 +1,123 @@
+"""The commands with their arguments and options. What they do stands in `plcopen_sfc.cli.commands`, imported on use."""
+
+# No `from __future__ import annotations`: typer reads the annotations at run time.
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from plcopen_sfc.cli.guard import guarded
+from plcopen_sfc.cli.streams import is_terminal, prepare_streams
+from plcopen_sfc.version import __version__
+
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files; patterns such as *.xml are expanded.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No messages but errors.")]
+Verbose = Annotated[int, typer.Option("--verbose", "-v", count=True, help="More messages; twice: tracebacks.")]
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line; returns the exit code."""
+    prepare_streams()
+    try:
+        _app()(arguments, prog_name="plcopen-sfc")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 2
+    return 0
+
+
+def _app() -> typer.Typer:
+    app = typer.Typer(
+        add_completion=False,
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="rich" if is_terminal(sys.stdout) else None,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(_common)
+    for command in (_formats, _info, _validate, _convert, _schema):
+        app.command(command.__name__.removeprefix("_"))(command)
+    return app
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"plcopen-sfc {__version__}")
+        raise typer.Exit
+
+
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", "-V", callback=_show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Sequential function charts: read, check and convert the files of PLC tools.
+
+    Exit codes: 0 fine; 1 findings or differences; 2 wrong usage or unreadable input.
+    """
+
+
+def _formats(as_json: AsJson = False, quiet: Quiet = False, verbose: Verbose = 0) -> None:
+    """List what can be read and written, and what charts keep in each format."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import formats  # noqa: PLC0415
+
+        screen.exit_code = formats.run(screen)
+
+
+def _info(
+    files: Files,
+    charts: Annotated[
+        bool | None, typer.Option("--charts/--no-charts", help="Outline each chart (usual for few charts).")
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """Say what files hold: tool and version, charts, steps, transitions, actions; and what is wrong with them."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import info  # noqa: PLC0415
+
+        screen.exit_code = info.run(screen, files, outlines=charts)
+
+
+def _validate(files: Files, as_json: AsJson = False, quiet: Quiet = False, verbose: Verbose = 0) -> None:
+    """Check files against the schema of their format, and their charts for what cannot be executed."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import validate  # noqa: PLC0415
+
+        screen.exit_code = validate.run(screen, files)
+
+
+def _convert(  # noqa: PLR0917  # typer calls it by name
+    source: Annotated[str, typer.Argument(metavar="SRC", help="The file to convert.")],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="The format; `plcopen-sfc formats` lists them.")],
+    target: Annotated[
+        str | None, typer.Argument(metavar="[DST]", help="Where to write; - is standard output. Usual: next to SRC.")
+    ] = None,
+    flavour: Annotated[str, typer.Option("--for", metavar="TOOL", help="Write for a tool: beremiz.")] = "",
+    strict: Annotated[bool, typer.Option("--strict", help="Refuse to lose or approximate anything.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Write from the model alone, not into the old text.")] = False,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="FILE.json", help="Write what became of every item.")
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """Write a file in another format, and say what became of every item."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
+
+        how = convert.How(format=to, flavour=flavour, strict=strict, fresh=fresh)
+        screen.exit_code = convert.run(screen, source, target, how, report_to=report)
+
+
+def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:
+    """Print the JSON Schema of the model, for programs in other languages."""
+    with guarded(as_json=True, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import schema  # noqa: PLC0415
+
+        screen.exit_code = schema.run(screen)

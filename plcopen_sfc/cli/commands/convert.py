@@ -1,0 +1,119 @@
+"""``plcopen-sfc convert``: write a file in another format and say what became of every item."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcopen_sfc.api import load, save
+from plcopen_sfc.cli.reading import exit_code_for
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.errors import LossError, SfcError
+from plcopen_sfc.files import write_atomic
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport, Fate
+
+_SHOWN = 20
+_FINDINGS = 1
+_FATE_STYLES = {
+    Fate.TRANSLATED: "green",
+    Fate.APPROXIMATED: "yellow",
+    Fate.CARRIED: "cyan",
+    Fate.DROPPED: "bold red",
+}
+
+
+@dataclass(frozen=True)
+class How:
+    """How to convert: the options of `plcopen_sfc.api.save`."""
+
+    format: str
+    flavour: str = ""
+    strict: bool = False
+    fresh: bool = False
+
+
+def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
+    """Convert `source` to `target` (None: next to it, ``-``: standard output)."""
+    extension = format_named(how.format)[0].extensions[0]
+    to_stdout = target == "-"
+    if to_stdout and screen.as_json:
+        raise SfcError("the file and the JSON report cannot both go to standard output", hint="Use --report FILE.json.")
+    target = target or str(Path(source).with_suffix(f".{how.format}{extension}"))
+    screen.results_to_stderr = to_stdout
+    project = load(source)
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
+    try:
+        report = _save(project, target, how)
+    except LossError as loss:
+        report = _save(project, None, How(how.format, how.flavour, fresh=how.fresh))
+        _show(screen, report)
+        _write_report(report, report_to)
+        screen.error(loss)
+        return _FINDINGS
+    _show(screen, report)
+    if not screen.as_json and not to_stdout:
+        screen.line("written: ", (target, "bold"))
+    _write_report(report, report_to)
+    return exit_code_for(screen, project.diagnostics)
+
+
+def _save(project: Project, target: str | None, how: How) -> ConversionReport:
+    """Save to a file, to standard output (``-``), or only to see what would happen (None)."""
+    if target is not None and target != "-":
+        return save(project, target, format=how.format, flavour=how.flavour, strict=how.strict, fresh=how.fresh)
+    content = io.BytesIO()
+    report = save(project, content, format=how.format, flavour=how.flavour, strict=how.strict, fresh=how.fresh)
+    if target == "-":
+        sys.stdout.buffer.write(content.getvalue())
+    return report
+
+
+def _show(screen: Screen, report: ConversionReport) -> None:
+    if screen.as_json:
+        screen.json(report.as_dict())
+        return
+    if screen.quiet:
+        return
+    if report.unchanged:
+        screen.line("the format is the same and nothing was edited: the file as it was read")
+        return
+    counts = report.counts()
+    fates = [fate for fate in Fate if any(fate is known for _, known in counts)]
+    if not fates:
+        return
+    table = Table(["what", *(fate.value for fate in fates)])
+    for what in sorted({what for what, _ in counts}):
+        table.rows.append([what, *(counts.get((what, fate), 0) for fate in fates)])
+    screen.table(table)
+    _show_items(screen, report)
+
+
+def _show_items(screen: Screen, report: ConversionReport) -> None:
+    """Every item that is not simply kept; the worst first."""
+    changed = [item for fate in reversed(Fate) for item in report.with_fate(fate) if fate is not Fate.KEPT]
+    shown = changed if screen.verbose else changed[:_SHOWN]
+    if shown:
+        screen.line()
+    for item in shown:
+        place = f"{item.what} {item.path}".strip() + (f" (line {item.line})" if item.line else "")
+        reason = f": {item.why}" if item.why else ""
+        screen.line((item.fate.value, _FATE_STYLES.get(item.fate, "")), f": {place}{reason}")
+    left_out = Counter(item.fate.value for item in changed[len(shown) :])
+    if left_out:
+        what = ", ".join(f"{count} {fate}" for fate, count in left_out.items())
+        screen.line(f".. and {left_out.total()} more ({what}): --verbose shows all, --report writes all")
+    if changed:
+        screen.line()
+
+
+def _write_report(report: ConversionReport, path: Path | None) -> None:
+    if path is not None:
+        write_atomic(path, (json.dumps(report.as_dict(), ensure_ascii=False, indent=2) + "\n").encode())

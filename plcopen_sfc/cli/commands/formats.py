@@ -1,0 +1,53 @@
+"""``plcopen-sfc formats``: what can be read and written."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.formats.base import Format
+from plcopen_sfc.formats.registry import FORMATS
+
+
+def run(screen: Screen) -> int:
+    """Print the table of formats."""
+    formats = [_data(kind) for kind in FORMATS]
+    if screen.as_json:
+        screen.json({"formats": formats})
+        return 0
+    table = Table(["format", "reads", "writes", "extensions", "what it is", "charts keep"])
+    for kind in formats:
+        table.rows.append(
+            (
+                kind["name"],
+                "yes" if kind["reads"] else "no",
+                "yes" if kind["writes"] else "no",
+                " ".join(kind["extensions"]),
+                kind["title"],
+                ", ".join(kind["capabilities"]),
+            )
+        )
+    screen.table(table)
+    screen.line()
+    for kind in formats:
+        if kind["versions"]:
+            insist = ", ".join(f"{kind['name']}-{version}" for version in kind["versions"])
+            screen.line(f"{kind['title']}: --to {insist} insists on a version.")
+        for flavour in kind["flavours"]:
+            screen.line(f"{kind['title']}: --for {flavour} writes what {flavour} can read.")
+    return 0
+
+
+def _data(kind: Format) -> dict[str, Any]:
+    codec = kind.codec()
+    return {
+        "name": kind.name,
+        "title": kind.title,
+        "reads": hasattr(codec, "read"),
+        "writes": hasattr(codec, "write"),
+        "extensions": list(kind.extensions),
+        "versions": list(kind.versions),
+        "flavours": list(kind.flavours),
+        "capabilities": list(kind.capabilities),
+    }

@@ -1,0 +1,111 @@
+"""``plcopen-sfc info``: what files hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from plcopen_sfc.cli.outline import outline
+from plcopen_sfc.cli.paths import expand
+from plcopen_sfc.cli.reading import error_data, exit_code_for, finding_data, load_each
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.summary import FileSummary, all_charts, summarise
+from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.model.project import Project
+
+_FEW_CHARTS = 4
+
+
+def run(screen: Screen, patterns: Sequence[str], *, outlines: bool | None) -> int:
+    """Print a summary of every file. `outlines`: of every chart too; None: where there are few."""
+    names = expand(patterns)
+    results: list[dict[str, Any]] = []
+    for loaded in load_each(screen, names):
+        if loaded.project is None:
+            if loaded.error is not None:
+                results.append({"file": loaded.name, "error": error_data(loaded.error)})
+            continue
+        project, findings = loaded.project, loaded.project.diagnostics
+        summary = summarise(loaded.name, loaded.data, project)
+        if screen.as_json:
+            results.append(summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]})
+        else:
+            if results:
+                screen.line()
+            results.append({})
+            _print_file(screen, summary)
+            few = len(names) == 1 and len(summary.charts) <= _FEW_CHARTS
+            if outlines or (outlines is None and few):
+                _print_outlines(screen, project)
+            screen.flush()
+        for finding in findings:
+            screen.finding(finding, result=False)
+        screen.exit_code = exit_code_for(screen, findings)
+    if screen.as_json:
+        screen.json({"files": results})
+    return screen.exit_code
+
+
+def _print_file(screen: Screen, summary: FileSummary) -> None:
+    screen.line((summary.file, "bold"))
+    kinds = {_KINDS.get(kind, kind): count for kind, count in summary.pous.items()}
+    pous = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in kinds.items())
+    bodies = ", ".join(f"{count} {language}" for language, count in summary.languages.items())
+    facts = {
+        "format": f"{summary.format} ({', '.join(filter(None, (summary.format_title, summary.dialect)))})",
+        "tool": f"{summary.tool} {_without(summary.tool_version, summary.tool)}".strip(),
+        "project": summary.project,
+        "file": f"{summary.size:,} bytes, {summary.encoding}, {summary.line_ends}",
+        "POUs": pous,
+        "bodies": bodies,
+    }
+    for label, value in facts.items():
+        if value:
+            screen.line((f"  {label:<9}", "dim"), value)
+    if not summary.charts:
+        screen.line(("  charts   ", "dim"), "none")
+        return
+    screen.line()
+    screen.table(_chart_table(summary))
+
+
+def _chart_table(summary: FileSummary) -> Table:
+    columns = {
+        "steps": "steps",
+        "transitions": "transitions",
+        "selections": "selections",
+        "simultaneous": "simultaneous_branches",
+        "jumps": "jumps",
+        "actions": "action_associations",
+        "step actions": "step_actions",
+        "named conditions": "named_conditions",
+        "macro-steps": "macro_steps",
+    }
+    totals = summary.totals()
+    for optional in ("macro-steps",):
+        if not totals[columns[optional]]:
+            del columns[optional]
+    table = Table(["chart", "initial step", *columns])
+    for chart in summary.charts:
+        numbers = [getattr(chart, name) for name in columns.values()]
+        initial = ", ".join(chart.initial_steps) or "none"
+        table.rows.append([chart.name, initial, *("-" if number is None else number for number in numbers)])
+    if len(summary.charts) > 1:
+        table.total = True
+        table.rows.append([f"{len(summary.charts)} charts", "", *(totals[name] for name in columns.values())])
+    return table
+
+
+def _print_outlines(screen: Screen, project: Project) -> None:
+    for name, _, chart in all_charts(project):
+        screen.line()
+        screen.line((name, "bold underline"))
+        screen.lines(outline(chart, unicode=screen.unicode))
+
+
+def _without(version: str, tool: str) -> str:
+    """The version alone, where the file repeats the tool's name in it."""
+    return version.removeprefix(tool).strip() if tool else version
+
+
+_KINDS = {"functionBlock": "function block", "organizationBlock": "organization block"}

@@ -1,0 +1,57 @@
+"""``plcopen-sfc validate``: what schema and reader have to say about files."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+from plcopen_sfc.cli.paths import expand
+from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, finding_data, load_each
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.model.project import Project
+
+
+def run(screen: Screen, patterns: Sequence[str]) -> int:
+    """Print all findings of all files."""
+    results: list[dict[str, Any]] = []
+    for loaded in load_each(screen, expand(patterns), "Validating"):
+        if loaded.project is None:
+            if loaded.error is not None:
+                results.append({"file": loaded.name, "valid": False, "error": error_data(loaded.error)})
+            continue
+        findings = _findings(loaded, loaded.project)
+        code = exit_code_for(screen, findings)
+        valid = exit_code_for(Screen(), findings) == 0
+        screen.exit_code = code
+        results.append({"file": loaded.name, "valid": valid, "findings": [finding_data(f) for f in findings]})
+        if not screen.as_json:
+            _print(screen, loaded.name, findings, valid=valid)
+    if screen.as_json:
+        screen.json({"files": results})
+    return screen.exit_code
+
+
+def _findings(loaded: LoadedFile, project: Project) -> list[Diagnostic]:
+    """What the schema of the format says (formats that have one), and what the reader said; by line."""
+    kind = recognise(loaded.data, file=loaded.name)
+    found = list(project.diagnostics)
+    if kind.xml:
+        package = kind.module.rpartition(".")[0]
+        found += import_module(f"{package}.schema").validate(loaded.data, file=loaded.name)
+    found.sort(key=lambda finding: (finding.location.line is None, finding.location.line or 0))
+    return found
+
+
+def _print(screen: Screen, name: str, findings: list[Diagnostic], *, valid: bool) -> None:
+    for finding in findings:
+        screen.finding(finding, result=True)
+    if screen.quiet:
+        return
+    counts = Counter(finding.severity.value for finding in findings)
+    what = ", ".join(f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts.items())
+    verdict = ("valid", "green") if valid else ("not valid", "bold red")
+    screen.line((f"{name}: ", "bold"), verdict, f" ({what})" if what else "")

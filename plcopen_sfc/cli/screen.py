@@ -1,0 +1,163 @@
+"""What commands print with: results on standard output, messages on standard error, colours for people only."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+from plcopen_sfc.cli.streams import is_terminal, is_unicode
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from plcopen_sfc.cli.tables import Table
+    from plcopen_sfc.diagnostics import Diagnostic
+    from plcopen_sfc.errors import SfcError
+
+__all__ = ["Line", "Screen"]
+
+Line = Sequence[tuple[str, str]]
+"""Pieces of a line: text and style (as rich names styles; empty: none)."""
+
+_MANY_FILES = 4
+_MANY_BYTES = 4_000_000
+_STYLES = {"error": "bold red", "warning": "yellow", "info": "cyan"}
+
+
+class Screen:
+    """Standard output and error of one command, and the exit code it will end with."""
+
+    def __init__(self, *, as_json: bool = False, quiet: bool = False, verbose: int = 0) -> None:
+        self.as_json = as_json
+        self.quiet = quiet
+        self.verbose = verbose
+        self.exit_code = 0
+        self.results_to_stderr = False
+
+    # -- results ------------------------------------------------------------------------------------------------------
+
+    def line(self, *pieces: str | tuple[str, str]) -> None:
+        """Print one line of the result; pieces with a style have it on a terminal."""
+        self._write(self._results, [(p, "") if isinstance(p, str) else p for p in pieces])
+
+    def lines(self, lines: Iterable[Line]) -> None:
+        """Print lines of the result; on a terminal what is too wide is cut off."""
+        for line in lines:
+            self._write(self._results, line, cut=True)
+
+    def table(self, table: Table) -> None:
+        """Print a table."""
+        console = self._console(self._results)
+        if console is None:
+            for line in table.plain():
+                self._results.write(line + "\n")
+        else:
+            console.print(table.rich())
+
+    def json(self, value: Any) -> None:
+        """Print a value as JSON."""
+        text = json.dumps(value, ensure_ascii=not is_unicode(sys.stdout), indent=2)
+        sys.stdout.write(text + "\n")
+
+    def finding(self, diagnostic: Diagnostic, *, result: bool) -> None:
+        """Print a finding: as a result, or as a message."""
+        if not result and self.quiet and diagnostic.severity != "error":
+            return
+        stream = self._results if result else sys.stderr
+        place, severity = str(diagnostic.location), diagnostic.severity.value
+        pieces = [(f"{place}: ", "bold")] if place else []
+        pieces += [(severity, _STYLES.get(severity, "")), (f" {diagnostic.code}: {diagnostic.message}", "")]
+        self._write(stream, pieces)
+
+    # -- messages -----------------------------------------------------------------------------------------------------
+
+    def note(self, text: str) -> None:
+        """A message that --quiet suppresses."""
+        if not self.quiet:
+            self._write(sys.stderr, [(text, "")])
+
+    def detail(self, text: str) -> None:
+        """A message that only --verbose brings."""
+        if self.verbose:
+            self._write(sys.stderr, [(text, "dim")])
+
+    def complain(self, text: str) -> None:
+        """An error message."""
+        self._write(sys.stderr, [("error: ", "bold red"), (text, "")])
+
+    def advise(self, text: str) -> None:
+        """What to do about the error above."""
+        self._write(sys.stderr, [(f"  {text}", "dim")])
+
+    def error(self, error: SfcError) -> None:
+        """An error of the library: place, message, hint."""
+        place = str(error.location)
+        self.complain(f"{place}: {error.message}" if place else error.message)
+        if error.hint:
+            self.advise(error.hint)
+
+    def progress(self, files: Sequence[str], doing: str) -> Iterator[str]:
+        """Go through `files`, with a progress bar where a person waits for many files or large ones."""
+        if self.quiet or not is_terminal(sys.stderr) or not _takes_time(files):
+            yield from files
+            return
+        from rich.progress import track  # noqa: PLC0415  # only where somebody looks
+
+        console = self._console(sys.stderr)
+        yield from track(files, description=doing, total=len(files), console=console, transient=True)
+
+    def flush(self) -> None:
+        """Write out what is still buffered, so that a full disk or a closed pipe is noticed here."""
+        sys.stdout.flush()
+        sys.stderr.flush()
+
+    # -- how ----------------------------------------------------------------------------------------------------------
+
+    @property
+    def _results(self) -> TextIO:
+        return sys.stderr if self.results_to_stderr else sys.stdout
+
+    @property
+    def unicode(self) -> bool:
+        """Whether results are looked at and every sign can be shown."""
+        return is_terminal(self._results) and is_unicode(self._results)
+
+    @cached_property
+    def _consoles(self) -> dict[int, Console]:
+        return {}
+
+    def _console(self, stream: TextIO) -> Console | None:
+        """Rich's console for a terminal; None for a pipe."""
+        if not is_terminal(stream):
+            return None
+        if stream.fileno() not in self._consoles:
+            from rich.console import Console  # noqa: PLC0415  # only where somebody looks
+
+            self._consoles[stream.fileno()] = Console(file=stream, highlight=False, emoji=False)
+        return self._consoles[stream.fileno()]
+
+    def _write(self, stream: TextIO, line: Line, *, cut: bool = False) -> None:
+        console = self._console(stream)
+        if console is None:
+            stream.write("".join(text for text, _ in line).rstrip() + "\n")
+            return
+        from rich.text import Text  # noqa: PLC0415
+
+        text = Text.assemble(*((text, style) for text, style in line), overflow="ellipsis" if cut else "fold")
+        console.print(text, no_wrap=cut, soft_wrap=not cut)
+
+
+def _takes_time(files: Sequence[str]) -> bool:
+    if len(files) >= _MANY_FILES:
+        return True
+    size = 0
+    for file in files:
+        try:
+            size += Path(file).stat().st_size
+        except (OSError, ValueError):
+            continue
+    return size >= _MANY_BYTES

@@ -1,0 +1,158 @@
+"""What ``info`` says about a file and its charts, as numbers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.conditions import NamedCondition
+from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+__all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
+
+
+@dataclass(frozen=True)
+class ChartSummary:
+    """The numbers of one chart. `jumps`: None where the file does not say how the chart is drawn."""
+
+    name: str
+    pou_kind: str
+    initial_steps: list[str]
+    steps: int
+    macro_steps: int
+    transitions: int
+    selections: int
+    simultaneous_branches: int
+    jumps: int | None
+    action_associations: int
+    step_actions: int
+    named_conditions: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return {key: value for key, value in asdict(self).items() if value is not None}
+
+
+@dataclass(frozen=True)
+class FileSummary:
+    """What a file is and what it holds."""
+
+    file: str
+    format: str
+    format_title: str
+    dialect: str
+    tool: str
+    tool_version: str
+    project: str
+    encoding: str
+    line_ends: str
+    size: int
+    pous: dict[str, int]
+    languages: dict[str, int]
+    charts: list[ChartSummary] = field(default_factory=list)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        own = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "charts"}
+        return own | {"charts": [chart.as_dict() for chart in self.charts], "totals": self.totals()}
+
+    def totals(self) -> dict[str, int]:
+        """The sums over all charts."""
+        counted = [each.name for each in fields(ChartSummary) if each.name not in {"name", "pou_kind", "initial_steps"}]
+        sums = {name: sum(getattr(chart, name) or 0 for chart in self.charts) for name in counted}
+        return {"charts": len(self.charts), **sums}
+
+
+def summarise(file: str, data: bytes, project: Project) -> FileSummary:
+    """What there is to say about `project`, read from `data`."""
+    kind = recognise(data, file=file)
+    encoding, line_ends = _characters(data, xml=kind.xml)
+    return FileSummary(
+        file=file,
+        format=kind.name,
+        format_title=kind.title,
+        dialect=_dialect(data, xml=kind.xml),
+        tool=project.header.product,
+        tool_version=project.header.version,
+        project=project.name,
+        encoding=encoding,
+        line_ends=line_ends,
+        size=len(data),
+        pous=dict(Counter(pou.kind.value for pou in project.pous)),
+        languages=dict(Counter(body.language for _, _, body in project.bodies())),
+        charts=[_chart(name, pou_kind, chart) for name, pou_kind, chart in all_charts(project)],
+    )
+
+
+def all_charts(project: Project) -> Iterator[tuple[str, str, SfcNetwork]]:
+    """Every chart, those inside of macro-steps and actions too: its name, the kind of its POU, the chart."""
+    for chart in project.charts():
+        yield from _with_inner(chart.name, chart.pou.kind.value, chart.network)
+
+
+def _with_inner(name: str, pou_kind: str, network: SfcNetwork) -> Iterator[tuple[str, str, SfcNetwork]]:
+    yield name, pou_kind, network
+    for step in network.steps:
+        for body in _bodies_in(step):
+            if isinstance(body, SfcBody):
+                yield from _with_inner(f"{name} / {step.name}", pou_kind, body.chart)
+    for part in network.partial_charts:
+        yield from _with_inner(f"{name} / {part.name}", pou_kind, part.network)
+
+
+def _bodies_in(step: Step) -> Iterator[Body]:
+    if step.macro is not None and step.macro.body is not None:
+        yield step.macro.body
+    yield from (a.body for a in step.actions if a.body is not None)
+    yield from (a for a in _step_actions(step) if not isinstance(a, str))
+
+
+def _step_actions(step: Step) -> list[str | Body]:
+    return [action for action in (step.entry_action, step.main_action, step.exit_action) if action]
+
+
+def _chart(name: str, pou_kind: str, chart: SfcNetwork) -> ChartSummary:
+    leaving = Counter(step for transition in chart.transitions for step in set(transition.sources))
+    symbols = chart.drawing.symbols if chart.drawing is not None else None
+    return ChartSummary(
+        name=name,
+        pou_kind=pou_kind,
+        initial_steps=[step.name for step in chart.initial_steps],
+        steps=len(chart.steps),
+        macro_steps=sum(step.macro is not None for step in chart.steps),
+        transitions=len(chart.transitions),
+        selections=sum(count > 1 for count in leaving.values()),
+        simultaneous_branches=sum(len(transition.targets) > 1 for transition in chart.transitions),
+        jumps=None if symbols is None else sum(symbol.kind is SymbolKind.JUMP for symbol in symbols),
+        action_associations=sum(1 for _ in chart.associations()),
+        step_actions=sum(len(_step_actions(step)) for step in chart.steps),
+        named_conditions=sum(isinstance(transition.condition, NamedCondition) for transition in chart.transitions),
+    )
+
+
+def _dialect(data: bytes, *, xml: bool) -> str:
+    if not xml:
+        return ""
+    from plcopen_sfc.formats.plcopen.codec import version_in  # noqa: PLC0415  # only for XML
+
+    return f"TC6 {version_in(data)}"
+
+
+def _characters(data: bytes, *, xml: bool) -> tuple[str, str]:
+    """Encoding and line ends, as people name them."""
+    codec, mark = "utf-8", data.startswith(b"\xef\xbb\xbf")
+    if xml:
+        from plcopen_sfc.formats.xml.source import detect_encoding  # noqa: PLC0415  # only for XML
+
+        encoding = detect_encoding(data)
+        codec, mark = encoding.codec, bool(encoding.bom)
+    start = data[:100_000].replace(b"\0", b"")
+    pairs, feeds = start.count(b"\r\n"), start.count(b"\n")
+    line_ends = "LF" if not pairs else "CRLF" if pairs == feeds else "CRLF and LF"
+    return codec.upper() + (" with BOM" if mark else ""), line_ends

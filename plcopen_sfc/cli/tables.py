@@ -1,0 +1,56 @@
+"""Tables: aligned by blanks in a pipe, drawn by rich on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.table import Table as RichTable
+
+__all__ = ["Table"]
+
+
+@dataclass
+class Table:
+    """Headers and rows of texts and numbers; columns of numbers stand right. `total`: the last row is a sum."""
+
+    headers: Sequence[str]
+    rows: list[Sequence[str | int]] = field(default_factory=list)
+    total: bool = False
+
+    def plain(self) -> list[str]:
+        """The lines of the table as text: columns two blanks apart, nothing cut off."""
+        texts = [[str(cell) for cell in row] for row in (self.headers, *self.rows)]
+        widths = [max(len(row[column]) for row in texts) for column in range(len(self.headers))]
+        right = self._numbers()
+        return [
+            "  ".join(
+                text.rjust(width) if number else text.ljust(width)
+                for text, width, number in zip(row, widths, right, strict=True)
+            ).rstrip()
+            for row in texts
+        ]
+
+    def rich(self) -> RichTable:
+        """The table for a terminal."""
+        from rich import box  # noqa: PLC0415  # only where somebody looks
+        from rich.table import Table as RichTable  # noqa: PLC0415
+        from rich.text import Text  # noqa: PLC0415
+
+        table = RichTable(box=box.SIMPLE_HEAD, header_style="bold", pad_edge=False)
+        for header, number in zip(self.headers, self._numbers(), strict=True):
+            table.add_column(Text(header), justify="right" if number else "left", overflow="fold")
+        for place, row in enumerate(self.rows, start=1):
+            last = place == len(self.rows)
+            if last and self.total:
+                table.add_section()
+            table.add_row(*(Text(str(cell)) for cell in row), style="bold" if last and self.total else None)
+        return table
+
+    def _numbers(self) -> list[bool]:
+        return [
+            bool(self.rows) and all(isinstance(row[column], int) or row[column] == "-" for row in self.rows)
+            for column in range(len(self.headers))
+        ]
