@@ -56,7 +56,8 @@ def not_xml(data: bytes) -> Problem | None:
         return Problem("this is an HTML page, not XML", _EXPORT) if _is_html(start) else None
     if not start:
         # Only the head may be blank; the parser looks at the rest.
-        return Problem("the file holds nothing but blanks", _EXPORT) if not data.strip(b" \t\r\n\0") else None
+        blank = not data.strip(b" \t\r\n\0\xef\xbb\xbf\xff\xfe")
+        return Problem("the file holds nothing but blanks", _EXPORT) if blank else None
     for signature, name, hint in _SIGNATURES:
         if data.startswith(signature) and (signature != b"MZ" or b"\0" in head):
             return Problem(f"this is {name}, not XML", hint or _EXPORT)
@@ -86,6 +87,7 @@ _TOKENS = re.compile(
     r"""|<(?P<open>[^\s<>!?/"'=]++)[^<>"']*+(?:"[^"<]*"[^<>"']*+|'[^'<]*'[^<>"']*+)*+>|(?P<broken><)""",
     re.DOTALL,
 )
+_PROLOG_ONLY = re.compile(r"(?:\s++|<\?.*?\?>|<!--.*?-->)*+\Z", re.DOTALL)
 _TRUNCATED = "The file breaks off: export or copy it again."
 
 
@@ -94,12 +96,14 @@ def explain_syntax_error(plain: bytes, error: etree.XMLSyntaxError, file: str | 
     line, column = error.lineno or 1, max(error.position[1] or 1, 1)
     message = re.sub(r",? ?line \d+, column \d+.*$", "", error.msg or "not well-formed").strip()
     text = plain.decode("utf-8", "replace").removeprefix("\ufeff")
-    if message.startswith("XML or text declaration not at start"):
+    if message.startswith(("XML or text declaration not at start", "XML declaration allowed only")):
         return XmlSyntaxError(
             "something stands before the XML declaration (<?xml ...?>)",
             location=Location(file, line, column),
             hint="Remove blanks, blank lines or other text before it.",
         )
+    if message.startswith("Start tag expected") and _PROLOG_ONLY.match(text):
+        return XmlSyntaxError("the file has no element", location=Location(file, line, column), hint=_TRUNCATED)
     found = _open_at(text, line)
     if found is not None:
         return XmlSyntaxError(found[0], location=Location(file, *_place(text, found[1])), hint=found[2])

@@ -44,8 +44,9 @@ _UNMARKED = (
 )
 _DECLARATION = re.compile(r"""<\?xml\s[^>]*?\sencoding\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 # Python codecs that are no character sets of files, or decode in quadratic time.
-_NO_CHARSETS = frozenset({"utf-7", "idna", "punycode", "unicode_escape", "raw_unicode_escape", "undefined"})
+_NO_CHARSETS = frozenset({"utf-7", "idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined"})
 _DECLARATION_LIMIT = 1024
+_TEXT_LIMIT = 10_000_000  # of libxml2, for one text
 _WIDE = re.compile("utf-(?:16|32)|ucs-?[24]", re.IGNORECASE)
 
 
@@ -94,7 +95,7 @@ def _codec_of(declared: str, file: str | None) -> str:
         "".encode(codec)  # refuses codecs that do not turn text into bytes, such as base64
     except (LookupError, ValueError):
         codec = "undefined"
-    if codec in _NO_CHARSETS:
+    if codec.replace("_", "-") in _NO_CHARSETS:
         raise EncodingError(
             f'the file declares encoding="{declared}", which is not known',
             location=Location(file, 1, 1),
@@ -179,9 +180,11 @@ def _second_try(data: bytes, plain: bytes, error: etree.XMLSyntaxError, file: st
     """Parse once more without libxml2's size limits where one of them was the reason; otherwise explain the error."""
     if "depth" in (error.msg or "").lower():
         raise _too_deep(file, error.lineno)
-    decode(data, file=file)  # wrong bytes are a clearer answer than what the parser says about them
-    if len(plain) > 10_000_000:
+    again = len(plain) > _TEXT_LIMIT
+    if again:
         _check_depth(plain, file)
+    decode(data, file=file)  # wrong bytes are a clearer answer than what the parser says about them
+    if again:
         try:
             return etree.fromstring(plain, _parser(huge=True))
         except etree.XMLSyntaxError as second:
@@ -221,8 +224,10 @@ def _check_depth(plain: bytes, file: str | None) -> None:
 
 
 _PROLOG = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s++|<\?.*?\?>|<!--.*?-->)*+(?:(<!DOCTYPE)|)", re.DOTALL)
+# What is not closed runs to the end, so that no part of the file is looked at twice.
 _DOCTYPE_PART = re.compile(
-    rb"""<!--.*?-->|<\?.*?\?>|"[^"]*"|'[^']*'|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""", re.DOTALL
+    rb"""<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|"[^"]*(?:"|\Z)|'[^']*(?:'|\Z)|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""",
+    re.DOTALL,
 )
 
 
