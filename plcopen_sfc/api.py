@@ -12,6 +12,7 @@ from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, WriteOptions
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
+from plcopen_sfc.model.body import FINGERPRINT, SfcBody
 from plcopen_sfc.model.project import Origin, Project
 from plcopen_sfc.report import ConversionReport
 
@@ -36,7 +37,11 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None) ->
     with collector_paused():
         reading: Reading = kind.codec().read(data, file=path)
         project = reading.project
-        project._origin = Origin(kind.name, data, fingerprint(project), path, tuple(reading.diagnostics))
+        origin = Origin(kind.name, reading.version, data, fingerprint(project), path, reading.diagnostics)
+    project._origin = origin
+    for name, _, body in project.bodies():
+        if isinstance(body, SfcBody):
+            body.settle(name, origin)
     return project
 
 
@@ -86,9 +91,9 @@ def convert(
 
 
 def fingerprint(project: Project) -> bytes:
-    """A digest of everything in the model, to tell whether it was edited."""
+    """A digest of everything in the model, to tell whether it was edited since it was read."""
     with collector_paused():
-        content = project.__pydantic_serializer__.to_json(project, exclude_none=True)
+        content = project.__pydantic_serializer__.to_json(project, exclude_none=True, context=FINGERPRINT)
         return hashlib.blake2b(content).digest()
 
 
@@ -111,17 +116,13 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
         raise UnknownFormatError(f"format {kind.name} has no flavour {flavour!r}", hint=f"Flavours are: {known}")
     origin = project._origin
     report = ConversionReport(origin.format if origin is not None else "", name)
-    same = origin is not None and origin.format == kind.name and not flavour
-    if same and origin is not None and kind.xml:
-        own = kind.codec().version_in(origin.content)
-        same = version in ("", own)
-        version = version or own
-    if same and origin is not None and not fresh:
-        if fingerprint(project) == origin.fingerprint:
+    if origin is not None and origin.format == kind.name and version in ("", origin.version) and not flavour:
+        version = origin.version
+        if not fresh and fingerprint(project) == origin.fingerprint:
             report.unchanged = True
             return origin.content, report
-        if kind.xml:
-            return _patched(project, kind, WriteOptions(version), report), report
+        if not fresh and kind.xml:
+            return _patched(project, origin, kind, report), report
     options = WriteOptions(version, flavour)
     return kind.codec().write(_prepared(project, kind, options), options, report), report
 
@@ -139,17 +140,22 @@ def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
     return copy
 
 
-def _patched(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> bytes:
-    """The file that was read with the edits in it."""
-    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415
+def _patched(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:
+    """The file that was read with the edits in it. Charts that nobody touched are neither drawn nor written nor compared."""
+    from plcopen_sfc.drawing import DrawingStyle, prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.patch import patch  # noqa: PLC0415
 
-    origin = project._origin
-    assert origin is not None  # noqa: S101  # the caller has looked
-    codec = kind.codec()
-    before: Project = codec.read(origin.content).project
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
-    prepare(project, style, positions=False)
+    touched, untouched = set(), set()
+    for name, _, body in project.bodies():
+        if isinstance(body, SfcBody) and body.is_as_in(origin, name):
+            untouched.add(name)
+        else:
+            touched.add(name)
+            prepare_body(body, style, positions=False)
+    options = WriteOptions(origin.version, untouched=frozenset(untouched - touched))
+    codec = kind.codec()
+    before = codec.read(origin.content).project
     return patch(
         origin.content,
         codec.to_tree(before, options, ConversionReport()),

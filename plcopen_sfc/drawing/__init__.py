@@ -3,7 +3,7 @@
 from plcopen_sfc.drawing.draw import draw, limits
 from plcopen_sfc.drawing.fits import fits
 from plcopen_sfc.drawing.layout import has_positions, layout
-from plcopen_sfc.drawing.prepare import all_charts, prepare
+from plcopen_sfc.drawing.prepare import all_charts, prepare, prepare_body
 from plcopen_sfc.drawing.redraw import redraw
 from plcopen_sfc.drawing.renumber import renumber
 from plcopen_sfc.drawing.style import DrawingStyle
@@ -17,6 +17,7 @@ __all__ = [
     "layout",
     "limits",
     "prepare",
+    "prepare_body",
     "redraw",
     "renumber",
 ]

@@ -19,12 +19,20 @@ from plcopen_sfc.model.sfc import SfcNetwork
 def prepare(
     project: Project, style: DrawingStyle, *, positions: bool, anew: bool = False, renumbered: bool = False
 ) -> None:
-    """Draw what is not drawn, and bring up to date what no longer fits.
+    """Draw what is not drawn, and bring up to date what no longer fits, in every body of a project."""
+    for _, _, body in project.bodies():
+        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered)
+
+
+def prepare_body(
+    body: Body, style: DrawingStyle, *, positions: bool, anew: bool = False, renumbered: bool = False
+) -> None:
+    """Draw what is not drawn, and bring up to date what no longer fits, in the charts of one body.
 
     `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too. `renumbered`:
     charts that are drawn anew get new ids in document order, as CODESYS numbers them.
     """
-    for chart in all_charts(project):
+    for chart in charts_in(body):
         if anew or chart.drawing is None:
             chart.drawing = draw(chart, style)
             if renumbered:

@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 
 
 class Reading(NamedTuple):
-    """A project that was read, and what there is to say about its file."""
+    """A project that was read, what there is to say about its file, and the version of the format that it has."""
 
     project: Project
     diagnostics: list[Diagnostic]
+    version: str = ""
 
 
 class DrawingNeed(StrEnum):
@@ -34,10 +35,15 @@ class DrawingNeed(StrEnum):
 
 @dataclass(frozen=True)
 class WriteOptions:
-    """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual."""
+    """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual.
+
+    `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
+    file that is patched.
+    """
 
     version: str = ""
     flavour: str = ""
+    untouched: frozenset[str] = frozenset()
 
 
 class Codec(Protocol):

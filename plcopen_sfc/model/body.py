@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import hashlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr, SerializationInfo, SerializerFunctionWrapHandler, model_serializer
 
+from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -48,10 +51,83 @@ class LdBody(BodyBase):
 
 
 class SfcBody(BodyBase):
-    """Sequential function chart (AS)."""
+    """Sequential function chart (AS).
+
+    A reader may leave the chart unread until it is first looked at (`deferred`): scripts mostly look at a few charts of
+    a project. An unread chart cannot have been edited, which makes saving quick too.
+    """
 
     language: Literal["SFC"] = "SFC"
     chart: SfcNetwork = Field(default_factory=SfcNetwork)
+
+    _unread: Callable[[], SfcNetwork] | None = PrivateAttr(default=None)
+    _digest: bytes | None = PrivateAttr(default=None)
+    _home: tuple[str, object] | None = PrivateAttr(default=None)
+
+    @classmethod
+    def deferred(cls, fields: dict[str, Any], read: Callable[[], SfcNetwork]) -> SfcBody:
+        """A body with `fields` whose chart `read` gives when somebody asks for it."""
+        body = cls.model_validate(fields)
+        body._unread = read
+        del body.__dict__["chart"]
+        return body
+
+    @property
+    def is_untouched(self) -> bool:
+        """Whether the chart is as it was read: not looked at, or looked at and not changed. False if built by hand."""
+        return self._unread is not None or (self._digest is not None and self._digest == _digest(self.chart))
+
+    def settle(self, name: str, origin: object) -> None:
+        """Remember that the body was read as `name` from `origin`."""
+        self._home = (name, origin)
+
+    def is_as_in(self, origin: object, name: str) -> bool:
+        """Whether the body was read as `name` from this very `origin` and is untouched."""
+        return self._home is not None and self._home[0] == name and self._home[1] is origin and self.is_untouched
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            # Python calls this for what is not in the instance: the chart, as long as it is unread
+            unread = self.__pydantic_private__["_unread"] if name == "chart" and self.__pydantic_private__ else None
+            if unread is None:
+                return super().__getattr__(name)
+            with collector_paused():
+                chart = self.__dict__["chart"] = unread()
+                self._unread = None
+                self._digest = _digest(chart)
+            return chart
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, read or not."""
+        return isinstance(other, SfcBody) and self.chart == other.chart and super().__eq__(other)
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """A copy with a chart of its own."""
+        self.read()
+        return super().__deepcopy__(memo)
+
+    def read(self) -> SfcNetwork:
+        """The chart, read now if it was not yet."""
+        return self.chart
+
+    @model_serializer(mode="wrap")
+    def _serialize(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
+        if info.context == FINGERPRINT and self.is_untouched:
+            return {"untouched": True}
+        self.read()
+        content: dict[str, Any] = handler(self)
+        return content
+
+
+FINGERPRINT = "fingerprint"
+"""Serialisation context in which charts that were not edited count as one and the same."""
+
+
+def _digest(chart: SfcNetwork) -> bytes:
+    return hashlib.blake2b(chart.__pydantic_serializer__.to_json(chart, exclude_none=True)).digest()
 
 
 class OpaqueBody(BodyBase):

@@ -154,10 +154,11 @@ class Origin(NamedTuple):
     """Where a project was read from; what saving needs to give the same file back. Belongs to `plcopen_sfc.api`."""
 
     format: str
+    version: str
     content: bytes
     fingerprint: bytes
     path: str | None
-    diagnostics: tuple[Diagnostic, ...]
+    diagnostics: list[Diagnostic]
 
 
 class Project(Element):
@@ -197,8 +198,12 @@ class Project(Element):
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """What the reader had to say about the file: charts that are wrong but could be loaded."""
-        return self._origin.diagnostics if self._origin else ()
+        """What the reader had to say about the file: charts that are wrong but could be loaded. Reads every chart."""
+        if self._origin is None:
+            return ()
+        for _ in self.charts():
+            pass
+        return tuple(sorted(self._origin.diagnostics, key=lambda d: d.location.line or 0))
 
     def pou(self, name: str) -> Pou:
         """The POU of this name; case does not matter. Raises `ModelError`."""

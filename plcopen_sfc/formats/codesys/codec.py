@@ -10,7 +10,6 @@ from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
 from plcopen_sfc.formats.codesys.dialect import CODESYS
-from plcopen_sfc.formats.plcopen.codec import version_in
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01
@@ -18,8 +17,6 @@ from plcopen_sfc.formats.xml import writing
 from plcopen_sfc.formats.xml.writing import XmlStyle
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
-
-__all__ = ["read", "style", "to_tree", "version_in", "write"]
 
 
 def read(data: bytes, *, file: str | None = None) -> Reading:
@@ -36,7 +33,7 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the export for `project`. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""
     dialect = replace(CODESYS, version=V2_01) if options.version == V2_01.name else CODESYS
-    return write_project(project, dialect, report)
+    return write_project(project, dialect, report, options.untouched)
 
 
 def style(_project: Project, _options: WriteOptions) -> XmlStyle:

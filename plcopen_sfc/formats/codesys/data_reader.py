@@ -9,7 +9,7 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import names
-from plcopen_sfc.formats.plcopen.body_reader import read_body, read_pou
+from plcopen_sfc.formats.plcopen.body_reader import defer, read_body, read_pou
 from plcopen_sfc.formats.plcopen.project_reader import read_resource
 from plcopen_sfc.formats.plcopen.reading import (
     DataReader,
@@ -169,7 +169,7 @@ def read_settings(_ctx: ReadContext, data: etree._Element, fields: Fields, _owne
             return False
     if library:
         settings["library"] = library
-    chart["settings"] = settings
+    chart.update({"settings": settings})
     return True
 
 
@@ -255,6 +255,8 @@ def read_method(ctx: ReadContext, data: etree._Element, fields: Fields, owner: s
         else:
             read_common(ctx, method, child, local, "method")
     ctx.place.pop()
+    if "body" in method:
+        method["body"] = defer(method["body"])
     if left:
         carried(method)["attributes"].update(left)
     fields["methods"].append(method)

@@ -274,6 +274,8 @@ def settings_element(ctx: WriteContext, settings: SfcSettings) -> etree._Element
 
 
 def _settings(ctx: WriteContext, bodies: list[object]) -> Iterator[Written]:
+    if ctx.body_name in ctx.untouched:
+        return
     chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
     if chart is not None and chart.settings is not None:
         yield names.SFC_SETTINGS, _IMPLEMENTATION, settings_element(ctx, chart.settings)
@@ -295,7 +297,9 @@ def _method(ctx: WriteContext, method: Method) -> etree._Element:
     if method.interface is not None:
         write_interface(ctx, element, method.interface)
     if method.body is not None:
+        outer, ctx.body_name = ctx.body_name, f"{ctx.body_name}.{method.name}"
         write_body(ctx, element, "body", method.body, {})
+        ctx.body_name = outer
     finish(ctx, element, method, "method", frozenset({"name", "interface", "body"}))
     ctx.place.pop()
     return element

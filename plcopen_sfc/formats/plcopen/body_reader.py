@@ -3,27 +3,74 @@
 from __future__ import annotations
 
 from lxml import etree
+from pydantic import ValidationError
 
+from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.plcopen.chart_reader import ChartReader
 from plcopen_sfc.formats.plcopen.logic_reader import read_logic_body
 from plcopen_sfc.formats.plcopen.reading import (
     Fields,
     ReadContext,
+    UnreadChart,
     attributes,
     carry_attributes,
     carry_element,
+    merge,
     read_code,
     read_common,
     take_choice,
     take_required,
 )
 from plcopen_sfc.formats.plcopen.types_reader import read_interface
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.sfc import SfcNetwork
 
 POU_KINDS = ("program", "functionBlock", "function")
 
 
-def read_body(ctx: ReadContext, element: etree._Element) -> Fields | None:
-    """Read ``body`` or ``inline``; None where it is in no language that TC6 knows (its content is then carried)."""
+def read_inner_body(ctx: ReadContext, element: etree._Element) -> Fields:
+    """Read ``inline``, or ``body`` of a macro-step: a body inside a chart that is being read."""
+    fields = read_body(ctx, element)
+    chart = fields.get("chart")
+    if isinstance(chart, UnreadChart):
+        fields["chart"] = _chart_fields(chart)
+    return fields
+
+
+def defer(fields: Fields) -> Fields | SfcBody:
+    """The finished body, when all that its surroundings say of it is known."""
+    chart = fields.get("chart")
+    if not isinstance(chart, UnreadChart):
+        return fields
+    rest = {name: value for name, value in fields.items() if name != "chart"}
+    return SfcBody.deferred(rest, lambda: _read_chart(chart))
+
+
+def _read_chart(unread: UnreadChart) -> SfcNetwork:
+    try:
+        return SfcNetwork.model_validate(_chart_fields(unread))
+    except ValidationError as error:
+        raise misfit(error, unread.ctx.file) from error
+
+
+def _chart_fields(unread: UnreadChart) -> Fields:
+    ctx = unread.ctx
+    outer, ctx.place = ctx.place, unread.place
+    fields = ChartReader(ctx, read_inner_body).read(unread.element)
+    ctx.place = outer
+    merge(fields, unread.late)
+    return fields
+
+
+def misfit(error: ValidationError, file: str | None) -> StructureError:
+    """What to say where carried data, which anybody may have edited, does not fit the model."""
+    first = error.errors()[0]
+    path = ".".join(map(str, first["loc"]))
+    return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))
+
+
+def read_body(ctx: ReadContext, element: etree._Element) -> Fields:
+    """Read a body in any language, its chart left unread; `opaque` where it is in none that TC6 knows."""
     left = attributes(element)
     left.pop("name", None)
     fields: Fields = {}
@@ -34,7 +81,7 @@ def read_body(ctx: ReadContext, element: etree._Element) -> Fields | None:
             continue
         fields["language"] = local
         if local == "SFC":
-            fields["chart"] = ChartReader(ctx, read_body).read(child)
+            fields["chart"] = UnreadChart(ctx, child)
         elif local in ("FBD", "LD"):
             fields["networks"] = read_logic_body(ctx, child)
         else:
@@ -64,6 +111,8 @@ def read_part(ctx: ReadContext, element: etree._Element, owner: str) -> Fields:
             read_common(ctx, fields, child, local, owner)
     carry_attributes(fields, left)
     ctx.place.pop()
+    if "body" in fields:
+        fields["body"] = defer(fields["body"])
     return fields
 
 
@@ -96,4 +145,5 @@ def read_pou(ctx: ReadContext, element: etree._Element, place: str) -> Fields:
             read_common(ctx, fields, child, local, "pou")
     carry_attributes(fields, left)
     ctx.place.pop()
+    fields["bodies"] = [defer(body) for body in fields["bodies"]]
     return fields

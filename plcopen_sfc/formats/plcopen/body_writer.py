@@ -28,6 +28,9 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
     if isinstance(body, StBody | IlBody):
         write_code(ctx, sub(ctx, element, body.language), body.text, body.markup)
         native = native | {"text", "markup"}
+    elif isinstance(body, SfcBody) and name == "body" and ctx.body_name in ctx.untouched:
+        sub(ctx, element, "SFC")
+        native = native | {"chart"}
     elif isinstance(body, SfcBody):
         ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
         native = native | {"chart"}
@@ -57,10 +60,12 @@ def write_part(ctx: WriteContext, parent: etree._Element, part: Action | NamedTr
     """Write ``action`` or ``transition`` of a POU."""
     element = sub(ctx, parent, name, {"name": part.name})
     ctx.place.append(f"{name} {part.name}")
+    outer, ctx.body_name = ctx.body_name, f"{ctx.body_name}.{part.name}"
     # the schema requires a body
     write_body(ctx, element, "body", part.body if part.body is not None else StBody(), {})
     ctx.note(Fate.KEPT, "action" if name == "action" else "transition object")
     finish(ctx, element, part, name if name == "action" else "transition_object", frozenset({"name", "body"}))
+    ctx.body_name = outer
     ctx.place.pop()
 
 
@@ -71,6 +76,7 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou, *, in_place: 
     """Write ``pou``. `in_place`: it stands where its `place` says, which then need not be carried."""
     element = sub(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
     ctx.place.append(f"POU {pou.name}")
+    ctx.body_name = pou.name
     ctx.note(Fate.KEPT, "POU")
     native = {"name", "interface", "actions", "transitions"}
     if pou.kind in _POU_KINDS:

@@ -10,7 +10,7 @@ import json
 
 from lxml import etree
 
-from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext
+from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, merge
 
 FIELDS_DATA = "urn:plcopen-sfc:fields"
 STEP_ACTION_FIELD = "step_action"
@@ -29,17 +29,8 @@ def read_fields(ctx: ReadContext, data: etree._Element, fields: Fields, owner: s
         except json.JSONDecodeError as error:
             ctx.warn("XML208", f"carried field {entry.get('name')!r} is damaged: {error}", entry, owner)
             return False
-    _merge(fields, found)
+    merge(fields, found)
     return True
-
-
-def _merge(fields: Fields, found: Fields) -> None:
-    """Add `found` to `fields`; what is a part of an object is added to that object."""
-    for name, value in found.items():
-        if isinstance(value, dict) and isinstance(fields.get(name), dict):
-            _merge(fields[name], value)
-        else:
-            fields[name] = value
 
 
 def read_comment(ctx: ReadContext, comment: etree._Element, fields: Fields, owner: str) -> bool:
@@ -48,7 +39,7 @@ def read_comment(ctx: ReadContext, comment: etree._Element, fields: Fields, owne
     if not isinstance(comment, etree._Comment) or not text.startswith(COMMENT_MARK):
         return False
     try:
-        _merge(fields, json.loads(text.removeprefix(COMMENT_MARK)))
+        merge(fields, json.loads(text.removeprefix(COMMENT_MARK)))
     except (ValueError, AttributeError) as error:
         ctx.warn("XML208", f"carried fields are damaged: {error}", comment, owner)
         return False

@@ -20,18 +20,10 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
     return load(data, file=file)
 
 
-def version_in(data: bytes) -> str:
-    """The version that the file `data` has, by its namespace."""
-    from plcopen_sfc.formats.plcopen.project_reader import find_version  # noqa: PLC0415
-    from plcopen_sfc.formats.xml.source import parse  # noqa: PLC0415
-
-    return find_version(parse(data)).name
-
-
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the file for `project`."""
     version = version_named(options.version) or V2_01
-    return write_project(project, Dialect(version), report)
+    return write_project(project, Dialect(version), report, options.untouched)
 
 
 def style(_project: Project, _options: WriteOptions) -> XmlStyle:

@@ -25,9 +25,14 @@ _HEADER = frozenset(
 )
 
 
-def write_project(project: Project, dialect: Dialect, report: ConversionReport) -> etree._Element:
-    """The tree of the file for `project`; what becomes of each item goes into `report`."""
-    ctx = WriteContext(dialect, report, project)
+def write_project(
+    project: Project, dialect: Dialect, report: ConversionReport, untouched: frozenset[str] = frozenset()
+) -> etree._Element:
+    """The tree of the file for `project`; what becomes of each item goes into `report`.
+
+    The charts of bodies named in `untouched` are left out, for a patch that leaves them as they are.
+    """
+    ctx = WriteContext(dialect, report, project, untouched)
     nsmap: dict[str | None, str] = {None: dialect.version.namespace}
     if dialect.declares_xhtml:
         nsmap["xhtml"] = XHTML

@@ -28,6 +28,32 @@ Returns False where it does not understand the content; the data is then carried
 _XHTML_TAG = f"{{{XHTML}}}"
 
 
+class UnreadChart:
+    """An ``SFC`` element that nobody has looked at yet. `late` are fields that other elements say of the chart."""
+
+    def __init__(self, ctx: ReadContext, element: etree._Element) -> None:
+        self.ctx = ctx
+        self.element = element
+        self.place = list(ctx.place)
+        self.late: Fields = {}
+
+    def update(self, fields: Fields) -> None:
+        """Add what was found outside of the chart's own element."""
+        merge(self.late, fields)
+
+
+def merge(fields: Fields, found: Fields) -> None:
+    """Add `found` to `fields`; what is a part of an object is added to that object."""
+    for name, value in found.items():
+        present = fields.get(name)
+        if isinstance(value, dict) and isinstance(present, dict):
+            merge(present, value)
+        elif isinstance(value, dict) and isinstance(present, UnreadChart):
+            present.update(value)
+        else:
+            fields[name] = value
+
+
 class ReadContext:
     """State of reading one file: its version, the findings so far, and who understands which foreign data."""
 

@@ -49,11 +49,16 @@ class Dialect:
 class WriteContext:
     """State of writing one project: the dialect, the report, and where we are."""
 
-    def __init__(self, dialect: Dialect, report: ConversionReport, project: Project) -> None:
+    def __init__(
+        self, dialect: Dialect, report: ConversionReport, project: Project, untouched: frozenset[str] = frozenset()
+    ) -> None:
         self.dialect = dialect
         self.version = dialect.version
         self.names = dialect.version.qualified
         self.report = report
+        self.untouched = untouched
+        self.body_name = ""
+        """The name of the body being written, as `Pou.named_bodies` gives it."""
         self.place: list[str] = []
         self.project = project
         self.resource_place = ""
