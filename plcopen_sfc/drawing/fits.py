@@ -13,7 +13,8 @@ def fits(chart: SfcNetwork) -> bool:
     """Whether the chart has a drawing that means exactly the chart.
 
     Every step, transition and association is drawn once and nothing else is; the wires lead from where to where the
-    transitions lead; conditions are wired in the form that they have.
+    transitions lead; conditions are wired in the form that they have. Wires that come from nothing are no matter: files
+    have them, and they mean nothing.
     """
     drawing = chart.drawing
     return drawing is not None and _complete(chart, drawing) and _linked(chart, drawing)
@@ -51,10 +52,8 @@ def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
             if len(owners) != 1:
                 return False
             owner = owners.pop()
-            entries += [(owner, entry.association) for entry in symbol.entries or ()]
+            entries += [(owner, e.association) for e in symbol.entries or () if e.step_action is None]
         elif (symbol.kind in STEPS and (symbol.kind is SymbolKind.MACRO_STEP) != (steps[symbol.id].macro is not None)) or (symbol.kind is SymbolKind.JUMP and symbol.target is not None and symbol.target not in symbols):
-            return False
-        if any(c.source not in symbols and c.source not in nodes for pin in symbol.inputs for c in pin.connections):
             return False
     if len(drawn) != len(transitions) or set(drawn) != transitions.keys():
         return False
