@@ -1,12 +1,227 @@
-"""A chart as indented text."""
+"""A chart as indented text, for people: from the top to the bottom, with legs indented.
+
+[[Init]]
+ |  Start AND NOT Fault
+[Fill]  N Y1_Fill
+ +-- Full
+ |   [Stir]  D T#2s M1
+ |    |  Stir.t > T#10s
+ |   -> Drain
+ +-- Stop
+ |   -> Drain
+[Drain]
+ |  Empty
+-> Init
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+from plcopen_sfc.cli.flow import Flow, Path, common
 from plcopen_sfc.cli.screen import Line
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.cli.wording import Wording
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+
+__all__ = ["outline"]
+
+_DEEPEST = 40
+"""Legs inside of legs; what lies deeper is told at the end."""
+
+
+@dataclass(frozen=True)
+class _Signs:
+    """The signs of the drawing: ``bar`` and ``last_bar`` begin a simultaneous leg, ``beside_bar`` runs along it."""
+
+    down: str
+    leg: str
+    last_leg: str
+    beside_leg: str
+    bar: str
+    last_bar: str
+    beside_bar: str
+    meet: str
+    arrow: str
+
+
+_ASCII = _Signs(" |  ", " +-- ", " +-- ", " |   ", " #== ", " #== ", " #   ", " === ", "-> ")
+_UNICODE = _Signs(" │  ", " ├─ ", " └─ ", " │  ", " ╠═ ", " ╚═ ", " ║  ", " ═╦═ ", "→ ")
+_MARGIN = "  "
 
 
 def outline(chart: SfcNetwork, *, unicode: bool = False) -> list[Line]:
-    """The lines of the outline of `chart`."""
-    mark = "\u25c9" if unicode else "*"
-    return [[(f"  {mark} " if step.initial else "    ", ""), (step.name, "bold")] for step in chart.steps]
+    """The lines of the outline of `chart`; with `unicode` in line-drawing characters, else in ASCII."""
+    return _Outline(chart, _UNICODE if unicode else _ASCII).run()
+
+
+class _Outline:
+    def __init__(self, chart: SfcNetwork, signs: _Signs) -> None:
+        self.chart = chart
+        self.signs = signs
+        self.words = Wording(chart)
+        self.flow = Flow(chart)
+        self.steps = {step.id: step for step in chart.steps}
+        self.lines: list[Line] = []
+        self.told: dict[int, Path] = {}  # steps
+        self.told_transitions: set[int] = set()
+        self.arrived: dict[int, dict[int, Path]] = {}  # step: transition: where
+        self.branches = 0
+
+    def run(self) -> list[Line]:
+        for root in self.flow.roots:
+            if root not in self.told:
+                self._begin(root)
+        for step in self.chart.steps:
+            if step.id not in self.told:
+                self._begin(step.id)
+        for transition in self.chart.transitions:
+            if transition.id not in self.told_transitions:
+                self._orphan(transition)
+        if not self.lines:
+            self._line(_MARGIN, ("(empty)", "dim"))
+        return self.lines
+
+    # -- the walk -----------------------------------------------------------------------------------------------------
+
+    def _begin(self, step: int) -> None:
+        if self.lines:
+            self._line("")
+        entering = [t for t in self.chart.transitions if not t.sources and step in t.targets]
+        for transition in entering:
+            self._line(_MARGIN, ("(no step)", "red"))
+            self._condition(transition, _MARGIN + self.signs.down)
+            if len(transition.targets) > 1:
+                self._line(_MARGIN, (self.signs.arrow, "dim"), self._names(transition.targets))
+        self._sequence(step, _MARGIN, ())
+
+    def _sequence(self, step: int, indent: str, path: Path, first: str | None = None) -> None:
+        """Tell `step` and all that follows in this leg. `first`: what stands before the step instead of `indent`."""
+        following: int | None = step
+        while following is not None:
+            self._step(following, first if first is not None else indent, path)
+            first = None
+            leaving = self.flow.leaving[following]
+            alone = [t for t in leaving if len(set(t.sources)) == 1]
+            if len(leaving) == 1 and alone:
+                self._condition(alone[0], indent + self.signs.down)
+                following = self._after(alone[0], indent, path)
+            elif leaving:
+                self._legs(leaving, indent, path)
+                following = self._going_on(indent, path)
+            else:
+                following = None
+            if following is None:
+                following = self._going_on(indent, path)
+
+    def _legs(self, leaving: list[Transition], indent: str, path: Path) -> None:
+        """Tell the legs of a selection. A transition that waits for other steps too is told where they meet."""
+        if len(leaving) == 1:
+            return
+        self.branches += 1
+        branch = self.branches
+        for number, transition in enumerate(leaving):
+            last = number == len(leaving) - 1
+            lead = indent + (self.signs.last_leg if last else self.signs.leg)
+            inner = indent + (" " * len(self.signs.beside_leg) if last else self.signs.beside_leg)
+            if len(set(transition.sources)) > 1:
+                self._line(lead, ("together with ", "dim"), self._names(transition.sources))
+                continue
+            self._condition(transition, lead)
+            where = (*path, (branch, number))
+            following = self._after(transition, inner, where)
+            if following is not None:
+                self._sequence(following, inner, where)
+
+    def _after(self, transition: Transition, indent: str, path: Path) -> int | None:
+        """What comes after a transition: the step to go on with in this leg; or arrows and legs, and None."""
+        targets = list(dict.fromkeys(transition.targets))
+        if len(targets) > 1:
+            self._simultaneous(transition, targets, indent, path)
+            return self._going_on(indent, path)
+        if not targets:
+            self._line(indent, (self.signs.arrow, "dim"), ("nowhere", "red"))
+            return None
+        target = targets[0]
+        if self._arrives(transition, target, path):
+            return target
+        self._arrow(target, indent)
+        return None
+
+    def _simultaneous(self, transition: Transition, targets: list[int], indent: str, path: Path) -> None:
+        self.branches += 1
+        branch = self.branches
+        for number, target in enumerate(targets):
+            last = number == len(targets) - 1
+            lead = indent + (self.signs.last_bar if last else self.signs.bar)
+            inner = indent + (" " * len(self.signs.beside_bar) if last else self.signs.beside_bar)
+            where = (*path, (branch, number))
+            if self._arrives(transition, target, where):
+                self._sequence(target, inner, where, lead)
+            else:
+                self._arrow(target, lead)
+
+    def _going_on(self, indent: str, path: Path) -> int | None:
+        """What goes on here after legs were told: a step, or a transition, at which they meet."""
+        for transition in self.chart.transitions:
+            sources = set(transition.sources)
+            if len(sources) < 2 or transition.id in self.told_transitions or not sources <= self.told.keys():
+                continue
+            if common(self.told[source] for source in sources) != path:
+                continue
+            self._line(indent, (self.signs.meet, "dim"), self._names(transition.sources))
+            self._condition(transition, indent + self.signs.down)
+            following = self._after(transition, indent, path)
+            if following is not None:
+                return following
+        for step, ways in self.arrived.items():
+            if step not in self.told and self._complete(step) and common(ways.values()) == path:
+                return step
+        return None
+
+    def _arrives(self, transition: Transition, target: int, path: Path) -> bool:
+        """Note that a way leads to `target`; whether its story goes on right here."""
+        if target in self.told or target not in self.steps:
+            return False
+        ways = self.arrived.setdefault(target, {})
+        ways[transition.id] = path
+        return len(path) < _DEEPEST and self._complete(target) and common(ways.values()) == path
+
+    def _complete(self, step: int) -> bool:
+        return self.flow.waits.get(step, set()) <= self.arrived.get(step, {}).keys()
+
+    # -- the lines ----------------------------------------------------------------------------------------------------
+
+    def _step(self, number: int, indent: str, path: Path) -> None:
+        step = self.steps[number]
+        self.told[number] = path
+        name = f"[[{step.name}]]" if step.initial else f"[{step.name}]"
+        actions = ", ".join(self.words.actions(step))
+        self._line(
+            indent, (name, "bold green" if step.initial else "bold"), (f"  {actions}" if actions else "", "cyan")
+        )
+
+    def _condition(self, transition: Transition, lead: str) -> None:
+        self.told_transitions.add(transition.id)
+        text = self.words.condition(transition.condition)
+        self._line(lead, (text, "") if text else ("(no condition)", "red"))
+
+    def _arrow(self, target: int, indent: str) -> None:
+        self._line(indent, (self.signs.arrow, "dim"), self._names([target]))
+
+    def _orphan(self, transition: Transition) -> None:
+        """A transition that no story has come to: from steps that exist nowhere, or never meet."""
+        self._line("")
+        self._line(_MARGIN, self._names(transition.sources) if transition.sources else ("(no step)", "red"))
+        self._condition(transition, _MARGIN + self.signs.down)
+        self._line(
+            _MARGIN,
+            (self.signs.arrow, "dim"),
+            self._names(transition.targets) if transition.targets else ("nowhere", "red"),
+        )
+
+    def _names(self, steps: list[int]) -> tuple[str, str]:
+        names = (self.steps[step].name if step in self.steps else "(no step)" for step in dict.fromkeys(steps))
+        return " & ".join(names), "bold"
+
+    def _line(self, indent: str, *pieces: tuple[str, str]) -> None:
+        self.lines.append([(indent, "dim"), *pieces])

@@ -26,6 +26,7 @@ class LoadedFile:
     name: str
     data: bytes = b""
     project: Project | None = None
+    findings: tuple[Diagnostic, ...] = ()
     error: SfcError | None = None
 
 
@@ -35,12 +36,15 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
         try:
             screen.detail(f"reading {name}")
             data = read_bytes(name)
-            yield LoadedFile(name, data, loads(data, path=name))
+            project = loads(data, path=name)
+            findings = project.diagnostics  # reads the charts, too, while their errors can be told
+            found = LoadedFile(name, data, project, findings)
         except SfcError as error:
             failure = error
         except (MemoryError, RecursionError) as error:
             failure = SfcError(describe_exhaustion(error), location=Location(name))
         else:
+            yield found
             continue
         screen.exit_code = UNREADABLE
         screen.error(failure)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.formats.registry import format_named, recognise
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.drawing import SymbolKind
@@ -71,13 +71,15 @@ class FileSummary:
 
 def summarise(file: str, data: bytes, project: Project) -> FileSummary:
     """What there is to say about `project`, read from `data`."""
-    kind = recognise(data, file=file)
+    origin = project._origin
+    kind = format_named(origin.format)[0] if origin is not None else recognise(data, file=file)
+    version = origin.version if origin is not None else ""
     encoding, line_ends = _characters(data, xml=kind.xml)
     return FileSummary(
         file=file,
         format=kind.name,
         format_title=kind.title,
-        dialect=_dialect(data, xml=kind.xml),
+        dialect=f"TC6 {version}" if version and kind.xml else version,
         tool=project.header.product,
         tool_version=project.header.version,
         project=project.name,
@@ -134,14 +136,6 @@ def _chart(name: str, pou_kind: str, chart: SfcNetwork) -> ChartSummary:
         step_actions=sum(len(_step_actions(step)) for step in chart.steps),
         named_conditions=sum(isinstance(transition.condition, NamedCondition) for transition in chart.transitions),
     )
-
-
-def _dialect(data: bytes, *, xml: bool) -> str:
-    if not xml:
-        return ""
-    from plcopen_sfc.formats.plcopen.codec import version_in  # noqa: PLC0415  # only for XML
-
-    return f"TC6 {version_in(data)}"
 
 
 def _characters(data: bytes, *, xml: bool) -> tuple[str, str]:

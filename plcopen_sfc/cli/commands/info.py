@@ -25,7 +25,7 @@ def run(screen: Screen, patterns: Sequence[str], *, outlines: bool | None) -> in
             if loaded.error is not None:
                 results.append({"file": loaded.name, "error": error_data(loaded.error)})
             continue
-        project, findings = loaded.project, loaded.project.diagnostics
+        project, findings = loaded.project, loaded.findings
         summary = summarise(loaded.name, loaded.data, project)
         if screen.as_json:
             results.append(summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]})

@@ -12,7 +12,6 @@ from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, findi
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.registry import recognise
-from plcopen_sfc.model.project import Project
 
 
 def run(screen: Screen, patterns: Sequence[str]) -> int:
@@ -23,7 +22,7 @@ def run(screen: Screen, patterns: Sequence[str]) -> int:
             if loaded.error is not None:
                 results.append({"file": loaded.name, "valid": False, "error": error_data(loaded.error)})
             continue
-        findings = _findings(loaded, loaded.project)
+        findings = _findings(loaded)
         code = exit_code_for(screen, findings)
         valid = exit_code_for(Screen(), findings) == 0
         screen.exit_code = code
@@ -35,10 +34,10 @@ def run(screen: Screen, patterns: Sequence[str]) -> int:
     return screen.exit_code
 
 
-def _findings(loaded: LoadedFile, project: Project) -> list[Diagnostic]:
+def _findings(loaded: LoadedFile) -> list[Diagnostic]:
     """What the schema of the format says (formats that have one), and what the reader said; by line."""
     kind = recognise(loaded.data, file=loaded.name)
-    found = list(project.diagnostics)
+    found = list(loaded.findings)
     if kind.xml:
         package = kind.module.rpartition(".")[0]
         found += import_module(f"{package}.schema").validate(loaded.data, file=loaded.name)
