@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import random
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from lxml import etree
 
@@ -140,3 +140,93 @@ MUTATIONS: tuple[Mutation, ...] = (
     Mutator.change_value,
     Mutator.add_text,
 )
+
+
+_TELLING = (
+    "",
+    " ",
+    "x",
+    "0",
+    "-1",
+    "70000",
+    "1.5",
+    " 1",
+    "true",
+    " none",
+    "set",
+    "rising",
+    "N",
+    "DL",
+    "program",
+    "readOnly",
+)
+_PLAUSIBLE = {"edge": "none", "storage": "none", "negated": "true", "pouType": "program", "qualifier": "N"}
+
+
+def systematic_mutants(root: etree._Element) -> Iterator[tuple[str, etree._Element]]:
+    """Every kind of change at the first element of every kind, with a name for it.
+
+    The document is changed in place and restored before the next one, so a mutant is good until then only.
+    """
+    kinds: dict[str, etree._Element] = {}
+    attributes: dict[tuple[str, str], etree._Element] = {}
+    for each in root.iterdescendants(etree.Element):
+        where = f"{etree.QName(each.getparent()).localname}/{etree.QName(each).localname}"
+        kinds.setdefault(where, each)
+        for name in each.attrib:
+            attributes.setdefault((where, str(name)), each)
+    for where, element in kinds.items():
+        yield from _structural(root, element, where)
+    for (where, name), element in attributes.items():
+        yield from _of_attribute(root, element, name, where)
+    tags: dict[str, etree._Element] = {}
+    for each in root.iter(etree.Element):
+        tags.setdefault(str(each.tag), each)
+    for tag, element in tags.items():
+        for name in ATTRIBUTES:
+            if name not in element.attrib:
+                element.set(name, _PLAUSIBLE.get(name, "1"))
+                yield f"{etree.QName(tag).localname} with {name}", root
+                del element.attrib[name]
+
+
+def _structural(root: etree._Element, element: etree._Element, where: str) -> Iterator[tuple[str, etree._Element]]:
+    parent, place = element.getparent(), element.getparent().index(element)
+    # lxml moves the text behind an element with it; nothing but blanks stands there.
+    parent.remove(element)
+    yield f"{where} removed", root
+    for number in sorted({0, max(0, place - 1), min(place + 1, len(parent)), len(parent)} - {place}):
+        parent.insert(number, element)
+        yield f"{where} at {number} instead of {place}", root
+        parent.remove(element)
+    parent.insert(place, element)
+    twin = copy.deepcopy(element)
+    parent.insert(place, twin)
+    yield f"{where} doubled", root
+    parent.remove(twin)
+    tag = element.tag
+    for other in ("unheardOf", etree.QName(tag).localname):
+        element.tag = other if other != "unheardOf" else f"{{{etree.QName(root).namespace}}}{other}"
+        yield f"{where} as {element.tag}", root
+    element.tag = tag
+    text = element.text
+    for other in (None, " ", "x"):
+        element.text = other
+        yield f"{where} with text {other!r}", root
+    element.text = text
+    children = list(element)
+    for child in children:
+        element.remove(child)
+    yield f"{where} without children", root
+    element.extend(children)
+
+
+def _of_attribute(
+    root: etree._Element, element: etree._Element, name: str, where: str
+) -> Iterator[tuple[str, etree._Element]]:
+    value = element.attrib.pop(name)
+    yield f"{where} without {name}", root
+    for other in _TELLING:
+        element.set(name, other)
+        yield f"{where} {name}={other!r}", root
+    element.set(name, value)

@@ -14,7 +14,7 @@ from plcopen_sfc.formats.plcopen.versions import VERSIONS, version_of
 from plcopen_sfc.formats.xml.schema import is_valid
 from plcopen_sfc.formats.xml.source import parse
 from tests.corpus import ROOT, corpus_files, require_corpus, require_official_schema
-from tests.mutants import Mutator
+from tests.mutants import Mutator, systematic_mutants
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -83,6 +83,17 @@ def disagreements(root: etree._Element, seed: str, count: int) -> tuple[list[str
     return differing, valid
 
 
+def full_document(version: str) -> etree._Element:
+    """A document with every element of the version; valid."""
+    data = (FULL / f"every_element_{'1.01' if version == '1.01' else '2.01'}.xml").read_bytes()
+    if version == "2.0":
+        data = data.replace(b"http://www.plcopen.org/xml/tc6_0201", b"http://www.plcopen.org/xml/tc6_0200")
+    root = parse(data)
+    assert version_name(root) == version
+    assert verdicts(root, version) == (True, True)
+    return root
+
+
 def tc6_files() -> list[Path]:
     return [path for kind in ("plcopen", "codesys") for path in corpus_files(kind) if path.suffix == ".xml"]
 
@@ -125,17 +136,28 @@ def test_same_verdict_on_mutants_of_every_file_of_the_corpus() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("version", [version.name for version in VERSIONS])
 def test_same_verdict_on_mutants_of_a_document_with_every_element(version: str) -> None:
-    source = FULL / f"every_element_{'1.01' if version == '1.01' else '2.01'}.xml"
-    data = source.read_bytes()
-    if version == "2.0":
-        data = data.replace(b"http://www.plcopen.org/xml/tc6_0201", b"http://www.plcopen.org/xml/tc6_0200")
-    root = parse(data)
-    assert version_name(root) == version
-    assert verdicts(root, version) == (True, True)
+    root = full_document(version)
     differing, valid = disagreements(root, f"every element {version}", PER_FULL_DOCUMENT)
     print(f"TC6 {version}: {PER_FULL_DOCUMENT} mutants, {len(differing)} disagreements; {valid} are valid")  # noqa: T201
     assert differing == []
     assert 0.05 < valid / PER_FULL_DOCUMENT < 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [version.name for version in VERSIONS])
+def test_same_verdict_on_every_single_change_of_a_document_with_every_element(version: str) -> None:
+    """Chance misses rare places. Here each kind of element and attribute gets each kind of damage once."""
+    root = full_document(version)
+    differing, valid, total = [], 0, 0
+    for what, mutant in systematic_mutants(root):
+        ours, theirs = verdicts(mutant, version)
+        total += 1
+        valid += theirs
+        if ours != theirs:
+            differing.append(f"{what}: ours {ours}, official {theirs}")
+    print(f"TC6 {version}: {total} systematic mutants, {len(differing)} disagreements; {valid} are valid")  # noqa: T201
+    assert differing == []
+    assert 0.05 < valid / total < 0.95
 
 
 @pytest.mark.parametrize("version", [version.name for version in VERSIONS])
