@@ -56,7 +56,7 @@ class Screen:
             for line in table.plain():
                 self._results.write(line + "\n")
         else:
-            console.print(table.rich())
+            console.print(table.rich(console.width))
 
     def json(self, value: Any) -> None:
         """Print a value as JSON."""

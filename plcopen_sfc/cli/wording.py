@@ -119,9 +119,8 @@ def _body(body: Body) -> str:
 def _negated(text: str, negated: bool) -> str:
     if not negated:
         return text
-    return (
-        f"NOT {text}" if text.replace("_", "").replace(".", "").isalnum() or text.startswith("(") else f"NOT ({text})"
-    )
+    simple = text.startswith("(") or text.replace("_", "").replace(".", "").isalnum()
+    return f"NOT {text}" if simple else f"NOT ({text})"
 
 
 def _edge(text: str, edge: Edge) -> str:

@@ -71,28 +71,26 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
 
 def _chart_table(summary: FileSummary) -> Table:
     columns = {
-        "steps": "steps",
-        "transitions": "transitions",
-        "selections": "selections",
-        "simultaneous": "simultaneous_branches",
-        "jumps": "jumps",
-        "actions": "action_associations",
-        "step actions": "step_actions",
-        "named conditions": "named_conditions",
-        "macro-steps": "macro_steps",
+        "steps": ("steps", "steps"),
+        "transitions": ("trans.", "transitions"),
+        "selections": ("sel.", "selections"),
+        "simultaneous": ("sim.", "simultaneous_branches"),
+        "jumps": ("jumps", "jumps"),
+        "actions": ("act.", "action_associations"),
+        "step actions": ("st.act.", "step_actions"),
+        "named conditions": ("named", "named_conditions"),
+        "macro-steps": ("macro", "macro_steps"),
     }
+    names = [name for _, name in columns.values()]
     totals = summary.totals()
-    for optional in ("macro-steps",):
-        if not totals[columns[optional]]:
-            del columns[optional]
-    table = Table(["chart", "initial step", *columns])
+    table = Table(["chart", "initial step", *columns], ["chart", "initial", *(short for short, _ in columns.values())])
     for chart in summary.charts:
-        numbers = [getattr(chart, name) for name in columns.values()]
+        numbers = [getattr(chart, name) for name in names]
         initial = ", ".join(chart.initial_steps) or "none"
         table.rows.append([chart.name, initial, *("-" if number is None else number for number in numbers)])
     if len(summary.charts) > 1:
         table.total = True
-        table.rows.append([f"{len(summary.charts)} charts", "", *(totals[name] for name in columns.values())])
+        table.rows.append([f"{len(summary.charts)} charts", "", *(totals[name] for name in names)])
     return table
 
 
