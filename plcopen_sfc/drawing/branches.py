@@ -152,6 +152,8 @@ class _Builder:
         """Decide how the legs of the branch below `node` end, and where `segment` goes on."""
         inner = [target for target in self.flow.merges.get(node, ()) if target not in self.placed]
         segment.end = None
+        if self.hoist(segment, branch, frozenset(inner)):
+            return
         for position, target in enumerate(inner):
             if target in self.placed:
                 continue
@@ -170,8 +172,38 @@ class _Builder:
                 leg = branch.legs[group[-1]]
                 waiting = leg.end.waiting if leg.end is not None else ()
                 yield self.walk(leg, target, waiting)
+        if self.hoist(segment, branch, frozenset()):
+            return
         outer = self.outer_target(segment, branch)
         self.join(segment, branch, outer)
+
+    def hoist(self, segment: Segment, branch: Branch, inner: frozenset[int]) -> bool:
+        """Draw the way on below the branch instead of in a leg, where only one leg leads to a step.
+
+        Engineers draw an exit so: a leg that is a transition and a jump, beside the transition of the way on. Where the
+        exits lead forward, to one of `inner`, they are taken for exits if the way on has branches of its own.
+        """
+        long = [leg for leg in branch.legs if len(leg.items) > 1]
+        if branch.parallel or len(long) != 1 or not all(leg.items for leg in branch.legs):
+            return False
+        main = long[0]
+        if inner and not any(isinstance(item, Branch) for item in main.items):
+            return False
+        exits = [leg.end.target for leg in branch.legs if leg is not main and leg.end is not None]
+        if any(target not in self.placed and target not in inner for target in exits):
+            return False
+        below = main.items[1]
+        if not isinstance(below, Place) or below.node not in self.flow.steps:
+            return False
+        segment.items += main.items[1:]
+        segment.spine |= main.spine
+        segment.end = main.end
+        del main.items[1:]
+        main.end, main.joined = None, True
+        for leg in branch.legs:
+            if leg is not main:
+                self.give_up(leg)
+        return True
 
     def wrap(self, branch: Branch, group: list[int], target: int) -> _Walk:
         """Put neighbouring legs into a branch of their own that ends before `target`."""

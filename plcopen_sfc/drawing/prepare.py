@@ -7,8 +7,10 @@ from collections.abc import Iterator
 from plcopen_sfc.drawing.draw import draw
 from plcopen_sfc.drawing.fits import fits
 from plcopen_sfc.drawing.layout import has_positions, layout
+from plcopen_sfc.drawing.places import forget_places, is_structured
 from plcopen_sfc.drawing.redraw import redraw
 from plcopen_sfc.drawing.renumber import renumber
+from plcopen_sfc.drawing.step_actions import draw_step_actions, erase_step_actions
 from plcopen_sfc.drawing.style import DrawingStyle
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
@@ -17,30 +19,49 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 def prepare(
-    project: Project, style: DrawingStyle, *, positions: bool, anew: bool = False, renumbered: bool = False
+    project: Project,
+    style: DrawingStyle,
+    *,
+    positions: bool,
+    anew: bool = False,
+    renumbered: bool = False,
+    foreign: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in every body of a project."""
     for _, _, body in project.bodies():
-        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered)
+        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered, foreign=foreign)
 
 
 def prepare_body(
-    body: Body, style: DrawingStyle, *, positions: bool, anew: bool = False, renumbered: bool = False
+    body: Body,
+    style: DrawingStyle,
+    *,
+    positions: bool,
+    anew: bool = False,
+    renumbered: bool = False,
+    foreign: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in the charts of one body.
 
     `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too. `renumbered`:
-    charts that are drawn anew get new ids in document order, as CODESYS numbers them.
+    charts that are drawn anew get new ids in document order, as CODESYS numbers them. `foreign`: drawings in another style
+    than a structured one that is asked for are replaced.
     """
     for chart in charts_in(body):
-        if anew or chart.drawing is None:
+        if style.structured:
+            erase_step_actions(chart)
+            forget_places(chart)
+        if anew or chart.drawing is None or (style.structured and foreign and not is_structured(chart)):
             chart.drawing = draw(chart, style)
             if renumbered:
                 renumber(chart)
         elif not fits(chart):
             redraw(chart, style)
+        if not style.structured:
+            draw_step_actions(chart, style)
         if positions and chart.drawing is not None and not has_positions(chart.drawing):
             layout(chart)
+            chart.drawing.computed = True
 
 
 def all_charts(project: Project) -> Iterator[SfcNetwork]:
