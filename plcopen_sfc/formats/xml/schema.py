@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator
 from functools import cache
 from importlib import resources
+from itertools import islice
 from pathlib import Path
 
 from lxml import etree
@@ -100,14 +101,35 @@ def findings(
 
 def _places(root: etree._Element, log: etree._ListErrorLog) -> Iterator[tuple[etree._Element, str]]:
     """The elements that libxml2 objects to, each once, with libxml2's own words for want of better ones."""
-    tree = root.getroottree()
     objections: dict[str, list[str]] = {}
     for entry in log:
         objections.setdefault(str(getattr(entry, "path", None) or "/*"), []).append(_plain(entry.message))
     for path, messages in objections.items():
-        found = tree.xpath(path)
-        element = found[0] if isinstance(found, list) and found else root
-        yield (element if isinstance(element, etree._Element) else root), "; ".join(dict.fromkeys(messages))
+        yield _element_at(root, path), "; ".join(dict.fromkeys(messages))
+
+
+_STEP = re.compile(r"([^/\[\]]+)(?:\[(\d+)\])?")
+
+
+def _element_at(root: etree._Element, path: str) -> etree._Element:
+    """The element at a path as libxml2 writes it: ``/*/*[3]/v:own[2]``.
+
+    It is no XPath to evaluate: prefixes are those of the elements, and ``*`` stands for the default namespace.
+    """
+    element = root
+    for name, number in _STEP.findall(path)[1:]:
+        children = (child for child in element if isinstance(child.tag, str))
+        fitting = (child for child in children if name in {"*", _prefixed(child)})
+        found = next(islice(fitting, int(number or 1) - 1, None), None)
+        if found is None:
+            break
+        element = found
+    return element
+
+
+def _prefixed(element: etree._Element) -> str:
+    local = etree.QName(element).localname
+    return f"{element.prefix}:{local}" if element.prefix else local
 
 
 def _plain(message: str) -> str:

@@ -198,7 +198,8 @@ def _misplaced(known: list[str], element: etree._Element, child: etree._Element,
     own = order[str(child.tag)]
     before = next((each for each in child.itersiblings(preceding=True) if isinstance(each.tag, str)), None)
     reached = -1 if before is None else order.get(str(before.tag), -1)
-    if reached == own or (reached > own and any(child.itersiblings(child.tag, preceding=True))):
+    earlier = next(child.itersiblings(str(child.tag), preceding=True), None)
+    if reached == own or (reached > own and earlier is not None):
         return "XSD002", f"a second <{name}> in <{tag}>; only one may stand there", child
     if before is not None and reached > own:
         return "XSD002", f"<{name}> stands too late in <{tag}>: it must come before <{local_name(before.tag)}>", child
