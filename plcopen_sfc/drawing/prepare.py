@@ -26,10 +26,11 @@ def prepare(
     anew: bool = False,
     renumbered: bool = False,
     foreign: bool = False,
+    given: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in every body of a project."""
     for _, _, body in project.bodies():
-        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered, foreign=foreign)
+        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered, foreign=foreign, given=given)
 
 
 def prepare_body(
@@ -40,18 +41,20 @@ def prepare_body(
     anew: bool = False,
     renumbered: bool = False,
     foreign: bool = False,
+    given: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in the charts of one body.
 
     `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too. `renumbered`:
     charts that are drawn anew get new ids in document order, as CODESYS numbers them. `foreign`: drawings in another style
-    than a structured one that is asked for are replaced.
+    than a structured one that is asked for are replaced. `given`: the positions of drawings come from a file and stand.
     """
     for chart in charts_in(body):
         if style.structured:
             erase_step_actions(chart)
             forget_places(chart)
-        if anew or chart.drawing is None or (style.structured and foreign and not is_structured(chart)):
+        drawn = anew or chart.drawing is None or (style.structured and foreign and not is_structured(chart))
+        if drawn:
             chart.drawing = draw(chart, style)
             if renumbered:
                 renumber(chart)
@@ -59,7 +62,7 @@ def prepare_body(
             redraw(chart, style)
         if not style.structured:
             draw_step_actions(chart, style)
-        if positions and chart.drawing is not None and not has_positions(chart.drawing):
+        if chart.drawing is not None and positions and (drawn or not given) and not has_positions(chart.drawing):
             layout(chart)
             chart.drawing.computed = True
 

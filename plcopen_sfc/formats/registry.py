@@ -20,6 +20,7 @@ class Head:
     root: str = ""
     namespace: str = ""
     data: bytes = b""
+    xhtml_prefix: bool = False
 
     def mentions(self, text: str) -> bool:
         """Whether `text` occurs anywhere in the file, in any of the encodings that XML uses."""
@@ -31,7 +32,8 @@ def _is_tc6(head: Head) -> bool:
 
 
 def _is_codesys(head: Head) -> bool:
-    return _is_tc6(head) and head.mentions("http://www.3s-software.com/plcopenxml/")
+    # a file converted from CODESYS may carry its data too, but then its texts stand in elements with a prefix
+    return _is_tc6(head) and not head.xhtml_prefix and head.mentions("http://www.3s-software.com/plcopenxml/")
 
 
 def _is_native(head: Head) -> bool:
@@ -140,4 +142,4 @@ def _head(data: bytes) -> Head:
     name = f"xmlns:{prefix}" if prefix else "xmlns"
     declared = re.search(rf"\s{re.escape(name)}\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", attributes)
     namespace = (declared.group(1) or declared.group(2) or "") if declared else ""
-    return Head(text, root, namespace, data)
+    return Head(text, root, namespace, data, "http://www.w3.org/1999/xhtml" in attributes)

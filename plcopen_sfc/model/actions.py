@@ -106,6 +106,16 @@ class ForcingOrder(Model):
     steps: list[str] = Field(default_factory=list)
 
 
+class SymbolAccess(StrEnum):
+    """How an element appears in the symbol configuration (CODESYS V3)."""
+
+    UNSPECIFIED = "unspecified"
+    NONE = "none"
+    READ = "read"
+    WRITE = "write"
+    READ_WRITE = "readWrite"
+
+
 class ActionAssociation(Element):
     """One line of an action block: what is done, when, for how long.
 
@@ -129,18 +139,8 @@ class ActionAssociation(Element):
     kind: ActionKind | None = None
     condition: Condition | None = None
     forcing: ForcingOrder | None = None
-    exclude: bool | None = None
-    symbol: SymbolAccess | None = None
-
-
-class SymbolAccess(StrEnum):
-    """How an element appears in the symbol configuration (CODESYS V3)."""
-
-    UNSPECIFIED = "unspecified"
-    NONE = "none"
-    READ = "read"
-    WRITE = "write"
-    READ_WRITE = "readWrite"
+    exclude: bool = False
+    symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
 
 
 class Monitoring(StrEnum):

@@ -75,7 +75,7 @@ class Symbol(Element):
     name: str | None = None
     entries: list[ActionEntry] | None = None
     execution_order: int | None = None
-    exclude: bool | None = None
+    exclude: bool = False
     local_id: int | None = None
 
 

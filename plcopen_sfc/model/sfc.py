@@ -65,9 +65,9 @@ class Step(Element):
     macro: Macro | None = None
     encloses: list[Enclosure] | None = None
     negated: bool = False
-    exclude: bool | None = None
-    symbol: SymbolAccess | None = None
-    duplicate: bool | None = None
+    exclude: bool = False
+    symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
+    duplicate: bool = False
 
 
 class Supervised(Model):
@@ -93,10 +93,10 @@ class Transition(Element):
     targets: list[ElementId] = Field(default_factory=list)
     condition: Condition | None = None
     priority: int | None = None
-    exclude: bool | None = None
-    symbol: SymbolAccess | None = None
-    duplicate: bool | None = None
-    monitoring: Monitoring | None = None
+    exclude: bool = False
+    symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
+    duplicate: bool = False
+    monitoring: Monitoring = Monitoring.NONE
 
 
 class SfcFlag(StrEnum):

@@ -20,7 +20,7 @@ from plcopen_sfc.formats.plcopen.reading import (
     markup,
     read_common,
 )
-from plcopen_sfc.formats.plcopen.types_reader import read_data_type_declaration, read_interface
+from plcopen_sfc.formats.plcopen.types_reader import read_data_type_declaration, read_interface, read_section
 from plcopen_sfc.model.network import BlockCall
 from plcopen_sfc.model.sfc import SfcFlag
 
@@ -236,6 +236,15 @@ def read_application(ctx: ReadContext, data: etree._Element, fields: Fields, own
     return True
 
 
+def read_global_variables(ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``globalvars`` in the project: a list of global variables of an export of single objects."""
+    element = _only(data, "globalVars")
+    if element is None or owner != "project":
+        return False
+    fields.setdefault("global_variables", []).append(read_section(ctx, element, "global"))
+    return True
+
+
 def read_method(ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
     """``method`` of a POU."""
     element = _only(data, "Method")
@@ -361,6 +370,7 @@ DATA_READERS: dict[str, DataReader] = {
     names.POU: read_hidden_pou,
     names.DATA_TYPE: read_hidden_data_type,
     names.APPLICATION: read_application,
+    names.GLOBAL_VARS: read_global_variables,
     names.METHOD: read_method,
     names.PROJECT_STRUCTURE: read_project_structure,
     names.TASK_SETTINGS: read_task_settings,

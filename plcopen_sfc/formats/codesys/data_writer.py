@@ -10,9 +10,10 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import names
+from plcopen_sfc.formats.codesys.data_reader import is_reformatted
 from plcopen_sfc.formats.plcopen.body_writer import write_body, write_pou
 from plcopen_sfc.formats.plcopen.project_writer import write_resource
-from plcopen_sfc.formats.plcopen.types_writer import write_data_type_declaration, write_interface
+from plcopen_sfc.formats.plcopen.types_writer import write_data_type_declaration, write_interface, write_section
 from plcopen_sfc.formats.plcopen.versions import XHTML
 from plcopen_sfc.formats.plcopen.writing import WriteContext, Written, finish, legal
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
@@ -33,7 +34,7 @@ _SYMBOLS = {SymbolAccess(value): str(i) for i, value in enumerate(names.SYMBOL_V
 _MONITORINGS = {Monitoring(value): str(i) for i, value in enumerate(names.MONITORING_VALUES)}
 
 NATIVE_FIELDS = {
-    "project": frozenset({"applications", "tree"}),
+    "project": frozenset({"applications", "tree", "global_variables"}),
     "resource": frozenset({"object_id", "place"}),
     "configuration": frozenset({"object_id"}),
     "task": frozenset({"settings", "object_id"}),
@@ -74,6 +75,7 @@ DATA_RANK = {
     names.SFC_SETTINGS: 10,
     names.TASK_SETTINGS: 10,
     names.APPLICATION: 10,
+    names.GLOBAL_VARS: 10,
     names.CALL_TYPE: 10,
     names.ST_CODE: 60,
     names.PLAIN_TEXT: 60,
@@ -140,14 +142,21 @@ def _attributes(carried: Carried | None, pairs: list[tuple[str, str | None]]) ->
         text = value or ""
         if guid in kept:
             raw = kept.pop(guid)
-            if raw.split() == text.split():
-                text = raw
+            # the file has blanks around the value, or writes it in another way
+            text = raw if raw.split() == text.split() else text and padded(text, raw)
         if text:
             etree.SubElement(table, "attribute", guid=guid).text = legal(text)
     for guid, raw in kept.items():
         if guid not in _KNOWN:
             etree.SubElement(table, "attribute", guid=guid).text = legal(raw)
     return table
+
+
+def padded(text: str, raw: str) -> str:
+    """`text` with the blanks that stand around `raw` where a formatter has put the end tag on a line of its own."""
+    if not is_reformatted(raw):
+        return text
+    return raw[: len(raw) - len(raw.lstrip())] + text + raw[len(raw.rstrip()) :]
 
 
 _KNOWN = frozenset(
@@ -166,14 +175,14 @@ def _modern(ctx: WriteContext, *version: int) -> bool:
 
 
 def _step(ctx: WriteContext, step: Step, _owner: str) -> Iterator[Written]:
-    duplicate = step.duplicate is not None or _modern(ctx, 3, 5, 10)
+    duplicate = step.duplicate or _modern(ctx, 3, 5, 10)
     table = _attributes(
         step.carried,
         [
             (names.NAME, step.name),
             (names.COMMENT, _comment(step.comment)),
             (names.EXCLUDE, _truth(step.exclude)),
-            (names.SYMBOL, _SYMBOLS[step.symbol or SymbolAccess.UNSPECIFIED]),
+            (names.SYMBOL, _SYMBOLS[step.symbol]),
             (names.INITIAL, _truth(step.initial)),
             (names.DUPLICATION, _truth(step.duplicate) if duplicate else None),
             (names.MIN_TIME, step.min_time),
@@ -201,17 +210,17 @@ def condition_text(transition: Transition) -> str:
 
 
 def _transition(ctx: WriteContext, transition: Transition, _owner: str) -> Iterator[Written]:
-    duplicate = transition.duplicate is not None or _modern(ctx, 3, 5, 10)
-    monitoring = transition.monitoring is not None or _modern(ctx, 3, 5, 13)
+    duplicate = transition.duplicate or _modern(ctx, 3, 5, 10)
+    monitoring = transition.monitoring is not Monitoring.NONE or _modern(ctx, 3, 5, 13)
     table = _attributes(
         transition.carried,
         [
             (names.NAME, condition_text(transition)),
             (names.COMMENT, _comment(transition.comment)),
             (names.EXCLUDE, _truth(transition.exclude)),
-            (names.SYMBOL, _SYMBOLS[transition.symbol or SymbolAccess.UNSPECIFIED]),
+            (names.SYMBOL, _SYMBOLS[transition.symbol]),
             (names.DUPLICATION, _truth(transition.duplicate) if duplicate else None),
-            (names.MONITORING, _MONITORINGS[transition.monitoring or Monitoring.NONE] if monitoring else None),
+            (names.MONITORING, _MONITORINGS[transition.monitoring] if monitoring else None),
         ],
     )
     yield names.SFC_ELEMENT, _IMPLEMENTATION, table
@@ -225,7 +234,7 @@ def _association(_ctx: WriteContext, association: ActionAssociation, _owner: str
             (names.NAME, association.target),
             (names.COMMENT, _comment(association.comment)),
             (names.EXCLUDE, _truth(association.exclude)),
-            (names.SYMBOL, _SYMBOLS[association.symbol or SymbolAccess.UNSPECIFIED]),
+            (names.SYMBOL, _SYMBOLS[association.symbol]),
             (names.QUALIFIER, qualifier),
         ],
     )
@@ -346,6 +355,10 @@ def _project(ctx: WriteContext, project: Project, owner: str) -> Iterator[Writte
         holder = _holder(ctx)
         write_resource(ctx, holder, application, f"application/{application.name}")
         yield names.APPLICATION, _IMPLEMENTATION, holder[0]
+    for section in project.global_variables:
+        holder = _holder(ctx)
+        write_section(ctx, holder, section)
+        yield names.GLOBAL_VARS, _IMPLEMENTATION, holder[0]
     if project.tree is not None:
         root = etree.Element(ctx.version_tag("ProjectStructure"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         for node in project.tree:

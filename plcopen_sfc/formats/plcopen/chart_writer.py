@@ -6,6 +6,7 @@ A chart that is written has a drawing that fits it; `plcopen_sfc.drawing` sees t
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from lxml import etree
 
@@ -17,12 +18,13 @@ from plcopen_sfc.formats.plcopen.writing import (
     add_unknown,
     boolean,
     finish,
+    left_over,
     sub,
     write_point,
 )
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
-from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
@@ -179,8 +181,17 @@ class ChartWriter:
             self.write_condition(element, symbol, transition.condition)
         ctx.note(Fate.KEPT, "transition", label)
         ctx.place.append(f"transition {label}")
-        finish(ctx, element, transition, "transition", native)
+        finish(ctx, element, transition, "transition", native, also=self._left_of_wire(symbol, transition))
         ctx.place.pop()
+
+    def _left_of_wire(self, symbol: Symbol, transition: Transition) -> dict[str, Any]:
+        """What TC6 1.01 cannot say of the pin of a wired condition, which has no element of its own there."""
+        condition = transition.condition
+        pin = condition.input if isinstance(condition, WiredCondition) else symbol.condition
+        if pin is None or not self.ctx.version.first_generation:
+            return {}
+        left = left_over(pin, frozenset({"connections"}))
+        return {"condition": {"input": left}} if left else {}
 
     def label(self, transition: Transition) -> str:
         """What people call a transition that has no name: from where to where."""

@@ -7,6 +7,7 @@ dictionary one by one: what is left in it at the end is not known, and is carrie
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -126,8 +127,15 @@ def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
 def markup(element: etree._Element) -> str:
     """`element` as text, with the namespaces it needs and no others, without what follows it.
 
-    The form is canonical, so that the same content is the same text wherever it stands.
+    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left out.
     """
+    element = copy.deepcopy(element)
+    for node in element.iter():
+        texts = [node.text, *(child.tail for child in node)]
+        if len(node) and not any(text and text.strip() for text in texts):
+            node.text = None
+            for child in node:
+                child.tail = None
     prefixes = [prefix for prefix in element.nsmap if prefix]
     if prefixes:
         # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
