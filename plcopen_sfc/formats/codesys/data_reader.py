@@ -6,6 +6,8 @@ be carried, where it does not understand all of it.
 
 from __future__ import annotations
 
+import re
+
 from lxml import etree
 
 from plcopen_sfc.formats.codesys import names
@@ -53,13 +55,11 @@ def read_element_attributes(ctx: ReadContext, data: etree._Element, fields: Fiel
         guid = attribute.get("guid") if _local(attribute) == "attribute" else None
         raw = attribute.text or ""
         value = raw.strip()
-        if (
-            guid is None
-            or len(attribute)
-            or len(attribute.attrib) != 1
-            or not _take(fields, owner, guid, value)
-            or (raw != value and guid not in (names.COMMENT, names.NAME))
-        ):
+        if guid is None or len(attribute) or len(attribute.attrib) != 1 or not _take(fields, owner, guid, value):
+            unknown.append(attribute)
+        elif guid == names.COMMENT and not is_reformatted(raw):
+            fields["comment"] = raw
+        elif raw != value and guid != names.NAME:
             unknown.append(attribute)
         elif guid == names.NAME and owner == "transition":
             # the condition is known only when the whole chart is: `finish_chart` compares the two
@@ -74,6 +74,11 @@ def read_element_attributes(ctx: ReadContext, data: etree._Element, fields: Fiel
         )
         carried(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": content})
     return True
+
+
+def is_reformatted(raw: str) -> bool:
+    """Whether a formatter of XML has put the end tag of a value on a line of its own. The tools never do."""
+    return bool(re.search(r"\n[ \t]+$", raw))
 
 
 def _take(fields: Fields, owner: str, guid: str, value: str) -> bool:
