@@ -99,6 +99,8 @@ def align(left: Sequence[Item], right: Sequence[Item]) -> list[int | None]:
             if lefts and rights:
                 _pair_group(left, right, lefts, rights, pair)
 
+    if left and right and left[0].exact is not None and right[0].exact is not None:
+        _pair_equal(left, right, list(range(len(left))), list(range(len(right))), pair)
     group(lambda item: (item.tag, tuple(item.keys)) if item.keys else None)
     for name in _key_names((*left, *right)):
         group(lambda item, name=name: _key(item, name))  # type: ignore[misc]  # mypy cannot infer a bound default
@@ -131,20 +133,38 @@ def _pair_group(left: Sequence[Item], right: Sequence[Item], lefts: list[int], r
     if left[lefts[0]].exact is None or right[rights[0]].exact is None:
         _pair_alike(left, right, lefts, rights, pair)
         return
-    while lefts and rights and left[lefts[0]].exact == right[rights[0]].exact:
-        pair(lefts.pop(0), rights.pop(0))
-    while lefts and rights and left[lefts[-1]].exact == right[rights[-1]].exact:
-        pair(lefts.pop(), rights.pop())
-    if len(lefts) * len(rights) > _MAX_EXACT:
-        _pair_alike(left, right, lefts, rights, pair)
-        return
-    equal = SequenceMatcher(None, [left[i].exact for i in lefts], [right[j].exact for j in rights], autojunk=False)
-    for operation, i1, i2, j1, j2 in equal.get_opcodes():
+    for some, others in _pair_equal(left, right, lefts, rights, pair):
+        _pair_alike(left, right, some, others, pair)
+
+
+def _pair_equal(
+    left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair
+) -> list[tuple[list[int], list[int]]]:
+    """Pair what is equal and in the same order; return what was replaced in between."""
+    head = 0
+    limit = min(len(lefts), len(rights))
+    while head < limit and left[lefts[head]].exact == right[rights[head]].exact:
+        pair(lefts[head], rights[head])
+        head += 1
+    tail = 0
+    while tail < limit - head and left[lefts[-1 - tail]].exact == right[rights[-1 - tail]].exact:
+        pair(lefts[-1 - tail], rights[-1 - tail])
+        tail += 1
+    lefts, rights = lefts[head : len(lefts) - tail], rights[head : len(rights) - tail]
+    if not lefts or not rights:
+        return []
+    ours, theirs = [left[i].exact for i in lefts], [right[j].exact for j in rights]
+    # Many equal items among many would take quadratic time; pairing what is alike still gives a right result.
+    if len(lefts) * len(rights) > _MAX_EXACT and len(set(theirs)) < len(theirs) // 2:
+        return [(lefts, rights)]
+    replaced: list[tuple[list[int], list[int]]] = []
+    for operation, i1, i2, j1, j2 in SequenceMatcher(None, ours, theirs, autojunk=False).get_opcodes():
         if operation == "equal":
             for i, j in zip(lefts[i1:i2], rights[j1:j2], strict=True):
                 pair(i, j)
         elif operation == "replace":
-            _pair_alike(left, right, lefts[i1:i2], rights[j1:j2], pair)
+            replaced.append((lefts[i1:i2], rights[j1:j2]))
+    return replaced
 
 
 def _pair_alike(left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair) -> None:

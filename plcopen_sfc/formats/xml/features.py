@@ -33,9 +33,12 @@ class Comparison:
 
     def bytes_of(self, element: etree._Element) -> bytes:
         """Equal for elements that say the same."""
-        if self._plain or not isinstance(cast("object", element.tag), str):
-            return etree.tostring(element, with_tail=False)
-        return etree.tostring(element, method="c14n", exclusive=True, with_tail=False)
+        if not self._plain and isinstance(cast("object", element.tag), str):
+            try:
+                return etree.tostring(element, method="c14n", exclusive=True, with_tail=False)
+            except etree.C14NError:  # for namespaces that are no absolute URIs
+                self._plain = True
+        return etree.tostring(element, with_tail=False)
 
     def same(self, before: etree._Element, after: etree._Element) -> bool:
         """Whether two elements are equal, down to the last descendant."""

@@ -158,23 +158,22 @@ class Fragments:
     def _content(
         self, element: etree._Element, scope: Mapping[str, str], indent: str | None, unit: str, empty_end: str | None
     ) -> str:
-        habits = self._writing.habits
         children = nodes_of(element)
         if not children:
             return self.text(element)
-        if is_mixed(element):
-            parts = [escape_text(element.text or "", habits)]
-            for child in children:
-                parts += [
-                    self.render(child, scope, None, unit, empty_end),
-                    escape_text(child.tail or "", habits),
-                ]
-            return "".join(parts)
-        if indent is None:
-            return "".join(self.render(child, scope, None, unit, empty_end) for child in children)
-        lines = [self.render(child, scope, indent + unit, unit, empty_end) for child in children]
-        newline = self._writing.newline
-        return "".join(f"{newline}{indent}{unit}{line}" for line in lines) + newline + indent
+        mixed = is_mixed(element)
+        inner = None if indent is None or mixed else indent + unit
+        line = "" if inner is None else self._writing.newline + inner
+        parts = [escape_text(element.text or "", self._writing.habits)] if mixed else []
+        # No comprehensions: each level of nesting should take two frames of the stack, not three.
+        for child in children:
+            parts.append(line)
+            parts.append(self.render(child, scope, inner, unit, empty_end))
+            if mixed:
+                parts.append(escape_text(child.tail or "", self._writing.habits))
+        if inner is not None:
+            parts.append(f"{self._writing.newline}{indent}")
+        return "".join(parts)
 
     def text(self, element: etree._Element) -> str:
         """The text of an element without children, as CDATA if the tree marks it so and it can be."""

@@ -104,6 +104,8 @@ def _declaration(style: XmlStyle) -> list[str]:
 
 def _siblings(root: etree._Element, *, before: bool) -> list[str]:
     """Comments and processing instructions outside the root element."""
+    if root.getparent() is not None:
+        return []
     found = [etree.tostring(node, encoding="unicode", with_tail=False) for node in root.itersiblings(preceding=before)]
     return found[::-1] if before else found
 

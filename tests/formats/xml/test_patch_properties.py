@@ -9,12 +9,13 @@ import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
 from plcopen_sfc.formats.xml.patch import patch
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.source import decode, parse
+from plcopen_sfc.formats.xml.textdiff import Change, changes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -267,3 +268,97 @@ def test_with_unknown_parts_the_known_ones_say_what_the_edited_tree_says(data: s
     after = data.draw(edited(before))
     result = parse(patch(source, before, after))
     assert meaning(result, known_only=True) == meaning(after, known_only=True)
+
+
+def _middles(old: str, new: str) -> tuple[str, str]:
+    """What is left of two texts without their common beginning and end."""
+    (change,) = changes(old.replace("\n", " "), new.replace("\n", " ")) or [Change(0, 0, "")]
+    return old[change.start : change.end], change.text
+
+
+@_SETTINGS
+@given(st.data())
+def test_an_attribute_edit_stays_inside_the_tag(data: st.DataObject) -> None:
+    before = data.draw(elements())
+    source = write(before, data.draw(styles(unknown=True)))
+    after = copy.deepcopy(before)
+    nodes = list(after.iter())
+    node = nodes[data.draw(st.integers(0, len(nodes) - 1))]
+    node.set("name", data.draw(values))
+    old, new = _middles(decode(source)[0], decode(patch(source, before, after))[0])
+    assert "<" not in old
+    assert "<" not in new
+    assert ">" not in new
+
+
+@_SETTINGS
+@given(st.data())
+def test_a_new_child_only_adds(data: st.DataObject) -> None:
+    before = data.draw(elements())
+    source = write(before, data.draw(styles(unknown=True)))
+    after = copy.deepcopy(before)
+    parents = [node for node in after.iter() if len(node) and not _has_text(node)]
+    assume(parents)
+    parent = parents[data.draw(st.integers(0, len(parents) - 1))]
+    parent.insert(data.draw(st.integers(0, len(parent))), etree.Element("added"))
+    result = patch(source, before, after)
+    old, new = _middles(decode(source)[0], decode(result)[0])
+    assert old == ""
+    assert new.count("<") <= 2  # `<added/>` or `<added></added>`
+
+
+@_SETTINGS
+@given(st.data())
+def test_a_removed_child_is_only_cut_out(data: st.DataObject) -> None:
+    before = data.draw(elements())
+    source = write(before, data.draw(styles(unknown=True)))
+    after = copy.deepcopy(before)
+    nodes = [node for node in after.iter() if node is not after and not _has_text(node.getparent())]
+    nodes = [node for node in nodes if len(node.getparent()) > 1]
+    assume(nodes)
+    node = nodes[data.draw(st.integers(0, len(nodes) - 1))]
+    node.getparent().remove(node)
+    _, new = _middles(decode(source)[0], decode(patch(source, before, after))[0])
+    assert new == ""
+
+
+def _has_text(element: etree._Element | None) -> bool:
+    return element is not None and bool(element.text or any(child.tail for child in element))
+
+
+@_SETTINGS
+@given(st.data())
+def test_what_only_the_source_knows_survives_every_edit_but_removal(data: st.DataObject) -> None:
+    before = data.draw(elements())
+    source = write(before, data.draw(styles(unknown=True)))
+    after = copy.deepcopy(before)
+    for node in list(after.iter()):
+        if data.draw(st.integers(0, 2)) == 0:
+            node.set("width", data.draw(values))
+        if node.getparent() is not None and not node.tail and data.draw(st.integers(0, 5)) == 0:
+            node.getparent().append(node)
+        if node.text and data.draw(st.booleans()):
+            node.text = data.draw(texts)
+    result = patch(source, before, after)
+
+    def unknown(root: etree._Element) -> list[str]:
+        notes = [node.get(f"{{{VENDOR}}}note", "") for node in root.iter(etree.Element)]
+        others = [
+            etree.tostring(node, encoding="unicode", with_tail=False)
+            for node in root.iter()
+            if not isinstance(node.tag, str) or node.tag.startswith(f"{{{VENDOR}}}")
+        ]
+        return sorted(note for note in notes if note) + sorted(text[:20] for text in others)
+
+    assert unknown(parse(result)) == unknown(parse(source))
+
+
+@_SETTINGS
+@given(st.data())
+def test_there_and_back(data: st.DataObject) -> None:
+    """An edit and its opposite give a file that says what the first one said."""
+    before = data.draw(elements())
+    source = write(before, data.draw(styles(unknown=False)))
+    after = data.draw(edited(before))
+    back = patch(patch(source, before, after), after, before)
+    assert meaning(parse(back)) == meaning(before)
