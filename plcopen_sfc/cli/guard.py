@@ -51,8 +51,8 @@ def guarded(*, as_json: bool, quiet: bool, verbose: int) -> Iterator[Screen]:
         else:
             place = f"{os.fsdecode(error.filename)}: " if isinstance(error.filename, str | bytes) else ""
             screen.complain(f"{place}{error.strerror or error}")
-        silence_stdout()
-        _trace(wanted=debug)
+            _trace(wanted=debug)
+        _give_up_output(screen)
     except Exception as error:  # a mistake of ours: say so, whatever it is
         screen.exit_code = UNREADABLE
         screen.complain(f"{type(error).__name__}: {error}")
@@ -66,6 +66,14 @@ def describe_exhaustion(error: MemoryError | RecursionError) -> str:
     if isinstance(error, MemoryError):
         return "not enough memory for this file"
     return "the content of this file is nested too deeply"
+
+
+def _give_up_output(screen: Screen) -> None:
+    """Write what can still be written, so that nothing complains at exit about what cannot."""
+    try:
+        screen.flush()
+    except OSError:
+        silence_stdout()
 
 
 def _trace(*, wanted: bool) -> None:

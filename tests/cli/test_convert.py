@@ -1,0 +1,165 @@
+"""convert: what it writes and what it says about it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+
+import plcopen_sfc as sfc
+
+BELT = "codesys/sorting_conveyor.xml"
+
+
+def test_to_json_and_back(cli, fixtures, tmp_path):
+    model, back = tmp_path / "model.json", tmp_path / "back.xml"
+    assert cli("convert", BELT, model, "--to", "json").code == 0
+    assert sfc.load(model) == sfc.load(BELT)
+    assert cli("convert", model, back, "--to", "codesys").code == 0
+    steps = [[step.name for step in chart.network.steps] for chart in sfc.load(back).charts()]
+    assert steps == [[step.name for step in chart.network.steps] for chart in sfc.load(BELT).charts()]
+
+
+def test_same_format_is_the_same_file(cli, fixtures, tmp_path):
+    outcome = cli("convert", BELT, tmp_path / "same.xml", "--to", "codesys")
+    assert outcome.code == 0
+    assert (tmp_path / "same.xml").read_bytes() == (fixtures / BELT).read_bytes()
+    assert "the format is the same" in outcome.out
+
+
+def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
+    outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh")
+    assert outcome.code == 0
+    assert "transition" in outcome.out
+    assert len(list(sfc.load(tmp_path / "fresh.xml").charts())) == 3
+
+
+@pytest.mark.parametrize("version", ["1.01", "2.0", "2.01"])
+def test_to_plcopen(cli, fixtures, tmp_path, version):
+    target = tmp_path / "belt.xml"
+    outcome = cli("convert", BELT, target, "--to", f"plcopen-{version}", "--report", tmp_path / "report.json")
+    assert outcome.code == 0
+    head = outcome.out.splitlines()[0].split()
+    assert head[:2] == ["what", "kept"]
+    assert outcome.out.splitlines()[-1] == f"written: {target}"
+    assert "\x1b" not in outcome.out
+    report = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert report["target_format"] == f"plcopen-{version}"
+    assert report["written"] == [str(target)]
+    steps = [item for item in report["items"] if item["what"] == "step"]
+    assert {item["fate"] for item in steps} == {"kept"}
+    assert len(steps) == 32
+    assert cli("validate", target).code == 0
+
+
+def test_for_beremiz(cli, fixtures, tmp_path):
+    outcome = cli("convert", BELT, tmp_path / "beremiz.xml", "--to", "plcopen", "--for", "beremiz", "-q")
+    assert outcome.code == 0
+    assert outcome.out == f"written: {tmp_path / 'beremiz.xml'}\n"
+    unknown = cli("convert", BELT, tmp_path / "x.xml", "--to", "plcopen", "--for", "nobody")
+    assert unknown.code == 2
+    assert "no flavour 'nobody'" in unknown.err
+
+
+def test_many_items_are_cut_off_with_their_number(cli, fixtures, tmp_path):
+    arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01"]
+    short, long = cli(*arguments).out, cli(*arguments, "--verbose").out
+    assert "--verbose shows all, --report writes all" in short
+    assert "--verbose shows all" not in long
+    assert len(long.splitlines()) > len(short.splitlines())
+
+
+def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):
+    source = tmp_path / "belt.xml"
+    shutil.copy(BELT, source)
+    before = source.read_bytes()
+    assert cli("convert", source, "--to", "plcopen-2.01").code == 0
+    assert cli("convert", source, "--to", "json").code == 0
+    assert cli("convert", source, "--to", "codesys").code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "belt.codesys.xml",
+        "belt.json",
+        "belt.plcopen-2.01.xml",
+        "belt.xml",
+    ]
+    assert source.read_bytes() == before
+
+
+def test_usual_target_never_is_the_source(cli, fixtures, tmp_path):
+    model = tmp_path / "belt.json"
+    assert cli("convert", BELT, model, "--to", "json").code == 0
+    before = model.read_bytes()
+    assert cli("convert", model, "--to", "json").code == 0
+    assert model.read_bytes() == before
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["belt.json", "belt.json.json"]
+
+
+def test_explicit_target_may_be_the_source(cli, fixtures, tmp_path):
+    source = tmp_path / "belt.xml"
+    shutil.copy(BELT, source)
+    assert cli("convert", source, source, "--to", "json").code == 0
+    assert source.read_bytes().startswith(b"{")
+
+
+def test_to_standard_output(command, fixtures):
+    done = command("convert", BELT, "-", "--to", "codesys")
+    assert done.returncode == 0
+    assert done.stdout == (fixtures / BELT).read_bytes()
+    assert b"the format is the same" in done.stderr
+
+
+def test_standard_output_and_json_exclude_each_other(cli, fixtures):
+    outcome = cli("convert", BELT, "-", "--to", "json", "--json")
+    assert outcome.code == 2
+    assert "--report" in outcome.err
+
+
+def test_json_report(cli, fixtures, tmp_path):
+    outcome = cli("convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--json")
+    report = json.loads(outcome.out)
+    assert report["source_format"] == "codesys"
+    assert report["items"]
+
+
+class TestStrict:
+    """To TC6 1.01, which has no foreign data: what only CODESYS can say is lost."""
+
+    def test_refuses_and_writes_nothing(self, cli, fixtures, tmp_path):
+        target, report = tmp_path / "belt.xml", tmp_path / "report.json"
+        outcome = cli("convert", BELT, target, "--to", "plcopen-1.01", "--strict", "--report", report)
+        assert outcome.code == 1
+        assert not target.exists()
+        assert "would be lost or changed" in outcome.err
+        assert "Nothing was written" in outcome.err
+        assert "dropped" in outcome.out
+        assert any(item["fate"] == "dropped" for item in json.loads(report.read_text(encoding="utf-8"))["items"])
+        assert "written:" not in outcome.out
+
+    def test_does_not_stop_what_loses_nothing(self, cli, fixtures, tmp_path):
+        assert cli("convert", BELT, tmp_path / "belt.json", "--to", "json", "--strict").code == 0
+
+
+def test_findings_in_the_source(cli, fixtures, tmp_path):
+    """The file is written; that its chart is wrong is said and shows in the exit code."""
+    outcome = cli("convert", "broken/two_initial_steps.xml", tmp_path / "x.json", "--to", "json")
+    assert outcome.code == 1
+    assert "SFC110" in outcome.err
+    assert (tmp_path / "x.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nowhere.xml", "--to", "json"], "nowhere.xml: the file does not exist"),
+        (["codesys", "--to", "json"], "codesys: this is a folder, not a file"),
+        ([BELT, "--to", "word"], "there is no format 'word'"),
+        ([BELT, "nowhere/x.json", "--to", "json"], "nowhere/x.json: the folder to write into does not exist"),
+        ([BELT, "codesys", "--to", "json"], "codesys: the target is a folder, not a file"),
+    ],
+)
+def test_wrong_usage(cli, fixtures, arguments, message):
+    outcome = cli("convert", *arguments)
+    assert outcome.code == 2
+    assert outcome.err.startswith(f"error: {message}")
+    assert outcome.out == ""
