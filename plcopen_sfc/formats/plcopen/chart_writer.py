@@ -104,7 +104,7 @@ class ChartWriter:
             if number in symbols:
                 self.write_symbol(parent, symbols[number])
             else:
-                write_node(self.ctx, parent, self.nodes[number])
+                write_node(self.ctx, parent, self.nodes[number], "logic in a chart")
         add_unknown(parent, self.chart.carried)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
@@ -159,7 +159,7 @@ class ChartWriter:
             native = native - ({"initial"} if step.initial else set()) - ({"negated"} if step.negated else set())
         if not macro:
             native = native | {f"{kind.value}_action" for kind in self.drawn_step_actions.get(step.id, ())}
-        ctx.note(Fate.KEPT, "macro-step" if macro else "step", step.name)
+        ctx.keep("macro-step" if macro else "step", step.name, *(["negated step output"] if step.negated else []))
         ctx.place.append(f"step {step.name}")
         finish(ctx, element, step, "macroStep" if macro else "step", native)
         ctx.place.pop()
@@ -176,10 +176,10 @@ class ChartWriter:
             attributes["priority"] = str(transition.priority)
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
-        label = self.label(transition)
+        label = self.chart.label(transition)
         if transition.condition is not None:
             self.write_condition(element, symbol, transition.condition)
-        ctx.note(Fate.KEPT, "transition", label)
+        ctx.keep("transition", label, *_features(transition.condition))
         ctx.place.append(f"transition {label}")
         finish(ctx, element, transition, "transition", native, also=self._left_of_wire(symbol, transition))
         ctx.place.pop()
@@ -192,16 +192,6 @@ class ChartWriter:
             return {}
         left = left_over(pin, frozenset({"connections"}))
         return {"condition": {"input": left}} if left else {}
-
-    def label(self, transition: Transition) -> str:
-        """What people call a transition that has no name: from where to where."""
-        if transition.name:
-            return transition.name
-        names = [
-            "+".join(self.steps[i].name if i in self.steps else "?" for i in side) or "nowhere"
-            for side in (transition.sources, transition.targets)
-        ]
-        return " -> ".join(names)
 
     def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:
         """Write ``condition`` in the form in which it is drawn."""
@@ -341,7 +331,17 @@ class ChartWriter:
         owner = self.owner[association.id].name
         label = f"{owner} {association.qualifier.value} {association.target or 'inline'}"
         if not also:
-            ctx.note(Fate.KEPT, "action association", label)
+            negated = ["negated action block"] if association.negated else []
+            ctx.keep("action association", label, f"qualifier {association.qualifier.value}", *negated)
         ctx.place.append(f"step {owner} / action {association.target or 'inline'}")
         finish(ctx, element, association, "action", native, also=also)
         ctx.place.pop()
+
+
+def _features(condition: Condition | None) -> list[str]:
+    """What a condition asks of a reader."""
+    if condition is None:
+        return []
+    kinds = {"body": "condition in a body", "wired": "condition wired to logic"}
+    found = [kinds[condition.kind]] if condition.kind in kinds else []
+    return [*found, "negated condition"] if condition.negated else found
