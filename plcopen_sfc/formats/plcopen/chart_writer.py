@@ -261,15 +261,15 @@ class ChartWriter:
         element = self._element(parent, symbol, {"negated": "true"} if negated else {})
         for pin in symbol.inputs:
             write_input(ctx, element, pin)
+        if ctx.version.first_generation:
+            for output in symbol.outputs:
+                write_output(ctx, element, output)
+            native = native - {"entries"}
         for entry in entries:
             if entry.step_action is None:
                 self.write_action(element, entry, self.associations[entry.association])
             else:
                 self.write_step_action(element, symbol, entry, entry.step_action)
-        if ctx.version.first_generation:
-            for output in symbol.outputs:
-                write_output(ctx, element, output)
-            native = native - {"entries"}
         finish(ctx, element, symbol, "actionBlock", native)
 
     def write_step_action(
