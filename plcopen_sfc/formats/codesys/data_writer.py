@@ -81,6 +81,7 @@ DATA_RANK = {
     names.PLAIN_TEXT: 60,
     names.PROJECT_STRUCTURE: 70,
     names.OBJECT_ID: 80,
+    names.MIXED_LIST: 90,
 }
 """The order of data at one owner; what is not named here stands in the middle."""
 
