@@ -12,7 +12,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from tests.corpus import ROOT
-from tests.samples import ALL_PARAMS, FIXTURE_PARAMS, local, tree_of
+from tests.samples import ALL_PARAMS, FIXTURE_PARAMS, TC6, local, tree_of
 
 Fact = tuple[str, str, str]
 """Path of an element with the names on the way, attribute (or ``#text``, or "" for the element itself), value."""
@@ -22,7 +22,7 @@ BLOCK_PARTS = ("inVariable", "outVariable", "variable", "contact", "coil")
 
 
 @dataclass(frozen=True)
-class Exception_:  # noqa: N818  # an exception of a rule, none of Python's
+class Difference:
     """`attribute` = `value` of `element` is left out. No attribute: the element itself, where it is empty."""
 
     elements: tuple[str, ...]
@@ -39,33 +39,33 @@ STATES_DEFAULT = "states what the schema says for a missing attribute"
 HAS_NOTHING = "an optional element with nothing in it"
 
 LEFT_OUT = (
-    Exception_(("step",), "initialStep", ("false",), STATES_DEFAULT),
-    Exception_((*BLOCK_PARTS, "step", "condition", "actionBlock"), "negated", ("false",), STATES_DEFAULT),
-    Exception_(("inOutVariable",), "negatedIn", ("false",), STATES_DEFAULT),
-    Exception_(("inOutVariable",), "negatedOut", ("false",), STATES_DEFAULT),
-    Exception_(BLOCK_PARTS, "edge", ("none",), STATES_DEFAULT),
-    Exception_(BLOCK_PARTS, "storage", ("none",), STATES_DEFAULT),
-    Exception_(("inOutVariable",), "edgeIn", ("none",), STATES_DEFAULT),
-    Exception_(("inOutVariable",), "edgeOut", ("none",), STATES_DEFAULT),
-    Exception_(("inOutVariable",), "storageIn", ("none",), STATES_DEFAULT),
-    Exception_(("inOutVariable",), "storageOut", ("none",), STATES_DEFAULT),
-    Exception_(("variable",), "hidden", ("false",), STATES_DEFAULT),
-    Exception_(("action",), "qualifier", ("N",), STATES_DEFAULT),
-    Exception_(("globalVars", "localVars"), "constant", ("false",), STATES_DEFAULT),
-    Exception_(("localVars", "inputVars", "outputVars"), "retain", ("false",), STATES_DEFAULT),
-    Exception_(("actions", "transitions"), "", ("",), HAS_NOTHING),
-    Exception_(("addData",), "", ("",), HAS_NOTHING),
-    Exception_(
+    Difference(("step",), "initialStep", ("false",), STATES_DEFAULT),
+    Difference((*BLOCK_PARTS, "step", "condition", "actionBlock"), "negated", ("false",), STATES_DEFAULT),
+    Difference(("inOutVariable",), "negatedIn", ("false",), STATES_DEFAULT),
+    Difference(("inOutVariable",), "negatedOut", ("false",), STATES_DEFAULT),
+    Difference(BLOCK_PARTS, "edge", ("none",), STATES_DEFAULT),
+    Difference(BLOCK_PARTS, "storage", ("none",), STATES_DEFAULT),
+    Difference(("inOutVariable",), "edgeIn", ("none",), STATES_DEFAULT),
+    Difference(("inOutVariable",), "edgeOut", ("none",), STATES_DEFAULT),
+    Difference(("inOutVariable",), "storageIn", ("none",), STATES_DEFAULT),
+    Difference(("inOutVariable",), "storageOut", ("none",), STATES_DEFAULT),
+    Difference(("variable",), "hidden", ("false",), STATES_DEFAULT),
+    Difference(("action",), "qualifier", ("N",), STATES_DEFAULT),
+    Difference(("globalVars", "localVars"), "constant", ("false",), STATES_DEFAULT),
+    Difference(("localVars", "inputVars", "outputVars"), "retain", ("false",), STATES_DEFAULT),
+    Difference(("actions", "transitions"), "", ("",), HAS_NOTHING),
+    Difference(("addData",), "", ("",), HAS_NOTHING),
+    Difference(
         ("project",),
         f"{XSI}schemaLocation",
-        ("http://www.plcopen.org/xml/tc6.xsd http://www.plcopen.org/xml/tc6.xsd",),
+        tuple(f"{TC6[0]} {location}" for location in (TC6[0], "tc6_xml_v10_b.xsd")),
         "TC6 1.01 has no place for what we carry: unknown attributes stand in our XML comment",
     ),
 )
 
 ADDED = (
-    Exception_(("action",), "localId", ("21", "22", "23"), "TC6 2.0 requires it; the file left it out"),
-    Exception_(("pouInstance",), "typeName", ("",), "TC6 2.0 requires it; the file left it out"),
+    Difference(("action",), "localId", ("21", "22", "23"), "TC6 2.0 requires it; the file left it out"),
+    Difference(("pouInstance",), "typeName", ("",), "TC6 2.0 requires it; the file left it out"),
 )
 
 
@@ -119,6 +119,8 @@ def test_a_fresh_file_says_all_but_the_documented_exceptions(path: Path) -> None
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_a_fresh_file_keeps_the_order_of_elements(path: Path) -> None:
     data = path.read_bytes()
+    if any(d.code == "SFC108" for d in sfc.loads(data).diagnostics):
+        pytest.skip("an action block that belongs to no step is carried, and so written last")
     old, new = (order(content) for content in (data, sfc.dumps(sfc.loads(data), fresh=True)))
     assert [name for name in old if name.partition("[")[0] not in MAY_BE_EMPTY] == [
         name for name in new if name.partition("[")[0] not in MAY_BE_EMPTY
