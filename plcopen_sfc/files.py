@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import errno
 import os
+import secrets
 import stat
-import tempfile
 from contextlib import suppress
 from pathlib import Path
 
@@ -55,13 +55,18 @@ def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
     """Replace the file at `path` by `data`, or leave it exactly as it is.
 
     Symbolic links are followed, so the link stays a link; the permissions of an existing file are kept. Raises
-    `FileAccessError`; on any other interruption (`KeyboardInterrupt` too) the temporary file is removed.
+    `FileAccessError`; on any other interruption (`KeyboardInterrupt` too) the temporary file is removed. A killed
+    process leaves it behind (`.name.*.tmp`), never a damaged target. The new file is a new one to the file system: it
+    belongs to whoever writes it, and hard links keep the old content.
     """
     try:
         target = Path(os.path.realpath(path))
         if target.is_dir():
             raise IsADirectoryError(errno.EISDIR, "is a directory")
-        _replace(target, data)
+        if Path(path).exists() and not Path(path).is_file():
+            Path(path).write_bytes(data)  # a device or a pipe: there is no old file to protect, and none to put there
+        else:
+            _replace(target, data)
     except (OSError, ValueError) as error:
         raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
 
@@ -69,34 +74,33 @@ def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
 def _replace(target: Path, data: bytes) -> None:
     mode = _mode_of(target)
     # The name is cut: the target's own name may already be as long as the file system allows.
-    handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".tmp", dir=target.parent)
+    temporary = target.parent / f".{target.name[:40]}.{secrets.token_hex(6)}.tmp"
+    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
     try:
         try:
             _write_all(handle, data)
-            if hasattr(os, "fchmod"):
+            if mode is not None and hasattr(os, "fchmod"):
                 os.fchmod(handle, mode)
             os.fsync(handle)
         finally:
             os.close(handle)
-        Path(temporary).replace(target)
+        temporary.replace(target)
     except BaseException:
         with suppress(OSError):
-            Path(temporary).unlink()
+            temporary.unlink()
         raise
     _sync_folder(target.parent)
 
 
-def _mode_of(target: Path) -> int:
-    """Permissions for the new file: those of the old one, or what a plain `open` would have given.
+def _mode_of(target: Path) -> int | None:
+    """The permissions of the old file; None if there is none.
 
     A file that may not be written is refused: the rename would overwrite it all the same.
     """
     try:
         mode = stat.S_IMODE(target.stat().st_mode)
     except FileNotFoundError:
-        mask = os.umask(0)
-        os.umask(mask)
-        return 0o666 & ~mask
+        return None
     if not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, "not writable")
     return mode

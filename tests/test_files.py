@@ -139,6 +139,12 @@ def test_a_link_to_nothing_creates_its_target(tmp_path: Path) -> None:
 
 
 @posix_only
+def test_a_device_is_written_to_and_not_replaced() -> None:
+    write_atomic("/dev/null", b"x")
+    assert Path("/dev/null").is_char_device()
+
+
+@posix_only
 def test_the_longest_possible_name(tmp_path: Path) -> None:
     path = tmp_path / ("x" * 255)
     write_atomic(path, b"new")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from lxml import etree
 
-from plcopen_sfc.formats.xml.align import Item, KeyFunction
+from plcopen_sfc.formats.xml.align import Item, KeyFunction, Keys
 from plcopen_sfc.formats.xml.fragments import kind_of
 
 if TYPE_CHECKING:
@@ -47,19 +47,22 @@ class Comparison:
     def tree_item(self, element: etree._Element, *, exact: bool = True) -> Item:
         """An element of `before` or `after`."""
         tag = kind_of(element)
-        keys = () if tag.startswith("#") else self._keys(tag, cast("Any", element.attrib))
-        return Item(tag, keys, partial(self.bytes_of, element) if exact else None, partial(_tree_features, element))
+        keys: Keys = () if tag.startswith("#") else self._keys(tag, cast("Any", element.attrib))
+        return Item(
+            tag, keys, partial(self.bytes_of, element) if exact else None, partial(_tree_features, element, keys)
+        )
 
     def source_item(self, node: Node) -> Item:
         """A node of the source."""
         tree = self._tree
         tag = tree.tag(node)
-        keys = self._keys(tag, tree.values(node)) if node.is_element else ()
-        return Item(tag, keys, None, partial(_source_features, tree, node))
+        keys: Keys = self._keys(tag, tree.values(node)) if node.is_element else ()
+        return Item(tag, keys, None, partial(_source_features, tree, node, keys))
 
 
-def _tree_features(element: etree._Element) -> Counter[Hashable]:
-    """What an element says, in small pieces."""
+def _tree_features(element: etree._Element, keys: Keys) -> Counter[Hashable]:
+    """What an element says, in small pieces; without its keys, for these are compared by themselves."""
+    own = {name for name, _ in keys}
     found: Counter[Hashable] = Counter()
     for count, node in enumerate(element.iter()):
         if count > _FEATURE_LIMIT:
@@ -68,14 +71,16 @@ def _tree_features(element: etree._Element) -> Counter[Hashable]:
         if node is not element:
             found[tag] += 1
         for name, value in node.attrib.items():
-            found[tag, str(name), str(value)] += 1
+            if node is not element or name not in own:
+                found[tag, str(name), str(value)] += 1
         if text := (node.text or "").strip():
             found[tag, text] += 1
     return found
 
 
-def _source_features(tree: SourceTree, node: Node) -> Counter[Hashable]:
+def _source_features(tree: SourceTree, node: Node, keys: Keys) -> Counter[Hashable]:
     """The same of an element in the source."""
+    own = {name for name, _ in keys}
     found: Counter[Hashable] = Counter()
     waiting = [node]
     count = 0
@@ -86,7 +91,8 @@ def _source_features(tree: SourceTree, node: Node) -> Counter[Hashable]:
         if here is not node:
             found[tag] += 1
         for name, value in tree.values(here).items():
-            found[tag, name, value] += 1
+            if here is not node or name not in own:
+                found[tag, name, value] += 1
         text = tree.value_of(tree.content(here)) if here.is_element else tree.inner(here)
         if text.strip():
             found[tag, text.strip()] += 1

@@ -140,7 +140,7 @@ class Fragments:
         if (moved := self._reuse(element, scope, indent)) is not None:
             return moved
         if not isinstance(cast("object", element.tag), str):
-            return etree.tostring(element, encoding="unicode", with_tail=False)
+            return self.note(element)
         scope = dict(scope)
         declared: dict[str, str] = {}
         name = qualified_name(element.tag, scope, declared, element.nsmap)
@@ -174,6 +174,10 @@ class Fragments:
         if inner is not None:
             parts.append(f"{self._writing.newline}{indent}")
         return "".join(parts)
+
+    def note(self, element: etree._Element) -> str:
+        """A comment or processing instruction."""
+        return etree.tostring(element, encoding="unicode", with_tail=False).replace("\n", self._writing.newline)
 
     def text(self, element: etree._Element) -> str:
         """The text of an element without children, as CDATA if the tree marks it so and it can be."""

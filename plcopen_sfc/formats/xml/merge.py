@@ -57,7 +57,7 @@ class Merge:
         if self._comparison.same(before, after):
             return
         if not node.is_element:
-            self._replace(node.start, node.end, etree.tostring(after, encoding="unicode", with_tail=False))
+            self._replace(node.start, node.end, self._fragments.note(after))
             return
         self._attributes(node, before, after)
         old_text, new_text = before.text or "", after.text or ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.formats.xml.align import align, similarity
@@ -31,9 +31,10 @@ class Removed:
 
     def __init__(self, comparison: Comparison) -> None:
         self._comparison = comparison
-        self._new: list[Origin] = []
-        self._by_content: defaultdict[bytes, list[Origin]] = defaultdict(list)
-        self._by_keys: defaultdict[Hashable, list[Origin]] = defaultdict(list)
+        self._new: deque[Origin] = deque()
+        self._by_content: defaultdict[bytes, deque[Origin]] = defaultdict(deque)
+        self._by_keys: defaultdict[Hashable, deque[Origin]] = defaultdict(deque)
+        self._taken: set[Node] = set()
         self._inside = 0
 
     def add(self, node: Node, element: etree._Element) -> None:
@@ -43,17 +44,21 @@ class Removed:
     def take(self, element: etree._Element) -> Origin | None:
         """Where `element` was before, if it is one of those removed; it can be taken only once."""
         while self._new:
-            self._learn(*self._new.pop())
+            self._learn(*self._new.popleft())
         if not self._by_content:
             return None
-        for origin in self._by_content.get(self._comparison.bytes_of(element), ()):
-            return self._forget(origin)
+        equal = self._by_content.get(self._comparison.bytes_of(element))
+        while equal:
+            if (origin := equal.popleft())[0] not in self._taken:
+                self._taken.add(origin[0])
+                return origin
         item = self._comparison.tree_item(element)
         if not item.keys:
             return None
         for origin in self._by_keys.get((item.tag, tuple(item.keys)), ()):
-            if similarity(self._comparison.tree_item(origin[1]), item) >= _ALIKE:
-                return self._forget(origin)
+            if origin[0] not in self._taken and similarity(self._comparison.tree_item(origin[1]), item) >= _ALIKE:
+                self._taken.add(origin[0])
+                return origin
         return None
 
     def _learn(self, node: Node, element: etree._Element) -> None:
@@ -73,13 +78,6 @@ class Removed:
         for place, child in zip(places, children, strict=True):
             if place is not None and (len(child) or child.text):
                 self._new.append((node.children[place], child))
-
-    def _forget(self, origin: Origin) -> Origin:
-        for table in (self._by_content, self._by_keys):
-            for origins in table.values():
-                if origin in origins:
-                    origins.remove(origin)
-        return origin
 
 
 def missing_declarations(tree: SourceTree, node: Node, scope: Mapping[str, str]) -> dict[str, str]:

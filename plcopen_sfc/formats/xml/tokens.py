@@ -97,7 +97,7 @@ class SourceTree:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.newline = "\r\n" if "\r\n" in text else "\n"
+        self.newline = "\r\n" if 2 * text.count("\r\n") > text.count("\n") else "\n"
         self.root = self._read()
 
     def _read(self) -> Node:
