@@ -1,21 +1,22 @@
 """Cuts the graph of a chart into nested branches: the form in which charts are drawn.
 
-A `Segment` is what stands below each other: steps, transitions, whole branches, a jump at the end. A `Branch` is legs beside
-each other, each a segment, that part at the element above it and may meet at the element below it. Every chart can
-be cut so, with jumps where it does not nest. What cannot be a jump is a transition that waits for steps of branches that
-do not end together: such a transition is *loose*; it is wired straight to its steps.
+A `Segment` is what stands below each other: steps, transitions, whole branches, a jump at the end. A `Branch` is legs
+beside each other, each a segment, that part at the element above it and may meet at the element below it. Every chart
+can be cut so, with jumps where it does not nest. What cannot be a jump is a transition that waits for steps of branches
+that do not end together: such a transition is *loose*; it is wired straight to its steps.
 
 How it works: the legs of a branch are walked first. Each ends where it comes to something that other ways lead to
 as well. Then the branch looks at where its legs ended. What all of them wait for stands below the branch; what some
-neighbours wait for closes a nested branch around these; what lies further out is handed to the branch outside; everything
-else becomes a jump. (After Ramsey: Beyond Relooper, ICFP 2022.)
+neighbours wait for closes a nested branch around these; what lies further out is handed to the branch outside;
+everything else becomes a jump. (After Ramsey: Beyond Relooper, ICFP 2022.)
 
-Charts nest as deep as they like: walks call each other as generators that `_run` drives, so that Python's stack stays flat.
+Charts nest as deep as they like: walks call each other as generators that `_run` drives, so that Python's stack stays
+flat.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.drawing.flow import Flow, flow_of
@@ -70,11 +71,11 @@ class Branch:
 _Walk = Generator["_Walk", None, None]
 
 
-def nest(chart: SfcNetwork, *, merge: bool) -> tuple[Flow, list[Segment]]:
-    """The graph of a chart and its segments. `merge`: one symbol for transitions that differ only in their source."""
+def nest(chart: SfcNetwork, together: Mapping[int, int]) -> tuple[Flow, list[Segment]]:
+    """The graph of a chart and its segments. `together`: transitions that may share a symbol, see `flow_of`."""
     split: frozenset[int] = frozenset()
     while True:
-        flow = flow_of(chart, merge=merge, split=split)
+        flow = flow_of(chart, together, split=split)
         builder = _Builder(flow)
         segments = builder.run()
         if not builder.misfits:
@@ -88,17 +89,17 @@ class _Builder:
         self.placed: set[int] = set()
         self.waiting: dict[int, list[Segment]] = {}
         self.misfits: set[int] = set()
-        for merges in flow.merges.values():
-            merges.sort(key=flow.rank.__getitem__)
+        for merges in flow.survey.merges.values():
+            merges.sort(key=flow.survey.rank.__getitem__)
 
     def run(self) -> list[Segment]:
         segments: list[Segment] = []
-        for start in self.flow.starts:
+        for start in self.flow.survey.starts:
             segment = Segment(0)
             segments.append(segment)
             _run(self.walk(segment, start))
             self.give_up(segment)
-        for node in sorted(self.flow.rank, key=self.flow.rank.__getitem__):
+        for node in sorted(self.flow.survey.rank, key=self.flow.survey.rank.__getitem__):
             if node not in self.placed:
                 segment = self.waiting[node][-1]
                 if segment.items and isinstance(segment.items[-1], Leap):
@@ -130,13 +131,15 @@ class _Builder:
                         leg.end = End(target, (node,))
                 yield self.close(segment, node, branch)
             end = segment.end
-            if end is None or end.target in self.placed or flow.dominator[end.target] not in segment.spine:
+            if end is None or end.target in self.placed or flow.survey.dominator[end.target] not in segment.spine:
                 return
             node, waiting = end.target, end.waiting
 
     def enters(self, node: int, target: int) -> bool:
         return (
-            target not in self.placed and self.flow.dominator[target] == node and self.flow.forward_inputs[target] == 1
+            target not in self.placed
+            and self.flow.survey.dominator[target] == node
+            and self.flow.survey.forward_inputs[target] == 1
         )
 
     def place(self, segment: Segment, node: int, waiting: tuple[int, ...]) -> None:
@@ -146,11 +149,13 @@ class _Builder:
         loose = joint is not None and bool(joint.sources) and set(waiting) != set(joint.sources)
         if joint is not None and len(joint.alternatives) > 1 and loose:
             self.misfits.add(node)
+        elif joint is not None and len(joint.alternatives) > 1:
+            joint.members.sort(key=lambda member: waiting.index(member.sources[0]))
         segment.items.append(Place(node, loose))
 
     def close(self, segment: Segment, node: int, branch: Branch) -> _Walk:
         """Decide how the legs of the branch below `node` end, and where `segment` goes on."""
-        inner = [target for target in self.flow.merges.get(node, ()) if target not in self.placed]
+        inner = [target for target in self.flow.survey.merges.get(node, ()) if target not in self.placed]
         segment.end = None
         if self.hoist(segment, branch, frozenset(inner)):
             return
@@ -262,7 +267,7 @@ class _Builder:
             whole = target is not None and sum(map(len, groups.values())) == len(branch.legs) == len(groups[target])
             joint = self.flow.joints.get(target) if target is not None else None
             return target if whole and joint is not None and len(joint.alternatives) == 1 else None
-        rank = self.flow.rank
+        rank = self.flow.survey.rank
         best: tuple[bool, int, int] | None = None
         found: int | None = None
         for target, group in groups.items():

@@ -1,17 +1,17 @@
 """Draws a chart: nested branches become symbols and wires.
 
-Both styles draw the same segments and branches. STRUCTURED closes every branch with a convergence that takes all its legs,
-those that end in a jump too. PLAIN puts a bar only where several wires meet, and lets nested branches of one kind share
-their bars.
+Both styles draw the same segments and branches. STRUCTURED closes every branch with a convergence that takes all its
+legs, those that end in a jump too. PLAIN puts a bar only where several wires meet, and lets nested branches of one
+kind share their bars.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from plcopen_sfc.drawing.branches import Branch, Leap, Place, Segment, nest
-from plcopen_sfc.drawing.flow import Flow
+from plcopen_sfc.drawing.flow import Flow, alike
 from plcopen_sfc.drawing.logic import logic_order
 from plcopen_sfc.drawing.style import DrawingStyle
 from plcopen_sfc.drawing.symbols import Pen, consumers_of, highest_id
@@ -25,15 +25,20 @@ _CONVERGENCE = {False: SymbolKind.SELECTION_CONVERGENCE, True: SymbolKind.SIMULT
 
 def draw(chart: SfcNetwork, style: DrawingStyle) -> Drawing:
     """A new drawing for the whole chart, without positions. The chart keeps the drawing it has."""
-    flow, segments = nest(chart, merge=style.structured)
     pen = Pen(style, highest_id(chart, drawn=False) + 1)
-    symbols = _Sketch(flow, pen).run(segments)
+    symbols = sketch(chart, pen, alike(chart) if style.structured else {})
     return Drawing(symbols=symbols, order=logic_order(chart, symbols))
 
 
+def sketch(chart: SfcNetwork, pen: Pen, together: Mapping[int, int]) -> list[Symbol]:
+    """The symbols of a new drawing. `together`: transitions that may share a symbol, as a group number for each."""
+    flow, segments = nest(chart, together)
+    return _Sketch(flow, pen).run(segments)
+
+
 def limits(chart: SfcNetwork) -> list[Problem]:
-    """What of a chart CODESYS and TwinCAT cannot draw, as findings at steps and transitions. They know nested branches only."""
-    flow, segments = nest(chart, merge=True)
+    """What of a chart CODESYS and TwinCAT, which know nested branches only, cannot draw."""
+    flow, segments = nest(chart, alike(chart))
     problems: list[Problem] = []
     pending = list(segments)
     while pending:
@@ -45,7 +50,7 @@ def limits(chart: SfcNetwork) -> list[Problem]:
             elif isinstance(item, Place) and not flow.successors[item.node]:
                 what = "nothing leads on from this step" if item.node in flow.steps else "this transition leads nowhere"
                 problems.append(Problem("SFC131", item.node, what))
-    for start in flow.starts[1:]:
+    for start in flow.survey.starts[1:]:
         problems.append(Problem("SFC132", start, "a chart has one start; this is another"))
     return sorted(problems, key=lambda problem: (problem.code, problem.symbol))
 
@@ -113,17 +118,16 @@ class _Sketch:
         joint = self.flow.joints[item.node]
         if item.loose:
             self.tail = _Tail()
-            kind = SymbolKind.TRANSITION
             if len(joint.sources) > 1:
                 bar = self.pen.bar(SymbolKind.SIMULTANEOUS_CONVERGENCE, [])
                 self.symbols.append(bar)
                 self.loose.append((bar, item.node))
                 self.tail = _Tail([bar.id])
-            drawn = self.pen.transition(joint.members, self.tail.wires)
+            drawn = self.pen.transition(item.node, joint.members, self.tail.wires)
             if len(joint.sources) == 1:
                 self.loose.append((drawn[-1], item.node))
         else:
-            drawn = self.pen.transition(joint.members, self.one_wire())
+            drawn = self.pen.transition(item.node, joint.members, self.one_wire())
         self.symbols += drawn
         self.tail = _Tail([item.node])
 

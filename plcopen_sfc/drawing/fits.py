@@ -2,22 +2,44 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.drawing.style import STEPS
+from collections.abc import Set
+
+from plcopen_sfc.drawing.style import STEPS, DrawingStyle
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import Drawing, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.model.wiring import Link, trace_drawing
 
 
-def fits(chart: SfcNetwork) -> bool:
+def fits(chart: SfcNetwork, style: DrawingStyle | None = None) -> bool:
     """Whether the chart has a drawing that means exactly the chart.
 
     Every step, transition and association is drawn once and nothing else is; the wires lead from where to where the
     transitions lead; conditions are wired in the form that they have. Wires that come from nothing are no matter: files
-    have them, and they mean nothing.
+    have them, and they mean nothing. An expression that stands in its transition where most are symbols of their own does
+    not fit. In `style` STRUCTURED rivals have to stand in the order of their priority too.
     """
     drawing = chart.drawing
-    return drawing is not None and _complete(chart, drawing) and _linked(chart, drawing)
+    if drawing is None or not _complete(chart, drawing) or not _linked(chart, drawing):
+        return False
+    return style is None or not style.structured or in_order(chart, drawing)
+
+
+def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
+    """Whether rivals are drawn in the order in which they are tried, from left to right."""
+    place: dict[int, int] = {}
+    for symbol in drawing.symbols:
+        if symbol.kind is SymbolKind.TRANSITION:
+            for member in symbol.transitions or [symbol.id]:
+                place[member] = len(place)
+    last: dict[int, int] = {}
+    for transition in sorted(chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+        own = place.get(transition.id)
+        for source in transition.sources if own is not None else ():
+            if own is not None and last.get(source, -1) > own:
+                return False
+            last[source] = own if own is not None else 0
+    return True
 
 
 def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
@@ -31,8 +53,9 @@ def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
     if drawn_steps != steps.keys() or len(steps) != len(chart.steps) or len(transitions) != len(chart.transitions):
         return False
     drawn: list[int] = []
-    entries: list[tuple[int, int]] = []
-    expressions: set[int] = set()
+    entries: dict[int, list[int]] = {}
+    expressions: list[int] = []
+    inline = 0
     for symbol in drawing.symbols:
         if symbol.kind is SymbolKind.TRANSITION:
             members = symbol.transitions or [symbol.id]
@@ -42,24 +65,30 @@ def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
             first = transitions[members[0]]
             if not all(same_drawn(first, transitions[i]) for i in members):
                 return False
-            wired = [c.source for c in symbol.condition.connections] if symbol.condition is not None else []
             if isinstance(first.condition, Expression):
-                expressions.update(wired)
+                wires = [c.source for c in symbol.condition.connections] if symbol.condition is not None else []
+                expressions += wires
+                inline += not wires
             elif symbol.condition is not None:
                 return False
         elif symbol.kind is SymbolKind.ACTION_BLOCK:
             owners = {c.source for pin in symbol.inputs for c in pin.connections if c.source in steps}
             if len(owners) != 1:
                 return False
-            owner = owners.pop()
-            entries += [(owner, e.association) for e in symbol.entries or () if e.step_action is None]
-        elif (symbol.kind in STEPS and (symbol.kind is SymbolKind.MACRO_STEP) != (steps[symbol.id].macro is not None)) or (symbol.kind is SymbolKind.JUMP and symbol.target is not None and symbol.target not in symbols):
+            lines = [e.association for e in symbol.entries or () if e.step_action is None]
+            entries.setdefault(owners.pop(), []).extend(lines)
+        elif symbol.kind in STEPS:
+            if (symbol.kind is SymbolKind.MACRO_STEP) != (steps[symbol.id].macro is not None):
+                return False
+        elif symbol.kind is SymbolKind.JUMP and symbol.target is not None and symbol.target not in symbols:
             return False
     if len(drawn) != len(transitions) or set(drawn) != transitions.keys():
         return False
+    if len(set(expressions)) != len(expressions) or 0 < inline < len(expressions):
+        return False
     if any(i not in symbols or symbols[i].kind is not SymbolKind.EXPRESSION for i in expressions):
         return False
-    return sorted(entries) == sorted((step.id, a.id) for step, a in chart.associations())
+    return all(entries.get(step.id, []) == [a.id for a in step.actions] for step in chart.steps)
 
 
 def same_drawn(one: Transition, other: Transition) -> bool:
@@ -73,17 +102,19 @@ def same_drawn(one: Transition, other: Transition) -> bool:
 def _linked(chart: SfcNetwork, drawing: Drawing) -> bool:
     links = trace_drawing(drawing).links
     transitions = {t.id: t for t in chart.transitions}
+    steps = {step.id for step in chart.steps}
     for symbol in drawing.symbols:
         if symbol.kind is SymbolKind.TRANSITION:
             members = symbol.transitions or [symbol.id]
             found = links[symbol.id]
             if len(found) != len(members):
                 return False
-            if not all(link_fits(transitions[i], link) for i, link in zip(members, found, strict=True)):
+            if not all(link_fits(transitions[i], link, steps) for i, link in zip(members, found, strict=True)):
                 return False
     return True
 
 
-def link_fits(transition: Transition, link: Link) -> bool:
-    """Whether a transition leads from where to where the wires lead."""
-    return set(transition.sources) == set(link.sources) and set(transition.targets) == set(link.targets)
+def link_fits(transition: Transition, link: Link, steps: Set[int]) -> bool:
+    """Whether a transition leads from where to where the wires lead, as far as there are such `steps`."""
+    sources, targets = steps & set(transition.sources), steps & set(transition.targets)
+    return sources == set(link.sources) and targets == set(link.targets)

@@ -3,17 +3,16 @@
 A drawing runs downwards, so the edges of the chart are first told apart: *forward* edges are drawn as wires where they
 fit, edges that close a loop or lead into what another start has drawn already become jumps. On the forward edges, which
 have no loops, the immediate dominator of a node is the place above it where all ways to it part: there the branch
-opens that has to be closed before the node. (Cooper, Harvey, Kennedy: A Simple, Fast Dominance Algorithm.)
+opens that has to be closed before the node.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 
+from plcopen_sfc.drawing.survey import Survey
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-
-ROOT = -1
-"""The node above all starts."""
 
 
 @dataclass(slots=True)
@@ -37,23 +36,22 @@ class Joint:
 
 @dataclass(slots=True)
 class Flow:
-    """The graph: `successors` of every node in the order in which they are drawn, and what is known of its forward edges."""
+    """The graph: `successors` of every node in the order in which they are drawn, and what its `survey` says."""
 
     steps: dict[int, Step]
     joints: dict[int, Joint]
     successors: dict[int, list[int]]
-    starts: list[int] = field(default_factory=list)
-    rank: dict[int, int] = field(default_factory=dict)
-    dominator: dict[int, int] = field(default_factory=dict)
-    forward_inputs: dict[int, int] = field(default_factory=dict)
-    merges: dict[int, list[int]] = field(default_factory=dict)
+    survey: Survey
 
 
-def flow_of(chart: SfcNetwork, *, merge: bool, split: frozenset[int] = frozenset()) -> Flow:
-    """The graph of `chart`. `merge`: transitions that differ only in their source are one node, but those in `split`."""
+def flow_of(chart: SfcNetwork, together: Mapping[int, int], *, split: frozenset[int] = frozenset()) -> Flow:
+    """The graph of `chart`.
+
+    `together`: which transitions may share a node, as a group number for each; those in `split` may not.
+    """
     steps = {step.id: step for step in chart.steps}
     joints: dict[int, Joint] = {}
-    for group in _groups(chart, merge, split):
+    for group in _groups(chart, together, split):
         first = group[0]
         alternatives = [tuple(dict.fromkeys(i for i in t.sources if i in steps)) for t in group]
         joints[first.id] = Joint(group, alternatives, tuple(dict.fromkeys(i for i in first.targets if i in steps)))
@@ -63,32 +61,48 @@ def flow_of(chart: SfcNetwork, *, merge: bool, split: frozenset[int] = frozenset
         for source in joint.sources:
             successors[source].append(number)
         successors[number] = list(joint.targets)
-    flow = Flow(steps, joints, successors)
-    _Survey(flow).run()
-    return flow
+    entered = {target for targets in successors.values() for target in targets}
+    candidates = [i for i, step in steps.items() if step.initial]
+    candidates += [i for i in (*steps, *joints) if i not in entered]
+    return Flow(steps, joints, successors, Survey(successors, candidates))
+
+
+def alike(chart: SfcNetwork) -> dict[int, int]:
+    """Neighbours among the transitions that differ in nothing but their source step, as a group number for each."""
+    groups: dict[int, int] = {}
+    last: Transition | None = None
+    for transition in chart.transitions:
+        if last is not None and same_but_source(last, transition):
+            groups[transition.id] = groups.setdefault(last.id, last.id)
+        last = transition
+    return groups
 
 
 def _urgency(priority: int | None) -> tuple[bool, int]:
     return (priority is None, priority or 0)
 
 
-def _groups(chart: SfcNetwork, merge: bool, split: frozenset[int]) -> list[list[Transition]]:
+def _groups(chart: SfcNetwork, together: Mapping[int, int], split: frozenset[int]) -> list[list[Transition]]:
     """The transitions, those together that can be one symbol below a convergence of their steps."""
     leaving: dict[int, int] = {}
     for transition in chart.transitions:
         for source in dict.fromkeys(transition.sources):
             leaving[source] = leaving.get(source, 0) + 1
-    groups: list[list[Transition]] = []
+    groups: dict[int, list[Transition]] = {}
+    found: list[list[Transition]] = []
     for transition in chart.transitions:
-        if merge and groups and groups[-1][0].id not in split and same_but_source(groups[-1][-1], transition):
-            group = groups[-1]
+        number = together.get(transition.id)
+        group = groups.get(number) if number is not None else None
+        if group is not None and group[0].id not in split and same_but_source(group[0], transition):
             taken = {t.sources[0] for t in group}
             lone = all(leaving[t.sources[0]] == 1 for t in (*group, transition))
             if lone and transition.sources[0] not in taken:
                 group.append(transition)
                 continue
-        groups.append([transition])
-    return groups
+        found.append([transition])
+        if number is not None:
+            groups.setdefault(number, found[-1])
+    return found
 
 
 def same_but_source(one: Transition, other: Transition) -> bool:
@@ -97,70 +111,3 @@ def same_but_source(one: Transition, other: Transition) -> bool:
         return False
     same = {"id": 0, "sources": []}
     return one.model_copy(update=same) == other.model_copy(update=same)
-
-
-class _Survey:
-    """Finds starts, forward edges, ranks and dominators."""
-
-    def __init__(self, flow: Flow) -> None:
-        self.flow = flow
-        self.tree: dict[int, int] = {}
-        self.finished: list[int] = []
-        self.inputs: dict[int, list[int]] = {}
-
-    def run(self) -> None:
-        flow = self.flow
-        entered = {target for targets in flow.successors.values() for target in targets}
-        candidates = [i for i, step in flow.steps.items() if step.initial]
-        candidates += [i for i in flow.steps if i not in entered]
-        candidates += [i for i in flow.joints if i not in entered]
-        for start in (*candidates, *flow.steps, *flow.joints):
-            if start not in self.tree:
-                self._visit(start)
-        for rank, node in enumerate(reversed(self.finished)):
-            flow.rank[node] = rank
-        for node in reversed(self.finished):
-            self._dominate(node)
-
-    def _visit(self, start: int) -> None:
-        """Depth first from `start`; later starts get smaller ranks, which does no harm: no forward edge joins them."""
-        flow, tree = self.flow, self.tree
-        flow.starts.append(start)
-        tree[start] = start
-        open_nodes = {start}
-        self.inputs[start] = []
-        stack = [(start, iter(flow.successors[start]))]
-        while stack:
-            node, successors = stack[-1]
-            for target in successors:
-                if target not in tree:
-                    tree[target] = start
-                    self.inputs[target] = [node]
-                    open_nodes.add(target)
-                    stack.append((target, iter(flow.successors[target])))
-                    break
-                if tree[target] == start and target not in open_nodes:
-                    self.inputs[target].append(node)
-            else:
-                open_nodes.discard(node)
-                self.finished.append(node)
-                stack.pop()
-
-    def _dominate(self, node: int) -> None:
-        flow, rank = self.flow, self.flow.rank
-        inputs = self.inputs[node]
-        flow.forward_inputs[node] = len(inputs)
-        if not inputs:
-            flow.dominator[node] = ROOT
-            return
-        found = inputs[0]
-        for other in inputs[1:]:
-            one = other
-            while one != found:
-                if rank[one] > rank[found]:
-                    one = flow.dominator[one]
-                else:
-                    found = flow.dominator[found]
-        flow.dominator[node] = found
-        if len(inputs) > 1:
-            flow.merges.setdefault(found, []).append(node)

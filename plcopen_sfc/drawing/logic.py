@@ -25,7 +25,7 @@ def node_inputs(node: Node) -> Iterator[InputPin]:
             yield pin
 
 
-def feeding(chart: SfcNetwork, pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
+def feeding(pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
     """The elements of logic that the `pins` depend on, producers first."""
     found: list[int] = []
     seen: set[int] = set()
@@ -52,7 +52,7 @@ def logic_order(chart: SfcNetwork, symbols: list[Symbol]) -> list[int] | None:
     for symbol in symbols:
         condition = conditions.get(symbol.id) if symbol.kind is SymbolKind.TRANSITION else None
         if isinstance(condition, WiredCondition):
-            order.update(dict.fromkeys(feeding(chart, [condition.input], nodes)))
+            order.update(dict.fromkeys(feeding([condition.input], nodes)))
         order[symbol.id] = None
     order.update(dict.fromkeys(nodes))
     return list(order)

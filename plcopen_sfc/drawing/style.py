@@ -15,10 +15,10 @@ BARS = DIVERGENCES | CONVERGENCES
 class DrawingStyle(StrEnum):
     """How charts are drawn.
 
-    PLAIN is what TC6 editors take: bars only where wires meet or part, bars of one kind not nested, conditions written at
-    their transition. STRUCTURED is what CODESYS and TwinCAT export and import: every divergence has its convergence,
-    legs that end in a jump are wired into it too, conditions are symbols of their own, and the order of the symbols is a
-    depth-first walk through the nested branches.
+    PLAIN is what TC6 editors take: bars only where wires meet or part, bars of one kind not nested, conditions
+    written at their transition. STRUCTURED is what CODESYS and TwinCAT export and import: every divergence has its
+    convergence, legs that end in a jump are wired into it too, conditions are symbols of their own, and the order of
+    the symbols is a depth-first walk through the nested branches.
     """
 
     PLAIN = "plain"

@@ -71,11 +71,11 @@ class Pen:
             entries=entries,
         )
 
-    def transition(self, members: list[Transition], sources: Iterable[int]) -> list[Symbol]:
+    def transition(self, number: int, members: list[Transition], sources: Iterable[int]) -> list[Symbol]:
         """A transition, below the symbol of its expression where that is drawn."""
         first = members[0]
         symbol = Symbol(
-            id=first.id,
+            id=number,
             kind=SymbolKind.TRANSITION,
             inputs=self.inputs(SymbolKind.TRANSITION, sources),
             outputs=[] if self.style.structured else [OutputPin()],

@@ -1,0 +1,131 @@
+"""Action blocks and drawn expressions of a drawing that is brought up to date: they follow what they belong to."""
+
+from __future__ import annotations
+
+from plcopen_sfc.drawing.logic import node_inputs
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.drawing import ActionEntry, Symbol, SymbolKind
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+
+class Parts:
+    """Adds action blocks and expressions to `symbols`, which holds the flow already.
+
+    `old` and `new` are the symbols of the drawing as it was and as it would be anew. `wired`: expressions are symbols.
+    `stands_for` tells which old symbol stays in place of a new one.
+    """
+
+    def __init__(
+        self,
+        chart: SfcNetwork,
+        old: dict[int, Symbol],
+        new: dict[int, Symbol],
+        symbols: dict[int, Symbol],
+        *,
+        wired: bool,
+    ) -> None:
+        self.chart = chart
+        self.old = old
+        self.new = new
+        self.symbols = symbols
+        self.wired = wired
+        self.stands_for: dict[int, int] = {}
+        self.new_blocks = {owner: s for s in new.values() if (owner := block_owner(s, new)) is not None}
+        self.transitions = {t.id: t for t in chart.transitions}
+
+    def settle(self) -> None:
+        """Settle blocks and expressions."""
+        blocks: dict[int, list[Symbol]] = {}
+        for symbol in self.old.values():
+            owner = block_owner(symbol, self.old)
+            if owner is not None and owner in self.symbols:
+                blocks.setdefault(owner, []).append(symbol)
+        for step in self.chart.steps:
+            if step.id in self.symbols:
+                self._settle_blocks(step, blocks.get(step.id, []))
+        used = {c.source for s in self.old.values() if s.condition is not None for c in s.condition.connections}
+        for symbol in self.old.values():
+            if symbol.kind is SymbolKind.EXPRESSION and symbol.id not in used:
+                self.symbols[symbol.id] = symbol
+        for symbol in list(self.symbols.values()):
+            if symbol.kind is SymbolKind.TRANSITION:
+                self._settle_condition(symbol)
+
+    def _settle_blocks(self, step: Step, blocks: list[Symbol]) -> None:
+        wanted = [association.id for association in step.actions]
+        before = [len(block.entries or ()) for block in blocks]
+        for block in blocks:
+            kept = [entry for entry in block.entries or () if _belongs(entry, step, wanted)]
+            if len(kept) != len(block.entries or ()):
+                block.entries = kept
+        fresh = self.new_blocks.get(step.id)
+        if fresh is not None and blocks:
+            self.stands_for[fresh.id] = blocks[-1].id
+        drawn = [entry.association for block in blocks for entry in block.entries or () if entry.step_action is None]
+        if drawn != wanted:
+            if not blocks and fresh is not None:
+                blocks, before = [fresh], [0]
+            elif blocks and fresh is not None:
+                self._complete(blocks, fresh, wanted)
+        for block, lines in zip(blocks, before, strict=True):
+            if block.entries or not lines:
+                self.symbols[block.id] = block
+        symbol = self.symbols[step.id]
+        if any(block.id in self.symbols for block in blocks):
+            if symbol.action_output is None and step.id in self.new:
+                symbol.action_output = self.new[step.id].action_output
+        elif blocks and not self._feeds_logic(step.id):
+            symbol.action_output = None
+
+    def _complete(self, blocks: list[Symbol], fresh: Symbol, wanted: list[int]) -> None:
+        """Bring the lines of a step into its order; what is new goes into the last block."""
+        lines = {entry.association: entry for entry in fresh.entries or ()}
+        for block in blocks:
+            lines |= {entry.association: entry for entry in block.entries or () if entry.step_action is None}
+        last = blocks[-1]
+        elsewhere = [e.association for block in blocks[:-1] for e in block.entries or () if e.step_action is None]
+        if elsewhere != wanted[: len(elsewhere)]:
+            for block in blocks[:-1]:
+                block.entries = [entry for entry in block.entries or () if entry.step_action is not None]
+            elsewhere = []
+        steps_own = [entry for entry in last.entries or () if entry.step_action is not None]
+        last.entries = [lines[number] for number in wanted[len(elsewhere) :]] + steps_own
+
+    def _feeds_logic(self, step: int) -> bool:
+        pins = [pin for node in self.chart.logic for pin in node_inputs(node)]
+        return any(connection.source == step for pin in pins for connection in pin.connections)
+
+    def _settle_condition(self, symbol: Symbol) -> None:
+        condition = self.transitions[symbol.transitions[0] if symbol.transitions else symbol.id].condition
+        fresh = self.new[symbol.id]
+        fresh_source = fresh.condition.connections[0].source if fresh.condition is not None else None
+        if not isinstance(condition, Expression):
+            symbol.condition = None
+            return
+        if symbol is not fresh:
+            sources = [c.source for c in symbol.condition.connections] if symbol.condition is not None else []
+            drawn = [i for i in sources if i in self.old and self.old[i].kind is SymbolKind.EXPRESSION]
+            if sources and drawn == sources and not any(i in self.symbols for i in drawn):
+                for number in drawn:
+                    self.symbols[number] = self.old[number]
+                if fresh_source is not None:
+                    self.stands_for[fresh_source] = drawn[0]
+                return
+            symbol.condition = fresh.condition if self.wired else None
+        if symbol.condition is not None and fresh_source is not None:
+            self.symbols[fresh_source] = self.new[fresh_source]
+
+
+def block_owner(symbol: Symbol, symbols: dict[int, Symbol]) -> int | None:
+    """The step of an action block; None of other symbols."""
+    if symbol.kind is not SymbolKind.ACTION_BLOCK:
+        return None
+    sources = (connection.source for pin in symbol.inputs for connection in pin.connections)
+    steps = (SymbolKind.STEP, SymbolKind.MACRO_STEP)
+    return next((i for i in sources if i in symbols and symbols[i].kind in steps), None)
+
+
+def _belongs(entry: ActionEntry, step: Step, wanted: list[int]) -> bool:
+    if entry.step_action is not None:
+        return getattr(step, f"{entry.step_action.value}_action") is not None
+    return entry.association in wanted
