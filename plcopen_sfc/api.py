@@ -13,8 +13,9 @@ from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, WriteOptions
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
 from plcopen_sfc.model.body import FINGERPRINT, SfcBody
+from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.project import Origin, Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Fate
 
 Source = str | os.PathLike[str] | BinaryIO
 
@@ -124,7 +125,28 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
         if not fresh and kind.xml:
             return _patched(project, origin, kind, report), report
     options = WriteOptions(version, flavour)
-    return kind.codec().write(_prepared(project, kind, options), options, report), report
+    prepared = _prepared(project, kind, options)
+    data: bytes = kind.codec().write(prepared, options, report)
+    _verify(prepared, kind, data, report)
+    if origin is not None and format_named(origin.format)[0].xml:
+        report.locate(format_named(origin.format)[0].codec().lines(origin.content, project))
+    return data, report
+
+
+def _verify(project: Project, kind: Format, data: bytes, report: ConversionReport) -> None:
+    """Read back what was written: what does not come back is lost, whatever the writer thought, and is reported."""
+    back: Project = kind.codec().read(data).project
+    for difference in differences(project, back, ignore=frozenset({"drawing"})):
+        why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
+        report.add(Fate.DROPPED, "field", difference.path, why)
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + ".."
+
+
+_SHOWN = 60
 
 
 def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
@@ -143,7 +165,7 @@ def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
 
 
 def _patched(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:
-    """The file that was read with the edits in it. Charts that nobody touched are neither drawn nor written nor compared."""
+    """The file that was read with the edits in it. Charts that nobody touched are neither drawn nor written."""
     from plcopen_sfc.drawing import DrawingStyle, prepare_body  # noqa: PLC0415
     from plcopen_sfc.formats.xml.patch import patch  # noqa: PLC0415
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -66,6 +66,10 @@ class ConversionReport:
         """Add items."""
         self.items.extend(items)
 
+    def locate(self, lines: Mapping[str, int]) -> None:
+        """Fill in the source line of each item: that of its path, or of what is around it."""
+        self.items = [replace(item, line=_line(item.path, lines)) for item in self.items]
+
     def as_dict(self) -> dict[str, Any]:
         """The report as plain data, for JSON."""
         return {
@@ -75,3 +79,11 @@ class ConversionReport:
             "written": self.written,
             "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
         }
+
+
+def _line(path: str, lines: Mapping[str, int]) -> int | None:
+    while path:
+        if path in lines:
+            return lines[path]
+        path = path.rpartition(" / ")[0]
+    return None

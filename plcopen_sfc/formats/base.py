@@ -62,6 +62,9 @@ class XmlCodec(Codec, Protocol):
     def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
         """The tree of the file."""
 
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        """The line of each object in the file, by the path that the report gives it."""
+
     def style(self, project: Project, options: WriteOptions) -> XmlStyle:
         """How the tool writes XML."""
 

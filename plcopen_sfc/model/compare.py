@@ -8,6 +8,9 @@ from typing import Any, NamedTuple
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.text import MarkupText, MultilingualText
 
+_UNORDERED = frozenset({"logic", "nodes"})
+"""Lists whose order says nothing: networks are what their wires are."""
+
 
 class Difference(NamedTuple):
     """`path` leads to the place (``pous[Main].bodies[0].chart.steps[S3].max_time``); one side may be None."""
@@ -25,6 +28,8 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
         for name in type(left).model_fields:
             if name not in ignore:
                 a, b = getattr(left, name), getattr(right, name)
+                if name in _UNORDERED:
+                    a, b = sorted(a, key=_id), sorted(b, key=_id)
                 if a is not b:
                     yield from differences(a, b, ignore=ignore, path=f"{path}.{name}" if path else name)
     elif isinstance(left, list):
@@ -38,6 +43,11 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
             yield from differences(left.get(key), right.get(key), ignore=ignore, path=f"{path}[{key}]")
     elif left != right:
         yield Difference(path, left, right)
+
+
+def _id(thing: Any) -> int:
+    number: int = thing.id
+    return number
 
 
 def _label(thing: Any, index: int) -> str:

@@ -260,6 +260,14 @@ class SfcNetwork(Element):
             for association in step.actions:
                 yield step, association
 
+    def label(self, transition: Transition) -> str:
+        """What people call a transition: its name, or from where to where it leads."""
+        if transition.name:
+            return transition.name
+        names = {step.id: step.name for step in self.steps}
+        sides = (transition.sources, transition.targets)
+        return " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in sides)
+
     def new_id(self) -> int:
         """An id that nothing in this chart or its drawing has."""
         used = [s.id for s in self.steps] + [t.id for t in self.transitions] + [n.id for n in self.logic]

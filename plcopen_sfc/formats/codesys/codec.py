@@ -10,6 +10,7 @@ from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
 from plcopen_sfc.formats.codesys.dialect import CODESYS
+from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01
@@ -28,6 +29,11 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
         usual_text_element=names.XHTML_CHILD,
         finish_chart=finish_chart,
     )
+
+
+def lines(content: bytes, project: Project) -> dict[str, int]:
+    """The line of each object of `project` in the file `content`, by the path that the report gives it."""
+    return source_lines(content, project)
 
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

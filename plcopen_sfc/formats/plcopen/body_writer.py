@@ -7,12 +7,11 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.chart_writer import ChartWriter
-from plcopen_sfc.formats.plcopen.logic_writer import write_network
+from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
 from plcopen_sfc.formats.plcopen.writing import WriteContext, add_markup, finish, left_over, sub, write_code
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
-from plcopen_sfc.report import Fate
 
 _WHAT = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
 _CHART = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
@@ -34,7 +33,10 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
     elif isinstance(body, SfcBody):
         ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
         native = native | {"chart"}
-        chart_left = left_over(body.chart, _CHART | ctx.dialect.native_fields.get("chart", frozenset()))
+        chart_native = _CHART | ctx.dialect.native_fields.get("chart", frozenset())
+        if not all(is_known(ctx, node) for node in body.chart.logic):
+            chart_native = chart_native - {"logic"}
+        chart_left = left_over(body.chart, chart_native)
         if body.chart.drawing is not None and body.chart.drawing.computed:
             chart_left["drawing"] = {"computed": True}
         also = {"chart": chart_left} if chart_left else {}
@@ -42,14 +44,16 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         sheet = sub(ctx, element, body.language)
         for network in body.networks:
             write_network(ctx, sheet, network)
-        if len(body.networks) == 1 and not left_over(body.networks[0], _NETWORK):
+        known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)
+        if len(body.networks) == 1 and known and not left_over(body.networks[0], _NETWORK):
             native = native | {"networks"}
     elif isinstance(body, OpaqueBody):
         sub(ctx, element, "ST")
         if body.source == "plcopen":
             add_markup(element, body.content)
     if body.language in _WHAT:
-        ctx.note(Fate.KEPT, _WHAT[body.language])
+        features = ["chart in an action"] if body.language == "SFC" and "." in ctx.body_name else []
+        ctx.keep(_WHAT[body.language], "", *features)
     finish(ctx, element, body, "body", native, also=also)
 
 
@@ -63,7 +67,7 @@ def write_part(ctx: WriteContext, parent: etree._Element, part: Action | NamedTr
     outer, ctx.body_name = ctx.body_name, f"{ctx.body_name}.{part.name}"
     # the schema requires a body
     write_body(ctx, element, "body", part.body if part.body is not None else StBody(), {})
-    ctx.note(Fate.KEPT, "action" if name == "action" else "transition object")
+    ctx.keep("action" if name == "action" else "transition object")
     finish(ctx, element, part, name if name == "action" else "transition_object", frozenset({"name", "body"}))
     ctx.body_name = outer
     ctx.place.pop()
@@ -77,7 +81,7 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou, *, in_place: 
     element = sub(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
     ctx.place.append(f"POU {pou.name}")
     ctx.body_name = pou.name
-    ctx.note(Fate.KEPT, "POU")
+    ctx.keep("POU")
     native = {"name", "interface", "actions", "transitions"}
     if pou.kind in _POU_KINDS:
         native.add("kind")

@@ -137,6 +137,7 @@ class ChartReader:
                 read_common(ctx, step, child, local, "step")
         if left:
             carry_attributes(step, left)
+        _hand_over(step, symbol)
         self.steps.append(step)
 
     def read_macro_step(self, element: etree._Element) -> None:
@@ -160,6 +161,7 @@ class ChartReader:
             else:
                 read_common(ctx, step, child, local, "macroStep")
         carry_attributes(step, left)
+        _hand_over(step, symbol)
         self.steps.append(step)
 
     def read_transition(self, element: etree._Element) -> None:
@@ -185,6 +187,7 @@ class ChartReader:
                 read_common(ctx, transition, child, local, "transition")
         if left:
             carry_attributes(transition, left)
+        _hand_over(transition, symbol)
         self.transitions.append(transition)
 
     def read_condition(self, element: etree._Element, transition: Fields, symbol: Fields) -> None:
@@ -304,7 +307,9 @@ class ChartReader:
         for child in element:
             local = ctx.tags.get(child.tag)
             if local == "relPosition":
-                entry["position"] = read_point(child)
+                point = read_point(child)
+                if point is not None and any(point):
+                    entry["position"] = point
             elif local == "reference":
                 association["target"] = child.get("name", "")
             elif local == "inline":
@@ -529,6 +534,12 @@ _SYMBOLS: dict[str | None, Callable[[ChartReader, etree._Element], None]] = {
     "jumpStep": ChartReader.read_jump,
     "actionBlock": ChartReader.read_action_block,
 }
+
+
+def _hand_over(thing: Fields, symbol: Fields) -> None:
+    """Give the symbol what TC6 1.01 carries of it at the step or transition."""
+    if "execution_order" in thing:
+        symbol["execution_order"] = thing.pop("execution_order")
 
 
 def _position(symbol: Fields, element: etree._Element) -> None:

@@ -12,7 +12,14 @@ from lxml import etree
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
-from plcopen_sfc.formats.plcopen.logic_writer import geometry, write_connection, write_input, write_node, write_output
+from plcopen_sfc.formats.plcopen.logic_writer import (
+    geometry,
+    is_known,
+    write_connection,
+    write_input,
+    write_node,
+    write_output,
+)
 from plcopen_sfc.formats.plcopen.writing import (
     WriteContext,
     add_unknown,
@@ -59,7 +66,9 @@ class ChartWriter:
         self.transitions = {transition.id: transition for transition in chart.transitions}
         self.associations = {a.id: a for _, a in chart.associations()}
         self.owner = {a.id: step for step, a in chart.associations()}
-        self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
+        self.nodes: dict[int, Node] = {node.id: node for node in chart.logic if is_known(ctx, node)}
+        # TC6 1.01 has no execution order at symbols of charts
+        self.symbol_fields = _SYMBOL - ({"execution_order"} if ctx.version.first_generation else set())
         self.conditions = self._drawn_conditions()
         self.drawn_step_actions = self._drawn_step_actions()
 
@@ -124,7 +133,8 @@ class ChartWriter:
 
     def _element(self, parent: etree._Element, symbol: Symbol, attributes: dict[str, str]) -> etree._Element:
         local_id = symbol.id if symbol.local_id is None else symbol.local_id
-        size = geometry(symbol.width, symbol.height, symbol.execution_order)
+        order = None if self.ctx.version.first_generation else symbol.execution_order
+        size = geometry(symbol.width, symbol.height, order)
         element = sub(self.ctx, parent, symbol.kind.value, {"localId": str(local_id)} | attributes | size)
         write_point(self.ctx, element, "position", symbol.position)
         return element
@@ -161,7 +171,7 @@ class ChartWriter:
             native = native | {f"{kind.value}_action" for kind in self.drawn_step_actions.get(step.id, ())}
         ctx.keep("macro-step" if macro else "step", step.name, *(["negated step output"] if step.negated else []))
         ctx.place.append(f"step {step.name}")
-        finish(ctx, element, step, "macroStep" if macro else "step", native)
+        finish(ctx, element, step, "macroStep" if macro else "step", native, also=self._order(symbol))
         ctx.place.pop()
 
     def write_transition(self, parent: etree._Element, symbol: Symbol, transition: Transition) -> None:
@@ -181,8 +191,21 @@ class ChartWriter:
             self.write_condition(element, symbol, transition.condition)
         ctx.keep("transition", label, *_features(transition.condition))
         ctx.place.append(f"transition {label}")
-        finish(ctx, element, transition, "transition", native, also=self._left_of_wire(symbol, transition))
+        finish(
+            ctx,
+            element,
+            transition,
+            "transition",
+            native,
+            also=self._order(symbol) | self._left_of_wire(symbol, transition),
+        )
         ctx.place.pop()
+
+    def _order(self, symbol: Symbol) -> dict[str, Any]:
+        """The execution order of a step or transition, where the version has no place for it."""
+        if symbol.execution_order is None or not self.ctx.version.first_generation:
+            return {}
+        return {"execution_order": symbol.execution_order}
 
     def _left_of_wire(self, symbol: Symbol, transition: Transition) -> dict[str, Any]:
         """What TC6 1.01 cannot say of the pin of a wired condition, which has no element of its own there."""
@@ -219,7 +242,7 @@ class ChartWriter:
         for output in symbol.outputs:
             write_output(self.ctx, element, output)
         sub(self.ctx, element, "expression").text = self.conditions.get(symbol.id, symbol.name or "")
-        finish(self.ctx, element, symbol, "inVariable", _SYMBOL | {"name"})
+        finish(self.ctx, element, symbol, "inVariable", self.symbol_fields | {"name"})
 
     def write_jump(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write ``jumpStep``."""
@@ -227,7 +250,7 @@ class ChartWriter:
         element = self._element(parent, symbol, {"targetName": self.ctx.jump_name})
         for pin in symbol.inputs:
             write_input(self.ctx, element, pin)
-        finish(self.ctx, element, symbol, "jumpStep", _SYMBOL | {"name"})
+        finish(self.ctx, element, symbol, "jumpStep", self.symbol_fields | {"name"})
 
     def jump_target(self, symbol: Symbol) -> str:
         """The name of what a jump leads to, in the spelling of the file where it means the same."""
@@ -242,7 +265,7 @@ class ChartWriter:
 
     def write_bar(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write a divergence or convergence."""
-        native = _SYMBOL
+        native = self.symbol_fields
         attributes: dict[str, str] = {}
         if symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE:
             native = native | {"name"}
@@ -256,7 +279,7 @@ class ChartWriter:
         """Write ``actionBlock`` with its associations."""
         ctx = self.ctx
         entries = [e for e in symbol.entries or () if e.step_action is not None or e.association in self.associations]
-        native = _SYMBOL
+        native = self.symbol_fields
         negated = any(self.associations[e.association].negated for e in entries if e.step_action is None)
         element = self._element(parent, symbol, {"negated": "true"} if negated else {})
         for pin in symbol.inputs:
@@ -320,8 +343,8 @@ class ChartWriter:
         if not ctx.version.first_generation:
             attributes |= geometry(entry.width, entry.height, entry.execution_order)
         element = sub(ctx, parent, "action", attributes)
-        if entry.position is not None and not ctx.version.first_generation:
-            write_point(ctx, element, "relPosition", entry.position)
+        if not ctx.version.first_generation:
+            write_point(ctx, element, "relPosition", entry.position or (0, 0))
         if association.target is not None:
             sub(ctx, element, "reference", {"name": association.target})
         if association.body is not None:

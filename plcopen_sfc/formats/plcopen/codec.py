@@ -5,6 +5,8 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.plcopen.beremiz import BEREMIZ
+from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01, version_named
@@ -20,8 +22,15 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
     return load(data, file=file)
 
 
+def lines(content: bytes, project: Project) -> dict[str, int]:
+    """The line of each object of `project` in the file `content`, by the path that the report gives it."""
+    return source_lines(content, project)
+
+
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the file for `project`."""
+    if options.flavour == "beremiz":
+        return write_project(project, BEREMIZ, report)
     version = version_named(options.version) or V2_01
     return write_project(project, Dialect(version), report, options.untouched)
 

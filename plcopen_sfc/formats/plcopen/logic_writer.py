@@ -27,7 +27,6 @@ from plcopen_sfc.model.network import (
     OutputPin,
     Storage,
 )
-from plcopen_sfc.report import Fate
 
 
 def write_connection(ctx: WriteContext, parent: etree._Element, connection: Connection) -> None:
@@ -97,19 +96,27 @@ def _modifiers(
     return attributes
 
 
-def write_node(ctx: WriteContext, parent: etree._Element, node: Node) -> None:
-    """Write one FBD, LD or common element."""
+def write_node(ctx: WriteContext, parent: etree._Element, node: Node, *features: str) -> None:
+    """Write one FBD, LD or common element. `features`: what it asks of a reader by where it stands."""
     tag, attributes = _head(ctx, node)
     local_id = node.id if node.local_id is None else node.local_id
-    element = sub(
-        ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, node.execution_order)
-    )
+    order = node.execution_order
+    native = _GEOMETRY
+    if ctx.version.first_generation and isinstance(node, logic.LeftPowerRail | logic.RightPowerRail):
+        order = None
+        native = native - {"execution_order"}
+    element = sub(ctx, parent, tag, {"localId": str(local_id)} | geometry(node.width, node.height, order))
     for name, value in attributes.items():
         element.set(name, value)
     write_point(ctx, element, "position", node.position)
-    native = _GEOMETRY | _write_content(ctx, element, node)
-    ctx.note(Fate.KEPT, "graphical element", f"{tag} {node.id}")
+    native = native | _write_content(ctx, element, node)
+    ctx.keep("graphical element", f"{tag} {node.id}", *features)
     finish(ctx, element, node, tag, native)
+
+
+def is_known(ctx: WriteContext, node: Node) -> bool:
+    """Whether the version has this kind of element."""
+    return not (ctx.version.first_generation and isinstance(node, logic.VendorElement))
 
 
 def _head(ctx: WriteContext, node: NodeBase) -> tuple[str, dict[str, str]]:
@@ -210,5 +217,6 @@ def write_parameter(ctx: WriteContext, parent: etree._Element, parameter: BlockV
 def write_network(ctx: WriteContext, element: etree._Element, network: LogicNetwork) -> None:
     """Write the elements of a network onto the one sheet that a TC6 body has."""
     for node in network.nodes:
-        write_node(ctx, element, node)
+        if is_known(ctx, node):
+            write_node(ctx, element, node)
     add_unknown(element, network.carried)

@@ -60,7 +60,7 @@ def write_project(
     native = _HEADER | {"data_types", "pous", "configurations", "applications"}
     if ctx.version.first_generation:
         native = native - {"content_carried", "foreign_data_infos"}
-    finish(ctx, root, project, "project", native)
+    finish(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
     return root
 
 
@@ -148,7 +148,7 @@ def write_configuration(
     if is_application:
         ctx.note(Fate.TRANSLATED, "application", why="a configuration with one resource; TC6 has no application")
     else:
-        ctx.note(Fate.KEPT, "configuration")
+        ctx.keep("configuration")
     also = {APPLICATION_FIELD: True} if is_application else None
     finish(ctx, element, configuration, "configuration", frozenset(native), also=also)
     ctx.place.pop()
@@ -164,7 +164,7 @@ def write_resource(ctx: WriteContext, parent: etree._Element, resource: Resource
         write_section(ctx, element, section)
     for instance in resource.instances:
         _instance(ctx, element, instance)
-    ctx.note(Fate.KEPT, "resource")
+    ctx.keep("resource")
     ctx.resource_place = place
     finish(ctx, element, resource, "resource", frozenset({"name", "tasks", "global_variables", "instances"}))
     ctx.place.pop()
@@ -186,7 +186,7 @@ def _task(ctx: WriteContext, parent: etree._Element, task: Task) -> None:
     )
     for instance in task.instances:
         _instance(ctx, element, instance)
-    ctx.note(Fate.KEPT, "task", task.name)
+    ctx.keep("task", task.name)
     finish(ctx, element, task, "task", frozenset(native))
 
 
@@ -198,6 +198,10 @@ def _is_time(text: str) -> bool:
 
 def _instance(ctx: WriteContext, parent: etree._Element, instance: PouInstance) -> None:
     type_attribute = "type" if ctx.version.first_generation else "typeName"
-    element = sub(ctx, parent, "pouInstance", {"name": instance.name, type_attribute: instance.type_name})
-    ctx.note(Fate.KEPT, "POU instance", instance.name)
+    name, type_name = instance.name, instance.type_name
+    if not type_name and ctx.dialect.names_instances:
+        # CODESYS and TwinCAT name the program only
+        name, type_name = f"{name}_instance", name
+    element = sub(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
+    ctx.keep("POU instance", instance.name)
     finish(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}))

@@ -127,7 +127,8 @@ def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
 def markup(element: etree._Element) -> str:
     """`element` as text, with the namespaces it needs and no others, without what follows it.
 
-    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left out.
+    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left
+    out.
     """
     element = copy.deepcopy(element)
     for node in element.iter():

@@ -57,12 +57,16 @@ def _type(ctx: ReadContext, element: etree._Element, local: str) -> Fields | Non
 
 
 def _derived(ctx: ReadContext, element: etree._Element) -> Fields:
-    fields: Fields = {"kind": "derived", "name": element.get("name", "")}
+    name = element.get("name", "")
+    fields: Fields = {"kind": "derived", "name": name}
     for child in element:
         if ctx.tags.get(child.tag) == "addData":
             read_foreign_data(ctx, fields, child, "derived")
         else:
             carry_element(ctx, fields, child)
+    if name in Elementary.__members__ and (name not in ctx.version.elements) and "carried" not in fields:
+        # an elementary type that this version of TC6 does not list
+        return {"kind": "elementary", "name": name}
     return fields
 
 

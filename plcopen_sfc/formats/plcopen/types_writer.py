@@ -67,7 +67,7 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, holder: str, kind
 
 def _elementary(ctx: WriteContext, element: etree._Element, kind: ElementaryType) -> None:
     name = kind.name.value
-    if name not in ctx.names or (ctx.version.first_generation and name.startswith("ANY")):
+    if name not in ctx.version.elements:
         # TC6 does not list the 64 bit times and the characters, 1.01 no generic types either: named like a user type
         sub(ctx, element, "derived", {"name": name})
         ctx.note(
@@ -114,7 +114,7 @@ def write_variable(ctx: WriteContext, parent: etree._Element, variable: Variable
     write_data_type(ctx, element, "type", variable.type)
     if variable.initial is not None:
         write_value(ctx, sub(ctx, element, "initialValue"), variable.initial)
-    ctx.note(Fate.KEPT, "variable", variable.name)
+    ctx.keep("variable", variable.name)
     finish(ctx, element, variable, "variable", frozenset({"name", "type", "address", "initial"}))
 
 
@@ -181,6 +181,6 @@ def write_data_type_declaration(
     write_data_type(ctx, element, "baseType", declaration.type)
     if declaration.initial is not None:
         write_value(ctx, sub(ctx, element, "initialValue"), declaration.initial)
-    ctx.note(Fate.KEPT, "data type", declaration.name)
+    ctx.keep("data type", declaration.name)
     native = frozenset({"name", "type", "initial"}) | ({"place"} if in_place else frozenset())
     finish(ctx, element, declaration, "dataType", native)

@@ -26,6 +26,11 @@ class Tc6Version:
         return self.namespace == f"{PREFIX}.xsd"
 
     @cached_property
+    def elements(self) -> frozenset[str]:
+        """The names of all elements of this version; of the first generation without the generic types."""
+        return frozenset(e for e in ELEMENTS if not (self.first_generation and e.startswith("ANY")))
+
+    @cached_property
     def tags(self) -> dict[str, str]:
         """Qualified names of all elements of TC6, mapped to their local names: the readers' dispatch table."""
         return {f"{{{self.namespace}}}{name}": name for name in ELEMENTS}
@@ -60,10 +65,10 @@ ELEMENTS = frozenset(
     configurations configuration resource task pouInstance addData data documentation simpleValue arrayValue structValue
     value IL ST FBD LD SFC variable type accessVariable configVariable position connection connectionPointIn
     connectionPointOut connectionPointOutAction relPosition expression array dimension derived enum values struct
-    subrangeSigned subrangeUnsigned range pointer string wstring comment content error connector continuation actionBlock
-    reference inline vendorElement alternativeText inputVariables inOutVariables outputVariables block inVariable
-    outVariable inOutVariable label jump return leftPowerRail rightPowerRail coil contact step macroStep jumpStep
-    condition selectionDivergence selectionConvergence simultaneousDivergence simultaneousConvergence
+    subrangeSigned subrangeUnsigned range pointer string wstring comment content error connector continuation
+    actionBlock reference inline vendorElement alternativeText inputVariables inOutVariables outputVariables block
+    inVariable outVariable inOutVariable label jump return leftPowerRail rightPowerRail coil contact step macroStep
+    jumpStep condition selectionDivergence selectionConvergence simultaneousDivergence simultaneousConvergence
     BOOL BYTE WORD DWORD LWORD SINT INT DINT LINT USINT UINT UDINT ULINT REAL LREAL TIME DATE DT TOD ANY ANY_DERIVED
     ANY_ELEMENTARY ANY_MAGNITUDE ANY_NUM ANY_REAL ANY_INT ANY_BIT ANY_STRING ANY_DATE
     """.split()

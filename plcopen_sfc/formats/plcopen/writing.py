@@ -31,16 +31,17 @@ class Dialect:
 
     `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then),
     `data_rank` its place among the others. `text_element` is the XHTML element of texts. `states_actions`: qualifier,
-    duration and indicator are always written. `plain_flow`: only what simple readers take (see
-    docs/formats/plcopen.md).
+    duration and indicator are always written. `names_instances`: an instance always names its type. `lacks` names what
+    is written but not understood by the tools that the file is for, each with the reason: it is in the report as
+    approximated.
     """
 
     version: Tc6Version
     text_element: str = "p"
     declares_xhtml: bool = True
     states_actions: bool = False
-    plain_flow: bool = False
-    inline_conditions: bool = False
+    names_instances: bool = False
+    lacks: dict[str, str] = field(default_factory=dict)
     native_fields: dict[str, frozenset[str]] = field(default_factory=dict)
     data_writer: Callable[[WriteContext, Model, str], Iterable[Written]] | None = None
     data_rank: dict[str, int] = field(default_factory=dict)
@@ -69,6 +70,11 @@ class WriteContext:
     def version_tag(self, name: str) -> str:
         """A name in the namespace of the version that is no element of TC6."""
         return f"{{{self.version.namespace}}}{name}"
+
+    def keep(self, what: str, name: str = "", *features: str) -> None:
+        """Put an item into the report: kept, or approximated where the dialect lacks one of its `features`."""
+        lacking = [self.dialect.lacks[feature] for feature in (what, *features) if feature in self.dialect.lacks]
+        self.note(Fate.APPROXIMATED if lacking else Fate.KEPT, what, name, "; ".join(lacking))
 
     def note(self, fate: Fate, what: str, name: str = "", why: str = "") -> None:
         """Put the fate of an item into the report."""
