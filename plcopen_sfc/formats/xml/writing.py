@@ -47,6 +47,7 @@ _BOMS = {
 _DEFAULT = XmlStyle()
 # Two paths, each a single walk in C; one path with "or" takes three times as long.
 _LOOSE_TEXT = etree.XPath("//text()[normalize-space()][following-sibling::node() or preceding-sibling::node()]")
+_ONLY_COMMENTS = etree.XPath("descendant-or-self::*[comment() and not(*)]")
 _PRESERVED = etree.XPath("//*[@xml:space='preserve']")
 _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
@@ -86,6 +87,9 @@ def _indent(root: etree._Element, unit: str) -> None:
 def _untouchable(root: etree._Element) -> list[etree._Element]:
     """The elements in which white space counts: those with text beside other nodes, and those that say so."""
     mixed: dict[etree._Element, None] = dict.fromkeys(cast("list[etree._Element]", _PRESERVED(root)))
+    for node in cast("list[etree._Element]", _ONLY_COMMENTS(root)):
+        # white space would give content to an element that may have none
+        mixed[node] = None
     for text in cast("list[Any]", _LOOSE_TEXT(root)):
         node = text.getparent()
         mixed[node.getparent() if text.is_tail else node] = None
