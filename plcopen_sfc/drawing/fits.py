@@ -16,8 +16,8 @@ def fits(chart: SfcNetwork, style: DrawingStyle | None = None) -> bool:
 
     Every step, transition and association is drawn once and nothing else is; the wires lead from where to where the
     transitions lead; conditions are wired in the form that they have. Wires that come from nothing are no matter: files
-    have them, and they mean nothing. An expression that stands in its transition where most are symbols of their own does
-    not fit. In `style` STRUCTURED rivals have to stand in the order of their priority too.
+    have them, and they mean nothing. An expression that stands in its transition where most are symbols of their own
+    does not fit. In `style` STRUCTURED rivals have to stand in the order of their priority too.
     """
     drawing = chart.drawing
     if drawing is None or not _complete(chart, drawing) or not _linked(chart, drawing):
@@ -26,7 +26,10 @@ def fits(chart: SfcNetwork, style: DrawingStyle | None = None) -> bool:
 
 
 def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
-    """Whether rivals are drawn in the order in which they are tried, from left to right."""
+    """Whether rivals are drawn in the order in which they are tried, from left to right.
+
+    Transitions that wait for several steps stand where these come together, whatever their rivals are.
+    """
     place: dict[int, int] = {}
     for symbol in drawing.symbols:
         if symbol.kind is SymbolKind.TRANSITION:
@@ -35,10 +38,11 @@ def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
     last: dict[int, int] = {}
     for transition in sorted(chart.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
         own = place.get(transition.id)
-        for source in transition.sources if own is not None else ():
-            if own is not None and last.get(source, -1) > own:
+        if own is not None and len(transition.sources) == 1:
+            source = transition.sources[0]
+            if last.get(source, -1) > own:
                 return False
-            last[source] = own if own is not None else 0
+            last[source] = own
     return True
 
 

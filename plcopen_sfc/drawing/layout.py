@@ -1,9 +1,10 @@
 """Places every symbol of a drawing.
 
-The wires of a drawing are taken as a graph again, and its dominator tree as a nest of boxes. The box of a symbol holds the
-symbol with what belongs to it on top; below, side by side, the boxes of what only this symbol leads to; below those, one
-under the other, the boxes of what several of them lead to. Boxes lie inside boxes and beside boxes and never overlap, the
-flow runs down, and each leg is as wide as what stands in it. One pass up for the sizes and one down for the places.
+The wires of a drawing are taken as a graph again, and its dominator tree as a nest of boxes. The box of a symbol holds
+the symbol with what belongs to it on top; below, side by side, the boxes of what only this symbol leads to; below
+those, one under the other, the boxes of what several of them lead to. Boxes lie inside boxes and beside boxes and never
+overlap, the flow runs down, and each leg is as wide as what stands in it. One pass up for the sizes and one down for
+the places.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def has_positions(drawing: Drawing) -> bool:
 
 
 def layout(chart: SfcNetwork) -> None:
-    """Give every symbol and every element of logic in the chart a place and a size, and every pin and wire its points."""
+    """Give every symbol and element of logic in the chart a place and a size, and every pin and wire its points."""
     if chart.drawing is not None:
         _Layout(chart, chart.drawing).run()
 
@@ -123,7 +124,7 @@ class _Layout:
         return [consumers.get(symbol.id, []) for symbol in flow]
 
     def leg_key(self, number: int) -> tuple[bool, int, int]:
-        """Rivals stand from left to right in the order in which they are tried; else legs stand as the file has them."""
+        """Rivals stand from left to right in the order in which they are tried; else legs stand as they are drawn."""
         priority = self.priority(number)
         return (priority is None, priority or 0, self.position(number))
 

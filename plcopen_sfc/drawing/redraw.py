@@ -136,7 +136,7 @@ class _Redrawing:
         return sides
 
     def arrange(self, symbols: dict[int, Symbol], stands_for: dict[int, int]) -> None:
-        """Put the symbols in order: the old ones as they stood, each new one behind what it follows in the new drawing."""
+        """Put the symbols in order: old ones as they stood, each new one behind what it follows in the new drawing."""
         names = [stands_for.get(i, i) for i in self.new]
         sequence = [i for i in (names if self.reorder else self.old) if i in symbols]
         present = set(sequence)

@@ -22,16 +22,17 @@ def renumber(chart: SfcNetwork) -> dict[int, int]:
     if drawing is None:
         raise ModelError("a chart has to be drawn before it can be numbered in the order of its drawing")
     symbols = {symbol.id: symbol for symbol in drawing.symbols}
-    order = list(dict.fromkeys((*(drawing.order or ()), *symbols, *(node.id for node in chart.logic))))
-    order = [i for i in order if i in symbols or any(node.id == i for node in chart.logic)] if drawing.order else order
+    drawn = symbols.keys() | {node.id for node in chart.logic}
+    order = [i for i in dict.fromkeys((*(drawing.order or ()), *symbols, *(n.id for n in chart.logic))) if i in drawn]
     numbers: dict[int, int] = {}
     for number in order:
         if number in symbols:
             for entry in symbols[number].entries or ():
                 numbers.setdefault(entry.association, len(numbers))
         numbers.setdefault(number, len(numbers))
-    for thing in (*chart.steps, *chart.transitions, *(a for _, a in chart.associations())):
-        numbers.setdefault(thing.id, len(numbers))
+    undrawn = [step.id for step in chart.steps] + [transition.id for transition in chart.transitions]
+    for number in undrawn + [association.id for _, association in chart.associations()]:
+        numbers.setdefault(number, len(numbers))
     _apply(chart, list(symbols.values()), numbers)
     if drawing.order is not None:
         drawing.order = [numbers[i] for i in order]

@@ -43,7 +43,7 @@ def take_over(
 
 
 def rewired(before: list[InputPin], after: list[InputPin]) -> list[InputPin]:
-    """The pins `after`, but those of `before` that have the same wires; where a pin gets other wires it keeps its place."""
+    """The pins `after`, but those of `before` that have the same wires. A pin that gets other wires keeps its place."""
     same = {_wires(pin): pin for pin in reversed(before)}
     pins: list[InputPin] = []
     for position, pin in enumerate(after):

@@ -1,5 +1,6 @@
-"""Forward edges, ranks and dominators of any directed graph. (Cooper, Harvey, Kennedy: A Simple, Fast Dominance
-Algorithm.)
+"""Forward edges, ranks and dominators of any directed graph.
+
+(Cooper, Harvey, Kennedy: A Simple, Fast Dominance Algorithm.)
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ ROOT = -1
 class Survey:
     """What is known of a graph after one depth-first walk.
 
-    An edge is *forward* where it neither closes a loop nor leads into what an earlier start has reached. `rank` numbers the
-    nodes so that forward edges run upwards, `dominator` is the node through which all forward ways to a node pass last,
-    `forward_inputs` counts the forward edges into a node, `merges` lists for a node what it dominates immediately and
-    several forward edges lead to, by rank.
+    An edge is *forward* where it neither closes a loop nor leads into what an earlier start has reached. `rank` numbers
+    the nodes so that forward edges run upwards, `dominator` is the node through which all forward ways to a node pass
+    last, `forward_inputs` counts the forward edges into a node, `merges` lists for a node what it dominates immediately
+    and several forward edges lead to, by rank.
     """
 
     def __init__(self, successors: Mapping[int, Sequence[int]], candidates: Iterable[int]) -> None:

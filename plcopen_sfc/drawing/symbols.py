@@ -105,7 +105,7 @@ class Pen:
         )
 
     def dress_divergences(self, symbols: list[Symbol], fresh: set[int], consumers: dict[int, int]) -> None:
-        """Give each divergence in `fresh` an output for each of its `consumers`, and a name where the style has names."""
+        """Give each divergence in `fresh` an output for each consumer, and a name where the style has names."""
         if self.style.structured:
             taken = {symbol.name for symbol in symbols}
             number = 0

@@ -12,7 +12,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 class Wires:
-    """Places pins and wires of a chart whose symbols have their places. `keep`: pins and wires that have theirs stay."""
+    """Places pins and wires of a chart whose symbols are placed. `keep`: pins and wires that have their places stay."""
 
     def __init__(self, chart: SfcNetwork, *, keep: bool) -> None:
         self.chart = chart

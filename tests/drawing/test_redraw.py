@@ -14,7 +14,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from tests.drawing.nets import any_net, links_of_chart, links_of_drawing, make, nested_net
 
 STYLES = list(DrawingStyle)
-SLOW = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def edit(data: st.DataObject, chart: SfcNetwork) -> None:
