@@ -1,0 +1,195 @@
+"""Conversion between the dialects: there and back gives an equal model, and what is written is valid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import LossError
+from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.model import Project, Qualifier, SfcNetwork
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.report import Fate
+from tests.corpus import corpus_files, require_corpus
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+OWN = sorted(path for folder in ("codesys", "twincat", "plcopen") for path in (FIXTURES / folder).glob("*.xml"))
+TC6 = ("plcopen-1.01", "plcopen-2.0", "plcopen-2.01")
+
+
+def own_name(project: Project) -> str:
+    """The format and version a project was read from, as `convert` wants it."""
+    origin = project._origin
+    assert origin is not None
+    return origin.format if origin.format == "codesys" else f"plcopen-{origin.version}"
+
+
+def assert_there_and_back(path: Path) -> None:
+    project = sfc.load(path)
+    own = own_name(project)
+    for target in (*TC6, "json"):
+        if target == own:
+            continue
+        there, report = sfc.convert(project, target)
+        assert report.with_fate(Fate.DROPPED) == []
+        back, _ = sfc.convert(sfc.loads(there), own)
+        assert list(differences(project, sfc.loads(back))) == [], f"{target} and back"
+
+
+def assert_valid(path: Path) -> None:
+    project = sfc.load(path)
+    if any(d.severity == "error" for d in validate(path.read_bytes())):
+        pytest.skip("the file itself is not valid")
+    for target in TC6:
+        found = [str(d) for d in validate(sfc.convert(project, target)[0]) if d.severity == "error"]
+        assert found == [], target
+    found = [str(d) for d in validate(sfc.convert(project, "plcopen", flavour="beremiz")[0]) if d.severity == "error"]
+    assert found == [], "beremiz"
+
+
+@pytest.mark.parametrize("path", OWN, ids=lambda p: p.name)
+def test_there_and_back(path: Path) -> None:
+    assert_there_and_back(path)
+
+
+@pytest.mark.parametrize("path", OWN, ids=lambda p: p.name)
+def test_what_is_written_is_valid(path: Path) -> None:
+    assert_valid(path)
+
+
+@pytest.mark.corpus
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [*corpus_files("codesys"), *corpus_files("plcopen")], ids=lambda p: p.name)
+def test_there_and_back_on_the_corpus(path: Path) -> None:
+    require_corpus()
+    assert_there_and_back(path)
+
+
+@pytest.mark.corpus
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [*corpus_files("codesys"), *corpus_files("plcopen")], ids=lambda p: p.name)
+def test_what_is_written_is_valid_on_the_corpus(path: Path) -> None:
+    require_corpus()
+    assert_valid(path)
+
+
+def first_chart(project: Project) -> SfcNetwork:
+    return next(iter(project.charts())).network
+
+
+def test_step_actions_become_associations_and_step_actions_again() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    stepped = {s.name: s for s in first_chart(project).steps if s.entry_action or s.main_action or s.exit_action}
+    assert stepped
+    data, report = sfc.convert(project, "plcopen-2.01")
+    root = etree.fromstring(data)
+    tc6 = "{http://www.plcopen.org/xml/tc6_0201}"
+    pairs = set()
+    for action in root.iter(f"{tc6}action"):
+        reference = action.find(f"{tc6}reference")
+        if reference is not None:
+            pairs.add((action.get("qualifier", "N"), reference.get("name")))
+    for step in stepped.values():
+        for qualifier, name in (("P1", step.entry_action), ("N", step.main_action), ("P0", step.exit_action)):
+            assert name is None or (qualifier, name) in pairs
+    back = first_chart(sfc.loads(data))
+    for name, step in stepped.items():
+        found = back.step(name)
+        assert (found.entry_action, found.main_action, found.exit_action) == (
+            step.entry_action,
+            step.main_action,
+            step.exit_action,
+        )
+        assert found.actions == step.actions
+    assert {i.what for i in report.with_fate(Fate.TRANSLATED)} >= {"entry action", "main action", "exit action"}
+
+
+def test_times_and_flags_are_carried_and_in_the_report() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    data, report = sfc.convert(project, "plcopen-2.01")
+    carried = {item.what for item in report.with_fate(Fate.CARRIED)}
+    assert {"min time", "max time", "chart settings"} <= carried
+    assert first_chart(sfc.loads(data)).settings == first_chart(project).settings
+
+
+def test_every_item_of_a_report_says_where() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    _, report = sfc.convert(project, "plcopen-2.01")
+    lines = (FIXTURES / "codesys" / "sorting_conveyor.xml").read_text("utf-8-sig").splitlines()
+    steps = [item for item in report.items if item.what == "step"]
+    assert len(steps) == sum(len(chart.network.steps) for chart in project.charts())
+    for item in steps:
+        assert item.line is not None
+        assert f'name="{item.path.rpartition(" / ")[2]}"' in lines[item.line - 1]
+
+
+def bars_in(chart: SfcNetwork) -> Iterator[tuple[SymbolKind, SymbolKind | None]]:
+    """The kinds at both ends of every wire of a chart: from, to."""
+    assert chart.drawing is not None
+    kinds = {symbol.id: symbol.kind for symbol in chart.drawing.symbols}
+    for symbol in chart.drawing.symbols:
+        for pin in symbol.inputs:
+            for connection in pin.connections:
+                yield symbol.kind, kinds.get(connection.source)
+
+
+@pytest.mark.parametrize("path", [p for p in OWN if p.parent.name != "plcopen"], ids=lambda p: p.name)
+def test_beremiz_flavour(path: Path) -> None:
+    project = sfc.load(path)
+    data, report = sfc.convert(project, "plcopen", flavour="beremiz")
+    root = etree.fromstring(data)
+    tc6, xhtml = "{http://www.plcopen.org/xml/tc6_0201}", "{http://www.w3.org/1999/xhtml}"
+    assert root.tag == f"{tc6}project"
+    assert len(list(root.iterfind(f"{tc6}types/{tc6}pous/{tc6}pou"))) == len(project.pous)
+    assert all(len(st) == 1 and st[0].tag == f"{xhtml}p" for st in root.iter(f"{tc6}ST"))
+    flavoured = sfc.loads(data)
+    for chart, original in zip(flavoured.charts(), project.charts(), strict=True):
+        wires = list(bars_in(chart.network))
+        assert all(source is not SymbolKind.JUMP for _, source in wires), "no wire leaves a jump"
+        convergences = (SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SELECTION_DIVERGENCE)
+        assert all(consumer is not source for consumer, source in wires if consumer in convergences), "no nested bars"
+        meaning = [[(set(t.sources), set(t.targets)) for t in n.transitions] for n in (chart.network, original.network)]
+        assert sorted(map(str, meaning[0])) == sorted(map(str, meaning[1]))
+        assert chart.network.drawing is not None
+        assert any(symbol.position != (0, 0) for symbol in chart.network.drawing.symbols)
+    assert report.with_fate(Fate.DROPPED) == []
+
+
+def test_codesys_gets_its_own_form_of_a_chart_from_elsewhere() -> None:
+    project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
+    data, _ = sfc.convert(project, "codesys")
+    assert data.startswith(b"\xef\xbb\xbf<?xml")
+    assert b"\r\n" in data
+    back = sfc.loads(data)
+    assert back._origin is not None
+    assert back._origin.format == "codesys"
+    for chart, original in zip(back.charts(), project.charts(), strict=True):
+        assert [s.name for s in chart.network.steps] != []
+        links = [
+            {
+                (frozenset(n.step(i).name for i in t.sources), frozenset(n.step(i).name for i in t.targets))
+                for t in n.transitions
+            }
+            for n in (chart.network, original.network)
+        ]
+        assert links[0] == links[1]
+        drawing = chart.network.drawing
+        assert drawing is not None
+        kinds = [symbol.kind for symbol in drawing.symbols]
+        assert kinds.count(SymbolKind.SELECTION_DIVERGENCE) == kinds.count(SymbolKind.SELECTION_CONVERGENCE)
+
+
+def test_strict_stops_before_anything_is_written(tmp_path: Path) -> None:
+    project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
+    first_chart(project).steps[1].actions[0].qualifier = Qualifier.DL
+    target = tmp_path / "out.xml"
+    with pytest.raises(LossError, match="qualifier"):
+        sfc.save(project, target, format="codesys", strict=True)
+    assert not target.exists()
+    assert sfc.save(project, target, format="codesys").losses
+    assert target.exists()
