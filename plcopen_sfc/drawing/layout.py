@@ -148,7 +148,7 @@ class _Layout:
         """The room for a symbol and what stands beside it."""
         width, height = self.sizes.of(symbol)
         left = right = width // 2
-        row = height
+        row = max(height, 10)
         blocks = [self.sizes.of(block) for block in self.blocks.get(symbol.id, ())]
         if blocks:
             right += _ASIDE + max(block[0] for block in blocks)
