@@ -45,9 +45,10 @@ def prepare_body(
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in the charts of one body.
 
-    `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too. `renumbered`:
-    charts that are drawn anew get new ids in document order, as CODESYS numbers them. `foreign`: drawings in another style
-    than a structured one that is asked for are replaced. `given`: the positions of drawings come from a file and stand.
+    `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too.
+    `renumbered`: charts that are drawn anew get new ids in document order, as CODESYS numbers them. `foreign`:
+    drawings in another style than a structured one that is asked for are replaced. `given`: the positions of drawings
+    come from a file and stand.
     """
     for chart in charts_in(body):
         if style.structured:
@@ -58,7 +59,7 @@ def prepare_body(
             chart.drawing = draw(chart, style)
             if renumbered:
                 renumber(chart)
-        elif not fits(chart):
+        elif not fits(chart, style):
             redraw(chart, style)
         if not style.structured:
             draw_step_actions(chart, style)
@@ -68,7 +69,7 @@ def prepare_body(
 
 
 def all_charts(project: Project) -> Iterator[SfcNetwork]:
-    """Every chart of a project: of its POUs and their parts, and those inside charts, an outer one before its inner ones."""
+    """Every chart of a project: of its POUs and their parts, and those inside charts, outer ones before inner ones."""
     for _, _, body in project.bodies():
         yield from charts_in(body)
 
