@@ -123,18 +123,26 @@ def test_json_report(cli, fixtures, tmp_path):
 
 
 class TestStrict:
-    """To TC6 1.01, which has no foreign data: what only CODESYS can say is lost."""
+    """To CODESYS, which does not have all qualifiers of the standard."""
+
+    SOURCE = "plcopen/filling_station_2.01.xml"
 
     def test_refuses_and_writes_nothing(self, cli, fixtures, tmp_path):
         target, report = tmp_path / "belt.xml", tmp_path / "report.json"
-        outcome = cli("convert", BELT, target, "--to", "plcopen-1.01", "--strict", "--report", report)
+        outcome = cli("convert", self.SOURCE, target, "--to", "codesys", "--strict", "--report", report)
         assert outcome.code == 1
         assert not target.exists()
         assert "would be lost or changed" in outcome.err
         assert "Nothing was written" in outcome.err
-        assert "dropped" in outcome.out
-        assert any(item["fate"] == "dropped" for item in json.loads(report.read_text(encoding="utf-8"))["items"])
+        assert "\napproximated: action association POU FillingStation / Infeed P1 inline" in outcome.out
+        assert any(item["fate"] == "approximated" for item in json.loads(report.read_text(encoding="utf-8"))["items"])
         assert "written:" not in outcome.out
+
+    def test_without_it_the_file_is_written(self, cli, fixtures, tmp_path):
+        outcome = cli("convert", self.SOURCE, tmp_path / "filling.xml", "--to", "codesys", "--json")
+        assert outcome.code == 0
+        assert any(item["fate"] == "approximated" for item in json.loads(outcome.out)["items"])
+        assert (tmp_path / "filling.xml").exists()
 
     def test_does_not_stop_what_loses_nothing(self, cli, fixtures, tmp_path):
         assert cli("convert", BELT, tmp_path / "belt.json", "--to", "json", "--strict").code == 0

@@ -22,11 +22,12 @@ from plcopen_sfc.report import ConversionReport, Fate
 _SHOWN = 20
 _FINDINGS = 1
 _FATE_STYLES = {
-    Fate.TRANSLATED: "green",
+    Fate.DROPPED: "bold red",
     Fate.APPROXIMATED: "yellow",
     Fate.CARRIED: "cyan",
-    Fate.DROPPED: "bold red",
+    Fate.TRANSLATED: "green",
 }
+"""Every fate but `kept`, the worst first."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     to_stdout = target == "-"
     if to_stdout and screen.as_json:
         raise SfcError("the file and the JSON report cannot both go to standard output", hint="Use --report FILE.json.")
-    target = target or str(Path(source).with_suffix(f".{how.format}{extension}"))
+    target = target or _beside(Path(source), how.format, extension)
     screen.results_to_stderr = to_stdout
     project = load(source)
     for finding in project.diagnostics:
@@ -63,6 +64,13 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         screen.line("written: ", (target, "bold"))
     _write_report(report, report_to)
     return exit_code_for(screen, project.diagnostics)
+
+
+def _beside(source: Path, format_name: str, extension: str) -> str:
+    """A name next to `source` that is not its own, even where upper and lower case are the same."""
+    plain = source.with_suffix(extension)
+    own = f".{format_name}" != extension or plain.name.casefold() == source.name.casefold()
+    return str(source.with_suffix(f".{format_name}{extension}") if own else plain)
 
 
 def _save(project: Project, target: str | None, how: How) -> ConversionReport:
@@ -98,7 +106,7 @@ def _show(screen: Screen, report: ConversionReport) -> None:
 
 def _show_items(screen: Screen, report: ConversionReport) -> None:
     """Every item that is not simply kept; the worst first."""
-    changed = [item for fate in reversed(Fate) for item in report.with_fate(fate) if fate is not Fate.KEPT]
+    changed = [item for fate in _FATE_STYLES for item in report.with_fate(fate)]
     shown = changed if screen.verbose else changed[:_SHOWN]
     if shown:
         screen.line()
