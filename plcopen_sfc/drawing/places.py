@@ -37,7 +37,7 @@ def _forget_pins(inputs: list[InputPin | None], outputs: list[OutputPin | None])
 
 
 def is_structured(chart: SfcNetwork) -> bool:
-    """Whether a chart is drawn as CODESYS and TwinCAT draw: wires lead back to earlier symbols, conditions are symbols."""
+    """Whether a chart is drawn as CODESYS draws: wires lead back to earlier symbols, conditions are symbols."""
     drawing = chart.drawing
     if drawing is None:
         return False

@@ -1,4 +1,4 @@
-"""Drawing CODESYS step actions into action blocks, for formats that have no other place for them, and taking them out."""
+"""Drawing step actions into action blocks, for formats that have no other place for them, and taking them out."""
 
 from __future__ import annotations
 
