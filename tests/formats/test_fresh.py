@@ -65,6 +65,9 @@ LEFT_OUT = (
 
 ADDED = (
     Difference(("action",), "localId", ("21", "22", "23"), "TC6 2.0 requires it; the file left it out"),
+    Difference(("relPosition",), "", ("",), "TC6 2.0 requires it of an action; the file left it out"),
+    Difference(("relPosition",), "x", ("0",), "TC6 2.0 requires it of an action; the file left it out"),
+    Difference(("relPosition",), "y", ("0",), "TC6 2.0 requires it of an action; the file left it out"),
     Difference(("pouInstance",), "typeName", ("",), "TC6 2.0 requires it; the file left it out"),
 )
 
@@ -127,7 +130,7 @@ def test_a_fresh_file_keeps_the_order_of_elements(path: Path) -> None:
     ]
 
 
-MAY_BE_EMPTY = {"actions", "transitions", "addData"}
+MAY_BE_EMPTY = {"actions", "transitions", "addData", "relPosition"}
 
 
 def order(data: bytes) -> list[str]:
