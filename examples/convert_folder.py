@@ -1,0 +1,45 @@
+"""Convert all files of a folder, with a report beside each.
+
+python convert_folder.py SOURCE TARGET --to FORMAT [--strict]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+import plcopen_sfc as sfc
+
+
+def main() -> int:
+    """Convert all files; 1 where one could not be converted."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("source", type=Path)
+    parser.add_argument("target", type=Path)
+    parser.add_argument("--to", required=True, metavar="FORMAT")
+    parser.add_argument("--strict", action="store_true", help="write no file that loses anything")
+    arguments = parser.parse_args()
+    arguments.target.mkdir(parents=True, exist_ok=True)
+    failed = 0
+    for path in sorted(arguments.source.glob("*.xml")):
+        target = arguments.target / path.name
+        try:
+            report = sfc.save(sfc.load(path), target, format=arguments.to, strict=arguments.strict)
+        except sfc.SfcError as error:
+            print(error, file=sys.stderr)
+            failed += 1
+            continue
+        content = json.dumps(report.as_dict(), indent=1, ensure_ascii=False)
+        target.with_suffix(".report.json").write_text(content, encoding="utf-8")
+        fates = Counter(item.fate for item in report.items)
+        print(f"{path} -> {target}: " + ", ".join(f"{count} {fate}" for fate, count in sorted(fates.items())))
+        for item in report.losses:
+            print(f"  {item.fate}: {item.what} {item.path}: {item.why}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
