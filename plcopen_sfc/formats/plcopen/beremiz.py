@@ -1,7 +1,7 @@
 """The flavour of TC6 2.01 for Beremiz, OpenPLC and the readers that share their code.
 
-Their charts are drawn plainly (`plcopen_sfc.drawing`): wires with points, no dead jump legs, no nested bars of one kind,
-conditions inline, POUs in ``types``. What they do not understand, from what their code generator and matiec accept:
+Their charts are drawn plainly (`plcopen_sfc.drawing`): wires with points, no dead jump legs, no nested bars of one
+kind, conditions inline, POUs in ``types``. What they do not understand, by what their code generator and matiec accept:
 """
 
 from __future__ import annotations

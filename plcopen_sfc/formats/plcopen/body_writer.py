@@ -12,6 +12,8 @@ from plcopen_sfc.formats.plcopen.types_writer import write_interface
 from plcopen_sfc.formats.plcopen.writing import WriteContext, add_markup, finish, left_over, sub, write_code
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
+from plcopen_sfc.report import Fate
+
 
 _WHAT = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
 _CHART = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
@@ -34,9 +36,15 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
         native = native | {"chart"}
         chart_native = _CHART | ctx.dialect.native_fields.get("chart", frozenset())
+        if ctx.version.first_generation:
+            # elements that TC6 2.0 does not know would not be valid in 1.01 either
+            chart_native = chart_native - {"carried"}
         if not all(is_known(ctx, node) for node in body.chart.logic):
             chart_native = chart_native - {"logic"}
         chart_left = left_over(body.chart, chart_native)
+        for part in chart_left:
+            why = f"TC6 {ctx.version.name} has no place for it"
+            ctx.note(Fate.CARRIED, f"chart {part.replace('_', ' ')}", why=why)
         if body.chart.drawing is not None and body.chart.drawing.computed:
             chart_left["drawing"] = {"computed": True}
         also = {"chart": chart_left} if chart_left else {}
@@ -44,8 +52,9 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         sheet = sub(ctx, element, body.language)
         for network in body.networks:
             write_network(ctx, sheet, network)
+        network_native = _NETWORK - ({"carried"} if ctx.version.first_generation else set())
         known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)
-        if len(body.networks) == 1 and known and not left_over(body.networks[0], _NETWORK):
+        if len(body.networks) == 1 and known and not left_over(body.networks[0], network_native):
             native = native | {"networks"}
     elif isinstance(body, OpaqueBody):
         sub(ctx, element, "ST")

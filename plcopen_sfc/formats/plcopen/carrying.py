@@ -17,6 +17,8 @@ STEP_ACTION_FIELD = "step_action"
 """At an association: the step action that it stands for."""
 APPLICATION_FIELD = "application"
 """At a configuration: it only holds an application."""
+SHARED_FIELD = "shared_ids"
+"""At a transition below a convergence of steps: the ids of the transitions that it stands for."""
 COMMENT_MARK = "plcopen_sfc "
 
 

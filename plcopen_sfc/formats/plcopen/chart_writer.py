@@ -11,7 +11,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
+from plcopen_sfc.formats.plcopen.carrying import SHARED_FIELD, STEP_ACTION_FIELD
 from plcopen_sfc.formats.plcopen.logic_writer import (
     geometry,
     is_known,
@@ -114,7 +114,8 @@ class ChartWriter:
                 self.write_symbol(parent, symbols[number])
             else:
                 write_node(self.ctx, parent, self.nodes[number], "logic in a chart")
-        add_unknown(parent, self.chart.carried)
+        if not self.ctx.version.first_generation:
+            add_unknown(self.ctx, parent, self.chart.carried)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:
         """Write one symbol with what it stands for."""
@@ -197,7 +198,7 @@ class ChartWriter:
             transition,
             "transition",
             native,
-            also=self._order(symbol) | self._left_of_wire(symbol, transition),
+            also=self._order(symbol) | self._shared(symbol) | self._left_of_wire(symbol, transition),
         )
         ctx.place.pop()
 
@@ -206,6 +207,10 @@ class ChartWriter:
         if symbol.execution_order is None or not self.ctx.version.first_generation:
             return {}
         return {"execution_order": symbol.execution_order}
+
+    def _shared(self, symbol: Symbol) -> dict[str, Any]:
+        """The ids of the transitions that one symbol stands for; tools that draw so get them by counting."""
+        return {SHARED_FIELD: symbol.transitions} if symbol.transitions and not self.ctx.dialect.states_actions else {}
 
     def _left_of_wire(self, symbol: Symbol, transition: Transition) -> dict[str, Any]:
         """What TC6 1.01 cannot say of the pin of a wired condition, which has no element of its own there."""
@@ -288,6 +293,9 @@ class ChartWriter:
             for output in symbol.outputs:
                 write_output(ctx, element, output)
             native = native - {"entries"}
+        else:
+            # TC6 2.0 moved the output from the block to its actions
+            native = native - {"outputs"}
         for entry in entries:
             if entry.step_action is None:
                 self.write_action(element, entry, self.associations[entry.association])

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.base import Reading
 from plcopen_sfc.formats.plcopen.body_reader import misfit
 from plcopen_sfc.formats.plcopen.project_reader import find_version, read_project
 from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.model.project import Project
 
 
@@ -31,6 +31,7 @@ def load(
             root,
             version,
             file=file,
+            lines=SourceLines(root, data),
             data_readers=data_readers,
             usual_text_element=usual_text_element,
             finish_chart=finish_chart,

@@ -219,4 +219,5 @@ def write_network(ctx: WriteContext, element: etree._Element, network: LogicNetw
     for node in network.nodes:
         if is_known(ctx, node):
             write_node(ctx, element, node)
-    add_unknown(element, network.carried)
+    if not ctx.version.first_generation:
+        add_unknown(ctx, element, network.carried)

@@ -30,6 +30,7 @@ from plcopen_sfc.formats.plcopen.types_reader import (
     read_section,
 )
 from plcopen_sfc.formats.plcopen.versions import PREFIX, VERSIONS, Tc6Version, version_of
+from plcopen_sfc.formats.xml.source import SourceLines
 
 
 def find_version(root: etree._Element, *, file: str | None = None) -> Tc6Version:
@@ -63,12 +64,13 @@ def read_project(
     version: Tc6Version,
     *,
     file: str | None = None,
+    lines: SourceLines | None = None,
     data_readers: dict[str, DataReader] | None = None,
     usual_text_element: str = "p",
     finish_chart: Callable[[ReadContext, Fields], None] | None = None,
 ) -> tuple[Fields, ReadContext]:
     """Read ``project`` into the fields of a `Project`; what there is to say about it is in the context returned."""
-    ctx = ReadContext(version, file=file, data_readers=data_readers, usual_text_element=usual_text_element)
+    ctx = ReadContext(version, file=file, lines=lines, data_readers=data_readers, usual_text_element=usual_text_element)
     ctx.finish_chart = finish_chart
     if version.first_generation:
         ctx.comment_reader = read_comment

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from lxml import etree
 
@@ -199,9 +200,11 @@ def _is_time(text: str) -> bool:
 def _instance(ctx: WriteContext, parent: etree._Element, instance: PouInstance) -> None:
     type_attribute = "type" if ctx.version.first_generation else "typeName"
     name, type_name = instance.name, instance.type_name
+    also: dict[str, Any] = {}
     if not type_name and ctx.dialect.names_instances:
         # CODESYS and TwinCAT name the program only
+        also = {"name": name, "type_name": ""}
         name, type_name = f"{name}_instance", name
     element = sub(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
     ctx.keep("POU instance", instance.name)
-    finish(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}))
+    finish(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}), also=also)

@@ -16,6 +16,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
+from plcopen_sfc.formats.xml.source import SourceLines
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""
@@ -63,12 +64,14 @@ class ReadContext:
         version: Tc6Version,
         *,
         file: str | None = None,
+        lines: SourceLines | None = None,
         data_readers: dict[str, DataReader] | None = None,
         usual_text_element: str = "p",
     ) -> None:
         self.version = version
         self.tags = version.tags
         self.file = file
+        self.lines = lines
         self.data_readers = data_readers or {}
         self.text_element = _XHTML_TAG + usual_text_element
         self.diagnostics: list[Diagnostic] = []
@@ -84,7 +87,8 @@ class ReadContext:
     def report(self, code: str, severity: Severity, message: str, element: etree._Element, subject: str = "") -> None:
         """Say something about `element` of the file."""
         path = " / ".join((*self.place, subject) if subject else self.place)
-        location = Location(self.file, line_of(element), None, path or None)
+        line = self.lines.line(element) if self.lines is not None else line_of(element)
+        location = Location(self.file, line, None, path or None)
         self.diagnostics.append(Diagnostic(code, severity, message, location))
 
     def warn(self, code: str, message: str, element: etree._Element, subject: str = "") -> None:
@@ -152,13 +156,21 @@ def markup(element: etree._Element) -> str:
     return text.decode()
 
 
+def neutral(content: str, version: Tc6Version) -> str:
+    """Markup of TC6 elements that fits every version: the namespace stands as ``tc6``."""
+    return content.replace(f'"{version.namespace}"', f'"{NEUTRAL}"')
+
+
+NEUTRAL = "tc6"
+
+
 def carry_element(ctx: ReadContext, fields: Fields, element: etree._Element) -> None:
     """Keep a child element that no reader knows, and say so. Comments stay in the file only."""
     if not isinstance(element.tag, str):
         if ctx.comment_reader is not None:
             ctx.comment_reader(ctx, element, fields, "")
         return
-    carried(fields)["elements"].append(markup(element))
+    carried(fields)["elements"].append(neutral(markup(element), ctx.version))
     ctx.warn("XML201", f"<{etree.QName(element).localname}> is not expected here; it is kept as it is", element)
 
 
@@ -201,7 +213,10 @@ def read_text(ctx: ReadContext, element: etree._Element) -> str | Fields:
     children = list(element)
     if len(children) == 1 and not len(children[0]) and children[0].tag == ctx.text_element and not children[0].attrib:
         return children[0].text or ""
-    return {"text": "".join(map(str, element.itertext())), "markup": inner_markup(element)}
+    loose = [element.text or "", *(child.tail or "" for child in children)]
+    # blanks around the XHTML element are the indentation of the file
+    of = [element] if any(text.strip() for text in loose) else [c for c in children if isinstance(c.tag, str)]
+    return {"text": "".join(str(t) for e in of for t in e.itertext()), "markup": inner_markup(element)}
 
 
 def read_code(ctx: ReadContext, element: etree._Element) -> tuple[str, str | None]:

@@ -15,6 +15,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
+from plcopen_sfc.formats.plcopen.reading import NEUTRAL
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
@@ -152,7 +153,7 @@ def boolean(value: bool) -> str:
     return "true" if value else "false"
 
 
-def add_unknown(element: etree._Element, carried: Carried | None) -> None:
+def add_unknown(ctx: WriteContext, element: etree._Element, carried: Carried | None) -> None:
     """Write back the attributes and child elements that the reader did not know. Before ``addData``."""
     if carried is None:
         return
@@ -160,7 +161,7 @@ def add_unknown(element: etree._Element, carried: Carried | None) -> None:
         if name not in element.attrib:
             element.set(name, value)
     for markup in carried.elements:
-        add_markup(element, markup)
+        add_markup(element, markup.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
 
 
 def finish(
@@ -180,7 +181,7 @@ def finish(
     """
     carried: Carried | None = getattr(thing, "carried", None)
     if not ctx.version.first_generation:
-        add_unknown(element, carried)
+        add_unknown(ctx, element, carried)
         global_id: str | None = getattr(thing, "global_id", None)
         if global_id is not None:
             element.set("globalId", global_id)

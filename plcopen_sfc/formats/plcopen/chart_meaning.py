@@ -1,0 +1,283 @@
+"""What the symbols of a chart mean, once all are read: its steps, transitions, conditions, and what is wrong.
+
+`chart_reader` fills a `DrawnChart` element by element; `DrawnChart.interpret` makes the fields of the chart of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
+from plcopen_sfc.formats.plcopen.logic_reader import IdKeeper
+from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, markup, neutral
+from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.wiring import trace
+
+Line = tuple[Fields, Fields, str | None]
+"""A line of an action block: the association, where it is drawn, and its ``localId``."""
+
+
+class DrawnChart:
+    """The symbols of one chart as they were read, with wires and names not yet followed."""
+
+    def __init__(self, ctx: ReadContext) -> None:
+        self.ctx = ctx
+        self.ids = IdKeeper(ctx)
+        self.chart: Fields = {}
+        self.steps: list[Fields] = []
+        self.transitions: list[Fields] = []
+        self.nodes: list[Fields] = []
+        self.symbols: list[Fields] = []
+        self.blocks: list[tuple[Fields, etree._Element, list[Line]]] = []
+        self.document_order: list[Fields] = []
+        self.elements: dict[int, etree._Element] = {}
+
+    def place(self, element: etree._Element, fields: Fields) -> None:
+        """Take an element in: give it its id and its place in the order of the file."""
+        self.ids.claim(element, fields)
+        self.document_order.append(fields)
+        if "id" in fields:
+            self.elements[fields["id"]] = element
+
+    def interpret(self) -> Fields:
+        """The fields of the chart; what is wrong with it goes to the context."""
+        self.ids.settle()
+        self._settle_references()
+        self._resolve_conditions()
+        self._resolve_blocks()
+        self._resolve_jumps()
+        self._resolve_wiring()
+        self._check()
+        drawing: Fields = {"symbols": self.symbols}
+        if self.nodes:
+            drawing["order"] = [entry["id"] for entry in self.document_order]
+        if self.ctx.finish_chart is not None:
+            self.ctx.finish_chart(self.ctx, {"transitions": self.transitions})
+        self.chart.update(steps=self.steps, transitions=self.transitions, logic=self.nodes, drawing=drawing)
+        return self.chart
+
+    def _settle_references(self) -> None:
+        """Give steps and transitions the ids of their symbols, now that all ids are known."""
+        for thing in (*self.steps, *self.transitions):
+            thing["id"] = thing.pop("symbol_fields")["id"]
+
+    def _resolve_conditions(self) -> None:
+        """Tell expressions that only feed one condition from graphical logic."""
+        consumers: dict[int, int] = {}
+        for holder in (*self.symbols, *self.nodes):
+            for connection in _connections(holder):
+                consumers[connection["source"]] = consumers.get(connection["source"], 0) + 1
+        wired: list[tuple[Fields, Fields, int]] = []
+        symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
+        for transition in self.transitions:
+            condition = transition.get("condition")
+            if condition is None or condition["kind"] != "wired":
+                continue
+            connections = condition["input"].get("connections", ())
+            for connection in connections:
+                consumers[connection["source"]] = consumers.get(connection["source"], 0) + 1
+            if len(connections) == 1:
+                wired.append((transition, symbol_of[transition["id"]], connections[0]["source"]))
+        expressions = {node["id"]: node for node in self.nodes if _is_plain_expression(node)}
+        used: set[int] = set()
+        for transition, symbol, source in wired:
+            node = expressions.get(source)
+            if node is None or consumers[source] != 1:
+                continue
+            condition = transition["condition"]
+            symbol["condition"] = condition["input"]
+            transition["condition"] = {
+                "kind": "expression",
+                "text": node["expression"],
+                "negated": condition["negated"],
+            }
+            used.add(source)
+        if used:
+            for node in self.nodes:
+                if node["id"] in used:
+                    node["kind"] = SymbolKind.EXPRESSION
+                    node["outputs"] = [node.pop("output")] if "output" in node else []
+                    for name in ("expression", "edge", "storage"):
+                        node.pop(name, None)
+            self.nodes = [node for node in self.nodes if node["id"] not in used]
+            logic = {id(node) for node in self.nodes}
+            self.symbols = [entry for entry in self.document_order if id(entry) not in logic]
+
+    def _resolve_blocks(self) -> None:
+        steps = {step["id"]: step for step in self.steps}
+        for symbol, element, entries in self.blocks:
+            owners = {c["source"] for c in _connections(symbol) if c["source"] in steps}
+            if len(owners) != 1:
+                self._carry_block(symbol, element, len(owners))
+                continue
+            step = steps[owners.pop()]
+            carried_entries = symbol.pop("entries", None)
+            symbol["entries"] = []
+            for association, entry, local_id in entries:
+                if self._is_step_action(step, association, entry):
+                    if carried_entries is None:
+                        entry["association"] = self._entry_id(entry, local_id)
+                        symbol["entries"].append(entry)
+                    continue
+                if carried_entries is not None and "id" in association:
+                    # TC6 1.01 has no ids at actions: both come back from what was carried
+                    step["actions"].append(association)
+                    self.ids.used.add(association["id"])
+                    continue
+                association["id"] = entry["association"] = self._entry_id(entry, local_id)
+                step["actions"].append(association)
+                symbol["entries"].append(entry)
+            if carried_entries is not None:
+                symbol["entries"] = carried_entries
+
+    def _entry_id(self, entry: Fields, local_id: str | None) -> int:
+        """The id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
+        number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
+        if number is None or number in self.ids.used:
+            entry["local_id"] = number
+            return self.ids.new()
+        self.ids.used.add(number)
+        return number
+
+    def _is_step_action(self, step: Fields, association: Fields, entry: Fields) -> bool:
+        """Make a marked association the step action again that it stands for."""
+        kind = association.pop(STEP_ACTION_FIELD, None)
+        if kind not in ("entry", "main", "exit"):
+            return False
+        entry["step_action"] = kind
+        step[f"{kind}_action"] = association.get("target", association.get("body"))
+        return True
+
+    def _carry_block(self, symbol: Fields, element: etree._Element, owners: int) -> None:
+        what = "is wired to no step" if not owners else f"is wired to {owners} steps"
+        self.ctx.error("SFC108", f"an action block {what}; it is kept in the file but not part of the chart", element)
+        self.symbols.remove(symbol)
+        self.document_order.remove(symbol)
+        carried(self.chart)["elements"].append(neutral(markup(element), self.ctx.version))
+
+    def _resolve_jumps(self) -> None:
+        by_name: dict[str, int] = {}
+        names = {step["id"]: step["name"] for step in self.steps}
+        for step in self.steps:
+            by_name.setdefault(step["name"].casefold(), step["id"])
+        for symbol in self.symbols:
+            if symbol["kind"] is SymbolKind.SIMULTANEOUS_DIVERGENCE and symbol.get("name"):
+                by_name.setdefault(symbol["name"].casefold(), symbol["id"])
+                names.setdefault(symbol["id"], symbol["name"])
+        for symbol in self.symbols:
+            if symbol["kind"] is not SymbolKind.JUMP:
+                continue
+            target = by_name.get(symbol["name"].casefold())
+            if target is None:
+                self._error("SFC103", f"a jump leads to {symbol['name']!r}, which is no step of this chart", symbol)
+                continue
+            symbol["target"] = target
+            if names[target] == symbol["name"]:
+                del symbol["name"]
+
+    def _resolve_wiring(self) -> None:
+        kinds = {symbol["id"]: symbol["kind"] for symbol in self.symbols}
+        wiring = trace(
+            kinds,
+            {
+                s["id"]: [c["source"] for pin in s.get("inputs", ()) for c in pin.get("connections", ())]
+                for s in self.symbols
+            },
+            {s["id"]: s.get("target") for s in self.symbols if s["kind"] is SymbolKind.JUMP},
+        )
+        symbol_of = {symbol["id"]: symbol for symbol in self.symbols}
+        expanded: list[Fields] = []
+        for transition in self.transitions:
+            links = wiring.links[transition["id"]]
+            kept = symbol_of[transition["id"]].pop("transitions", [])
+            for position, link in enumerate(links):
+                number = kept[position] if len(kept) == len(links) else self.ids.new() if position else transition["id"]
+                one = transition if position == 0 else {**transition, "id": number}
+                one["sources"], one["targets"] = link.sources, link.targets
+                expanded.append(one)
+            if len(links) > 1:
+                symbol_of[transition["id"]]["transitions"] = [t["id"] for t in expanded[-len(links) :]]
+        self.transitions = expanded
+        for problem in wiring.problems:
+            severity = Severity.WARNING if problem.code == "SFC104" else Severity.ERROR
+            self._say(problem.code, severity, problem.detail, symbol_of[problem.symbol])
+
+    def _check(self) -> None:
+        known = self.ids.used
+        for holder in (*self.symbols, *self.nodes):
+            for connection in _connections(holder):
+                if connection["source"] not in known:
+                    self._error(
+                        "SFC102", f"a connection leads to element {connection['source']}, which does not exist", holder
+                    )
+        for transition in self.transitions:
+            condition = transition.get("condition")
+            if condition is None:
+                self._error("SFC112", "a transition has no condition", transition)
+        self._check_names()
+        self._check_initial()
+
+    def _check_names(self) -> None:
+        seen: dict[str, str] = {}
+        for step in self.steps:
+            key = step["name"].casefold()
+            if key in seen and key:
+                self._error("SFC109", f"two steps have the name {step['name']!r}", step)
+            seen[key] = step["name"]
+
+    def _check_initial(self) -> None:
+        initial = [step for step in self.steps if step.get("initial")]
+        if len(initial) > 1:
+            parent: dict[int, int] = {step["id"]: step["id"] for step in self.steps}
+
+            def root(node: int) -> int:
+                while parent[node] != node:
+                    parent[node] = node = parent[parent[node]]
+                return node
+
+            for transition in self.transitions:
+                linked = [root(i) for i in (*transition["sources"], *transition["targets"])]
+                for other in linked[1:]:
+                    parent[root(other)] = root(linked[0])
+            first: dict[int, Any] = {}
+            for step in initial:
+                other = first.setdefault(root(step["id"]), step)
+                if other is not step:
+                    self._error("SFC110", f"{step['name']!r} is a second initial step, besides {other['name']!r}", step)
+        elif self.steps and not initial:
+            self._say("SFC111", Severity.WARNING, "the chart has no initial step", self.steps[0])
+
+    def _error(self, code: str, message: str, fields: Fields) -> None:
+        self._say(code, Severity.ERROR, message, fields)
+
+    def _say(self, code: str, severity: Severity, message: str, fields: Fields) -> None:
+        element = self.elements.get(fields["id"])
+        if element is None:
+            element = next(iter(self.elements.values()))
+        name = fields.get("name")
+        subject = f"{etree.QName(element).localname} {name or fields['id']}"
+        self.ctx.report(code, severity, message, element, subject)
+
+
+def _connections(holder: Fields) -> list[Fields]:
+    """All wires that end at an element, whatever its pins are."""
+    pins = [*holder.get("inputs", ())]
+    if "input" in holder:
+        pins.append(holder["input"])
+    for group in (holder.get("parameters") or {}).values():
+        pins.extend(parameter["input"] for parameter in group if "input" in parameter)
+    return [connection for pin in pins for connection in pin.get("connections", ())]
+
+
+def _is_plain_expression(node: Fields) -> bool:
+    """Whether an ``inVariable`` says nothing but its expression, so that it can be the text of a condition."""
+    return (
+        node["kind"] == "input"
+        and not node.get("negated")
+        and node.get("edge") == "none"
+        and node.get("storage") == "none"
+        and not node.keys() & {"comment", "carried", "global_id", "local_id"}
+    )
