@@ -144,7 +144,8 @@ def _attributes(carried: Carried | None, pairs: list[tuple[str, str | None]]) ->
         if guid in kept:
             raw = kept.pop(guid)
             # the file has blanks around the value, or writes it in another way
-            text = raw if raw.split() == text.split() else text and padded(text, raw)
+            unheard_of = text in ("0", "FALSE") and raw.strip() not in _VALUES.get(guid, {raw.strip()})
+            text = raw if unheard_of or raw.split() == text.split() else text and padded(text, raw)
         if text:
             etree.SubElement(table, "attribute", guid=guid).text = legal(text)
     for guid, raw in kept.items():
