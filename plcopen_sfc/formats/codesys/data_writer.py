@@ -154,6 +154,15 @@ def _attributes(carried: Carried | None, pairs: list[tuple[str, str | None]]) ->
     return table
 
 
+_VALUES = {
+    names.EXCLUDE: {"TRUE", "FALSE"},
+    names.DUPLICATION: {"TRUE", "FALSE"},
+    names.SYMBOL: set(_SYMBOLS.values()),
+    names.MONITORING: set(_MONITORINGS.values()),
+}
+"""The values that the model has a place for, of attributes that are carried where they have another."""
+
+
 def padded(text: str, raw: str) -> str:
     """`text` with the blanks that stand around `raw` where a formatter has put the end tag on a line of its own."""
     if not is_reformatted(raw):
