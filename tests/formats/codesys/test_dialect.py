@@ -119,7 +119,8 @@ def test_unknown_attributes_are_carried() -> None:
 @pytest.mark.parametrize("value", ["maybe", "7", "-1"])
 def test_values_that_nobody_knows_are_carried(value: str) -> None:
     loaded = loaded_from(step(0, "A", initial=True, more=table(NAME="A", SYMBOL=value)), *CIRCLE)
-    assert network_of(loaded).steps[0].symbol is None
+    assert network_of(loaded).steps[0].symbol in (None, m.SymbolAccess.UNSPECIFIED)
+    assert f">{value}<".encode() in sfc.dumps(loaded, fresh=True)
 
 
 def test_a_name_attribute_that_disagrees_is_reported_and_stays_in_the_file() -> None:
