@@ -156,11 +156,8 @@ def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
 
     copy = project.model_copy(deep=True)
-    origin = project._origin
-    placed = origin is not None and format_named(origin.format)[0].positions
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
-    # where a format that has places puts everything at 0, 0 it means that, and so does the copy
-    prepare(copy, style, positions=kind.positions, given=placed, anew=bool(options.flavour), foreign=True)
+    prepare(copy, style, positions=kind.positions, anew=bool(options.flavour), foreign=True)
     return copy
 
 

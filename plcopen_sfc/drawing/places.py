@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcopen_sfc.drawing.style import STEPS
 from plcopen_sfc.model.conditions import Expression
-from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.drawing import Places, SymbolKind
 from plcopen_sfc.model.network import InputPin, OutputPin
 from plcopen_sfc.model.sfc import SfcNetwork
 
@@ -12,15 +12,15 @@ from plcopen_sfc.model.sfc import SfcNetwork
 def forget_places(chart: SfcNetwork) -> None:
     """Put everything in a drawing with computed places back to where CODESYS exports have it: at 0, 0, without size."""
     drawing = chart.drawing
-    if drawing is None or not drawing.computed:
+    if drawing is None or drawing.places is not Places.COMPUTED:
         return
-    drawing.computed = False
+    drawing.places = Places.NONE
     for symbol in drawing.symbols:
         symbol.position = (0, 0)
         symbol.width = symbol.height = None
         _forget_pins([*symbol.inputs, symbol.condition], [*symbol.outputs, symbol.action_output])
         for entry in symbol.entries or ():
-            entry.position = (0, 0)
+            entry.position = None
             entry.width = entry.height = None
             _forget_pins([], [entry.output])
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from plcopen_sfc.drawing.draw import draw
 from plcopen_sfc.drawing.fits import fits
-from plcopen_sfc.drawing.layout import has_positions, layout
+from plcopen_sfc.drawing.layout import layout
 from plcopen_sfc.drawing.places import forget_places, is_structured
 from plcopen_sfc.drawing.redraw import redraw
 from plcopen_sfc.drawing.renumber import renumber
@@ -14,6 +14,7 @@ from plcopen_sfc.drawing.step_actions import draw_step_actions, erase_step_actio
 from plcopen_sfc.drawing.style import DrawingStyle
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 
@@ -26,11 +27,10 @@ def prepare(
     anew: bool = False,
     renumbered: bool = False,
     foreign: bool = False,
-    given: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in every body of a project."""
     for _, _, body in project.bodies():
-        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered, foreign=foreign, given=given)
+        prepare_body(body, style, positions=positions, anew=anew, renumbered=renumbered, foreign=foreign)
 
 
 def prepare_body(
@@ -41,14 +41,12 @@ def prepare_body(
     anew: bool = False,
     renumbered: bool = False,
     foreign: bool = False,
-    given: bool = False,
 ) -> None:
     """Draw what is not drawn, and bring up to date what no longer fits, in the charts of one body.
 
-    `positions`: charts whose drawing has no positions get them. `anew`: drawings that fit are replaced too.
+    `positions`: charts whose drawing has no places get them. `anew`: drawings that fit are replaced too.
     `renumbered`: charts that are drawn anew get new ids in document order, as CODESYS numbers them. `foreign`:
-    drawings in another style than a structured one that is asked for are replaced. `given`: the positions of drawings
-    come from a file and stand.
+    drawings in another style than a structured one that is asked for are replaced.
     """
     for chart in charts_in(body):
         if style.structured:
@@ -63,9 +61,9 @@ def prepare_body(
             redraw(chart, style)
         if not style.structured:
             draw_step_actions(chart, style)
-        if chart.drawing is not None and positions and (drawn or not given) and not has_positions(chart.drawing):
+        if positions and chart.drawing is not None and chart.drawing.places is Places.NONE:
             layout(chart)
-            chart.drawing.computed = True
+            chart.drawing.places = Places.COMPUTED
 
 
 def all_charts(project: Project) -> Iterator[SfcNetwork]:

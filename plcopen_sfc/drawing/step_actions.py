@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from plcopen_sfc.drawing.style import DrawingStyle
-from plcopen_sfc.model.drawing import ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
+from plcopen_sfc.model.drawing import ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, InputPin, OutputPin
 from plcopen_sfc.model.sfc import SfcNetwork, Step
+
+ASIDE = 40
+"""How far right of its step a new action block stands."""
 
 
 def draw_step_actions(chart: SfcNetwork, style: DrawingStyle) -> None:
@@ -29,13 +32,15 @@ def draw_step_actions(chart: SfcNetwork, style: DrawingStyle) -> None:
                 symbol.action_output = OutputPin(name=style.action_output_name)
             wire = Connection(source=step.id)
             block = Symbol(id=new_id, kind=SymbolKind.ACTION_BLOCK, inputs=[InputPin(connections=[wire])], entries=[])
+            if drawing.places is not Places.NONE:
+                block.position = (symbol.position[0] + (symbol.width or 0) + ASIDE, symbol.position[1])
             new_id += 1
             drawing.symbols.insert(position + 1, block)
             if drawing.order is not None and step.id in drawing.order:
                 drawing.order.insert(drawing.order.index(step.id) + 1, block.id)
         lines = list(block.entries or ())
         for kind in missing:
-            lines.append(ActionEntry(association=new_id, step_action=kind, position=(0, 0)))
+            lines.append(ActionEntry(association=new_id, step_action=kind))
             new_id += 1
         block.entries = lines
 

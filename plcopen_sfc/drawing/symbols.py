@@ -61,8 +61,7 @@ class Pen:
     def action_block(self, step: Step) -> Symbol:
         """The action block of a step."""
         entries = [
-            ActionEntry(association=a.id, position=(0, 0), output=OutputPin() if self.style.structured else None)
-            for a in step.actions
+            ActionEntry(association=a.id, output=OutputPin() if self.style.structured else None) for a in step.actions
         ]
         return Symbol(
             id=self.new_id(),

@@ -79,14 +79,24 @@ class Symbol(Element):
     local_id: int | None = None
 
 
+class Places(StrEnum):
+    """Where the places of symbols come from: nowhere, a file, or `plcopen_sfc.drawing.layout`.
+
+    Computed places are no work of a person; a format without places may forget them.
+    """
+
+    NONE = "none"
+    GIVEN = "given"
+    COMPUTED = "computed"
+
+
 class Drawing(Model):
     """The drawing of one chart.
 
     `order` is the order of the file's elements by id where graphical logic stands between the symbols; else the
-    symbols come first, in the order of `symbols`. `computed`: the places were computed for a format that wants some,
-    and are no work of a person; a format without places may forget them.
+    symbols come first, in the order of `symbols`. `places` says whether the positions mean anything.
     """
 
     symbols: list[Symbol] = Field(default_factory=list)
     order: list[ElementId] | None = None
-    computed: bool = False
+    places: Places = Places.NONE

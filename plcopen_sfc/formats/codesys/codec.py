@@ -27,6 +27,7 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
         file=file,
         data_readers=DATA_READERS,
         usual_text_element=names.XHTML_CHILD,
+        placeless=True,
         finish_chart=finish_chart,
     )
 

@@ -6,6 +6,7 @@ be carried, where it does not understand all of it.
 
 from __future__ import annotations
 
+import copy
 import re
 
 from lxml import etree
@@ -68,12 +69,15 @@ def read_element_attributes(ctx: ReadContext, data: etree._Element, fields: Fiel
             unknown.append(attribute)
             _check_name(ctx, attribute, fields, owner, value)
     if unknown:
-        rule = data.get("handleUnknown", "implementation")
-        content = (
-            '<attributes xmlns="">' + "".join(markup(attribute).strip() for attribute in unknown) + "</attributes>"
-        )
-        carried(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": content})
+        _carry_attributes(fields, unknown, data.get("handleUnknown", "implementation"))
     return True
+
+
+def _carry_attributes(fields: Fields, unknown: list[etree._Element], rule: str) -> None:
+    """Carry attributes of the SFC editor as a table of their own."""
+    table = etree.Element("attributes")
+    table.extend([copy.deepcopy(attribute) for attribute in unknown])
+    carried(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": markup(table)})
 
 
 def is_reformatted(raw: str) -> bool:
@@ -146,9 +150,7 @@ def finish_chart(_ctx: ReadContext, chart: Fields) -> None:
         raw, attribute = transition.pop(_PENDING, (None, None))
         condition = transition.get("condition") or {}
         if attribute is not None and raw != condition.get("text", condition.get("name", "")):
-            content = f'<attributes xmlns="">{markup(attribute).strip()}</attributes>'
-            data = {"name": names.SFC_ELEMENT, "rule": "implementation", "content": content}
-            carried(transition)["data"].append(data)
+            _carry_attributes(transition, [attribute], "implementation")
 
 
 def read_settings(_ctx: ReadContext, data: etree._Element, fields: Fields, _owner: str) -> bool:

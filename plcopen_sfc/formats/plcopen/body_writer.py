@@ -11,9 +11,9 @@ from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
 from plcopen_sfc.formats.plcopen.writing import WriteContext, add_markup, finish, left_over, sub, write_code
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
 from plcopen_sfc.report import Fate
-
 
 _WHAT = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
 _CHART = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
@@ -45,8 +45,8 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         for part in chart_left:
             why = f"TC6 {ctx.version.name} has no place for it"
             ctx.note(Fate.CARRIED, f"chart {part.replace('_', ' ')}", why=why)
-        if body.chart.drawing is not None and body.chart.drawing.computed:
-            chart_left["drawing"] = {"computed": True}
+        if body.chart.drawing is not None and body.chart.drawing.places is Places.COMPUTED:
+            chart_left["drawing"] = {"places": Places.COMPUTED.value}
         also = {"chart": chart_left} if chart_left else {}
     elif isinstance(body, FbdBody | LdBody):
         sheet = sub(ctx, element, body.language)

@@ -13,7 +13,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
 from plcopen_sfc.formats.plcopen.logic_reader import IdKeeper
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, markup, neutral
-from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.drawing import Places, SymbolKind
 from plcopen_sfc.model.wiring import trace
 
 Line = tuple[Fields, Fields, str | None]
@@ -51,13 +51,19 @@ class DrawnChart:
         self._resolve_jumps()
         self._resolve_wiring()
         self._check()
-        drawing: Fields = {"symbols": self.symbols}
+        drawing: Fields = {"symbols": self.symbols, "places": self._places()}
         if self.nodes:
             drawing["order"] = [entry["id"] for entry in self.document_order]
         if self.ctx.finish_chart is not None:
             self.ctx.finish_chart(self.ctx, {"transitions": self.transitions})
         self.chart.update(steps=self.steps, transitions=self.transitions, logic=self.nodes, drawing=drawing)
         return self.chart
+
+    def _places(self) -> Places:
+        """A tool that exports no layout puts everything at 0, 0."""
+        if self.ctx.placeless and not any(any(symbol.get("position", ())) for symbol in self.symbols):
+            return Places.NONE
+        return Places.GIVEN
 
     def _settle_references(self) -> None:
         """Give steps and transitions the ids of their symbols, now that all ids are known."""

@@ -21,6 +21,7 @@ def load(
     file: str | None = None,
     data_readers: dict[str, DataReader] | None = None,
     usual_text_element: str = "p",
+    placeless: bool = False,
     finish_chart: Callable[[ReadContext, Fields], None] | None = None,
 ) -> Reading:
     """Read a TC6 file. Raises `FormatError` where it cannot be read at all."""
@@ -34,6 +35,7 @@ def load(
             lines=SourceLines(root, data),
             data_readers=data_readers,
             usual_text_element=usual_text_element,
+            placeless=placeless,
             finish_chart=finish_chart,
         )
         try:

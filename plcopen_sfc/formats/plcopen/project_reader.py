@@ -67,10 +67,18 @@ def read_project(
     lines: SourceLines | None = None,
     data_readers: dict[str, DataReader] | None = None,
     usual_text_element: str = "p",
+    placeless: bool = False,
     finish_chart: Callable[[ReadContext, Fields], None] | None = None,
 ) -> tuple[Fields, ReadContext]:
     """Read ``project`` into the fields of a `Project`; what there is to say about it is in the context returned."""
-    ctx = ReadContext(version, file=file, lines=lines, data_readers=data_readers, usual_text_element=usual_text_element)
+    ctx = ReadContext(
+        version,
+        file=file,
+        lines=lines,
+        data_readers=data_readers,
+        usual_text_element=usual_text_element,
+        placeless=placeless,
+    )
     ctx.finish_chart = finish_chart
     if version.first_generation:
         ctx.comment_reader = read_comment

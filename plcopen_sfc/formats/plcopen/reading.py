@@ -67,6 +67,7 @@ class ReadContext:
         lines: SourceLines | None = None,
         data_readers: dict[str, DataReader] | None = None,
         usual_text_element: str = "p",
+        placeless: bool = False,
     ) -> None:
         self.version = version
         self.tags = version.tags
@@ -74,6 +75,8 @@ class ReadContext:
         self.lines = lines
         self.data_readers = data_readers or {}
         self.text_element = _XHTML_TAG + usual_text_element
+        self.placeless = placeless
+        """Whether the tool exports no layout."""
         self.diagnostics: list[Diagnostic] = []
         self.comment_reader: DataReader | None = None
         self.finish_chart: Callable[[ReadContext, Fields], None] | None = None
