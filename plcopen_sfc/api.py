@@ -67,7 +67,8 @@ def save(
     data, report = _encode(project, name, flavour=flavour, fresh=fresh)
     if strict and report.losses:
         first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in report.losses[:3])
-        raise LossError(f"{len(report.losses)} items would be lost or changed: {first}", hint="Nothing was written.")
+        message = f"{len(report.losses)} items would be lost or changed: {first}"
+        raise LossError(message, report, hint="Nothing was written.")
     if isinstance(target, str | os.PathLike):
         write_atomic(target, data)
         report.written.append(os.fspath(target))
@@ -125,7 +126,7 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
         if not fresh and kind.xml:
             return _patched(project, origin, kind, report), report
     options = WriteOptions(version, flavour)
-    prepared = _prepared(project, kind, options)
+    prepared = _prepared(project, kind, options, report)
     data: bytes = kind.codec().write(prepared, options, report)
     _verify(prepared, kind, data, report)
     if origin is not None and format_named(origin.format)[0].xml:
@@ -149,7 +150,7 @@ def _short(value: object) -> str:
 _SHOWN = 60
 
 
-def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
+def _prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Project:
     """A copy of `project` with the drawings that the writer needs."""
     if kind.drawing is DrawingNeed.NONE:
         return project
@@ -157,8 +158,25 @@ def _prepared(project: Project, kind: Format, options: WriteOptions) -> Project:
 
     copy = project.model_copy(deep=True)
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    if style.structured and (project._origin is None or project._origin.format != kind.name):
+        _note_limits(copy, report)
     prepare(copy, style, positions=kind.positions, anew=bool(options.flavour), foreign=True)
     return copy
+
+
+def _note_limits(project: Project, report: ConversionReport) -> None:
+    """Say which charts tools that know nested branches only may not take."""
+    from plcopen_sfc.drawing import limits  # noqa: PLC0415
+
+    for chart in project.charts():
+        names = {step.id: f"step {step.name}" for step in chart.network.steps}
+        names |= {t.id: f"transition {chart.network.label(t)}" for t in chart.network.transitions}
+        place = (
+            f"POU {chart.name}" if chart.name == chart.pou.name else f"POU {chart.name.replace('.', ' / action ', 1)}"
+        )
+        for problem in limits(chart.network):
+            path = f"{place} / {names.get(problem.symbol, problem.symbol)}"
+            report.add(Fate.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
 
 
 def _patched(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:

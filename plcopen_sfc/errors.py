@@ -7,6 +7,10 @@ there is something to do, what to do.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from plcopen_sfc.report import ConversionReport
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +90,14 @@ class StructureError(FormatError):
 
 
 class LossError(SfcError):
-    """A strict conversion would drop or approximate something. Nothing was written."""
+    """A strict conversion would drop or approximate something. Nothing was written.
+
+    `report` is the `ConversionReport` of what would have been written.
+    """
+
+    def __init__(self, message: str, report: ConversionReport, *, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.report = report
 
 
 class ModelError(SfcError, ValueError):

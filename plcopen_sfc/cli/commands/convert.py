@@ -54,9 +54,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     try:
         report = _save(project, target, how)
     except LossError as loss:
-        report = _save(project, None, How(how.format, how.flavour, fresh=how.fresh))
-        _show(screen, report)
-        _write_report(report, report_to)
+        _show(screen, loss.report)
+        _write_report(loss.report, report_to)
         screen.error(loss)
         return _FINDINGS
     _show(screen, report)
@@ -73,14 +72,13 @@ def _beside(source: Path, format_name: str, extension: str) -> str:
     return str(source.with_suffix(f".{format_name}{extension}") if own else plain)
 
 
-def _save(project: Project, target: str | None, how: How) -> ConversionReport:
-    """Save to a file, to standard output (``-``), or only to see what would happen (None)."""
-    if target is not None and target != "-":
+def _save(project: Project, target: str, how: How) -> ConversionReport:
+    """Save to a file or to standard output (``-``)."""
+    if target != "-":
         return save(project, target, format=how.format, flavour=how.flavour, strict=how.strict, fresh=how.fresh)
     content = io.BytesIO()
     report = save(project, content, format=how.format, flavour=how.flavour, strict=how.strict, fresh=how.fresh)
-    if target == "-":
-        sys.stdout.buffer.write(content.getvalue())
+    sys.stdout.buffer.write(content.getvalue())
     return report
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.plcopen.logic_reader import TAGS
 from plcopen_sfc.formats.plcopen.project_reader import find_version
 from plcopen_sfc.formats.plcopen.reading import line_of
 from plcopen_sfc.formats.plcopen.versions import Tc6Version
@@ -54,9 +55,20 @@ def _chart(lines: dict[str, int], path: str, owner: etree._Element, body: Body |
         local_id = symbol.get("localId") if isinstance(symbol.tag, str) else None
         if local_id is not None and local_id.isdigit():
             found.setdefault(int(local_id), symbol)
+    _add_lines_of_blocks(found, body.chart, version)
     for number, names in _names(body.chart).items():
         for name in names if number in found else ():
             _note(lines, f"{path} / {name}", found[number])
+
+
+def _add_lines_of_blocks(found: dict[int, etree._Element], chart: SfcNetwork, version: Tc6Version) -> None:
+    """Find associations that have no id of their own in the file by their line in their block."""
+    for symbol in chart.drawing.symbols if chart.drawing is not None else ():
+        block = found.get(symbol.id)
+        if symbol.entries and block is not None:
+            for entry, action in zip(symbol.entries, block.iterfind(version.qualified["action"]), strict=False):
+                if entry.association not in found or entry.local_id is not None:
+                    found[entry.association] = action
 
 
 def _names(chart: SfcNetwork) -> dict[int, list[str]]:
@@ -65,6 +77,8 @@ def _names(chart: SfcNetwork) -> dict[int, list[str]]:
     for transition in chart.transitions:
         label = chart.label(transition)
         names[transition.id] = [label, f"transition {label}"]
+    for node in chart.logic:
+        names[node.id] = [f"{TAGS.get(node.kind, node.kind)} {node.id}"]
     for step, association in chart.associations():
         target = association.target or "inline"
         short = f"{step.name} {association.qualifier.value} {target}"

@@ -256,6 +256,10 @@ _NODES: dict[str, tuple[str, Callable[[ReadContext, etree._Element, dict[str, st
 }
 
 
+TAGS = {kind: tag for tag, (kind, _) in _NODES.items()}
+"""The element of each kind of node."""
+
+
 def read_logic_body(ctx: ReadContext, element: etree._Element) -> list[Fields]:
     """Read ``FBD`` or ``LD``: one network, since TC6 does not divide the sheet."""
     network: Fields = {"nodes": []}
