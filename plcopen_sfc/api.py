@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -192,11 +193,12 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
         else:
             touched.add(name)
             prepare_body(body, style, positions=False)
-    options = WriteOptions(origin.version, untouched=frozenset(untouched - touched))
     codec = kind.codec()
-    before = codec.read(origin.content).project
+    before: Project = codec.read(origin.content).project
+    options = WriteOptions(origin.version, untouched=frozenset(untouched - touched))
+    edited = replace(options, baseline=before)
     return patch(
         origin.content,
         codec.to_tree(before, options, ConversionReport()),
-        codec.to_tree(project, options, report),
+        codec.to_tree(project, edited, report),
     )

@@ -38,12 +38,13 @@ class WriteOptions:
     """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual.
 
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
-    file that is patched.
+    file that is patched. `baseline` is the project as it was read, by which a writer sees what was edited.
     """
 
     version: str = ""
     flavour: str = ""
     untouched: frozenset[str] = frozenset()
+    baseline: Project | None = None
 
 
 class Codec(Protocol):

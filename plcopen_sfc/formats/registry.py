@@ -45,7 +45,7 @@ FORMATS: tuple[Format, ...] = (
         name="codesys",
         title="CODESYS V3 and TwinCAT 3 PLCopenXML",
         module="plcopen_sfc.formats.codesys.codec",
-        extensions=(".xml", ".export"),
+        extensions=(".xml",),
         recognises=_is_codesys,
         capabilities=(
             "steps",

@@ -7,6 +7,7 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from enum import StrEnum
 from typing import TYPE_CHECKING
@@ -308,13 +309,26 @@ class SfcNetwork(Element):
     def rename_step(self, old: str, new: str) -> Step:
         """Give a step another name. Transitions and jumps follow, since they refer to the step and not to its name.
 
-        Raises `ModelError` where there is no such step or the name is taken.
+        Program text that names the step (``S3.x``) does not follow: `mentions` finds it. Raises `ModelError` where
+        there is no such step or the name is taken.
         """
         step = self.step(old)
         if new.casefold() != step.name.casefold():
             self._claim(new)
         step.name = new
         return step
+
+    def mentions(self, name: str) -> list[Transition | ActionAssociation]:
+        """The transitions and associations of this chart whose text names `name`: what to look at after a rename."""
+        word = re.compile(rf"(?<![\w.]){re.escape(name)}(?!\w)", re.IGNORECASE)
+        texts: list[tuple[Transition | ActionAssociation, str]] = [
+            (t, getattr(t.condition, "text", "") or getattr(getattr(t.condition, "body", None), "text", ""))
+            for t in self.transitions
+        ]
+        texts += [
+            (a, f"{a.target or ''} {a.duration or ''} {getattr(a.body, 'text', '')}") for _, a in self.associations()
+        ]
+        return [thing for thing, text in texts if word.search(text)]
 
     def _claim(self, name: str) -> None:
         if any(step.name.casefold() == name.casefold() for step in self.steps):

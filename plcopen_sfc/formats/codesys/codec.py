@@ -9,6 +9,7 @@ from lxml import etree
 from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
+from plcopen_sfc.formats.codesys.declarations import drop_stale
 from plcopen_sfc.formats.codesys.dialect import CODESYS
 from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
@@ -39,8 +40,9 @@ def lines(content: bytes, project: Project) -> dict[str, int]:
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the export for `project`. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""
+    stale = drop_stale(project, options.baseline, report) if options.baseline is not None else frozenset()
     dialect = replace(CODESYS, version=V2_01) if options.version == V2_01.name else CODESYS
-    return write_project(project, dialect, report, options.untouched)
+    return write_project(project, dialect, report, options.untouched, stale)
 
 
 def style(_project: Project, _options: WriteOptions) -> XmlStyle:

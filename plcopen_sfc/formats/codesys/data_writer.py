@@ -26,7 +26,7 @@ from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource, Task, TreeNode
 from plcopen_sfc.model.sfc import SfcSettings, Step, Transition
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import Interface, VariableSection
 
 _DISCARD = UnknownDataRule.DISCARD
 _IMPLEMENTATION = UnknownDataRule.IMPLEMENTATION
@@ -117,8 +117,9 @@ def _object_id(ctx: WriteContext, object_id: str | None) -> Iterator[Written]:
         yield names.OBJECT_ID, _DISCARD, _text_element(ctx, "ObjectId", object_id)
 
 
-def _declaration(ctx: WriteContext, text: str | None) -> Iterator[Written]:
-    if text is not None:
+def _declaration(ctx: WriteContext, thing: Interface | DataTypeDeclaration | VariableSection) -> Iterator[Written]:
+    text = thing.declaration
+    if text is not None and id(thing) not in ctx.stale:
         holder = etree.Element(ctx.version_tag("InterfaceAsPlainText"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         etree.SubElement(holder, f"{{{XHTML}}}xhtml", nsmap={None: XHTML}).text = legal(text)  # type: ignore[dict-item]
         yield names.PLAIN_TEXT, _IMPLEMENTATION, holder
@@ -306,7 +307,7 @@ def _pou(ctx: WriteContext, pou: Pou, _owner: str) -> Iterator[Written]:
         yield names.METHOD, _IMPLEMENTATION, _method(ctx, method)
     yield from _settings(ctx, list(pou.bodies))
     if pou.interface is not None:
-        yield from _declaration(ctx, pou.interface.declaration)
+        yield from _declaration(ctx, pou.interface)
     yield from _object_id(ctx, pou.object_id)
 
 
@@ -332,11 +333,11 @@ def _part(ctx: WriteContext, part: Action | NamedTransition, _owner: str) -> Ite
 
 def _method_data(ctx: WriteContext, method: Method, _owner: str) -> Iterator[Written]:
     if method.interface is not None:
-        yield from _declaration(ctx, method.interface.declaration)
+        yield from _declaration(ctx, method.interface)
 
 
 def _declared(ctx: WriteContext, thing: DataTypeDeclaration | VariableSection, _owner: str) -> Iterator[Written]:
-    yield from _declaration(ctx, thing.declaration)
+    yield from _declaration(ctx, thing)
     yield from _object_id(ctx, thing.object_id)
 
 

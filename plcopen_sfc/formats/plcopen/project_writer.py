@@ -27,13 +27,18 @@ _HEADER = frozenset(
 
 
 def write_project(
-    project: Project, dialect: Dialect, report: ConversionReport, untouched: frozenset[str] = frozenset()
+    project: Project,
+    dialect: Dialect,
+    report: ConversionReport,
+    untouched: frozenset[str] = frozenset(),
+    stale: frozenset[int] = frozenset(),
 ) -> etree._Element:
     """The tree of the file for `project`; what becomes of each item goes into `report`.
 
-    The charts of bodies named in `untouched` are left out, for a patch that leaves them as they are.
+    The charts of bodies named in `untouched` are left out, for a patch that leaves them as they are. `stale` are the
+    objects (by `id()`) whose declaration as text is left out.
     """
-    ctx = WriteContext(dialect, report, project, untouched)
+    ctx = WriteContext(dialect, report, project, untouched, stale)
     nsmap: dict[str | None, str] = {None: dialect.version.namespace}
     if dialect.declares_xhtml:
         nsmap["xhtml"] = XHTML

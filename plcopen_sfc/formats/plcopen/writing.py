@@ -52,13 +52,20 @@ class WriteContext:
     """State of writing one project: the dialect, the report, and where we are."""
 
     def __init__(
-        self, dialect: Dialect, report: ConversionReport, project: Project, untouched: frozenset[str] = frozenset()
+        self,
+        dialect: Dialect,
+        report: ConversionReport,
+        project: Project,
+        untouched: frozenset[str] = frozenset(),
+        stale: frozenset[int] = frozenset(),
     ) -> None:
         self.dialect = dialect
         self.version = dialect.version
         self.names = dialect.version.qualified
         self.report = report
         self.untouched = untouched
+        self.stale = stale
+        """Objects (by `id()`) whose declaration as text is not written."""
         self.body_name = ""
         """The name of the body being written, as `Pou.named_bodies` gives it."""
         self.place: list[str] = []
