@@ -283,6 +283,7 @@ class IdKeeper:
         self.ctx = ctx
         self.used: set[int] = set()
         self.late: list[Fields] = []
+        self.last: int | None = None
 
     def claim(self, element: etree._Element, fields: Fields) -> None:
         """Set ``id`` from the ``localId`` of `element`; remember the object for `settle` where that cannot be."""
@@ -302,8 +303,12 @@ class IdKeeper:
 
     def new(self) -> int:
         """An id that nothing has. Only after all elements have claimed theirs."""
-        number = max(self.used, default=-1) + 1
+        # ids are only added, so the next one is never below the last
+        number = max(self.used, default=-1) + 1 if self.last is None else self.last + 1
+        while number in self.used:
+            number += 1
         self.used.add(number)
+        self.last = number
         return number
 
     def settle(self) -> None:

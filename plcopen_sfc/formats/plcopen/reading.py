@@ -8,6 +8,7 @@ dictionary one by one: what is left in it at the end is not known, and is carrie
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -232,13 +233,17 @@ def read_code(ctx: ReadContext, element: etree._Element) -> tuple[str, str | Non
 
 def number(text: str | None) -> float | None:
     """A decimal; None where it is missing or none."""
-    if text is None:
+    if text is None or "_" in text:
         return None
+    try:
+        return int(text)
+    except ValueError:
+        pass
     try:
         value = float(text)
     except ValueError:
         return None
-    return int(value) if value.is_integer() else value
+    return value if math.isfinite(value) else None
 
 
 def read_point(element: etree._Element) -> tuple[float, float] | None:
