@@ -39,11 +39,11 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None) ->
     with collector_paused():
         reading: Reading = kind.codec().read(data, file=path)
         project = reading.project
-        origin = Origin(kind.name, reading.version, data, fingerprint(project), path, reading.diagnostics)
-    project._origin = origin
-    for name, _, body in project.bodies():
-        if isinstance(body, SfcBody):
-            body.settle(name, origin)
+        for name, _, body in project.bodies():
+            if isinstance(body, SfcBody):
+                body.settle(name, data)
+        digest = fingerprint(project)
+    project._origin = Origin(kind.name, reading.version, data, digest, path, reading.diagnostics)
     return project
 
 
@@ -188,7 +188,7 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     touched, untouched = set(), set()
     for name, _, body in project.bodies():
-        if isinstance(body, SfcBody) and body.is_as_in(origin, name):
+        if isinstance(body, SfcBody) and body.is_as_in(origin.content, name):
             untouched.add(name)
         else:
             touched.add(name)

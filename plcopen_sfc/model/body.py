@@ -62,7 +62,7 @@ class SfcBody(BodyBase):
 
     _unread: Callable[[], SfcNetwork] | None = PrivateAttr(default=None)
     _digest: bytes | None = PrivateAttr(default=None)
-    _home: tuple[str, object] | None = PrivateAttr(default=None)
+    _home: tuple[str, bytes] | None = PrivateAttr(default=None)
 
     @classmethod
     def deferred(cls, fields: dict[str, Any], read: Callable[[], SfcNetwork]) -> SfcBody:
@@ -75,15 +75,17 @@ class SfcBody(BodyBase):
     @property
     def is_untouched(self) -> bool:
         """Whether the chart is as it was read: not looked at, or looked at and not changed. False if built by hand."""
-        return self._unread is not None or (self._digest is not None and self._digest == _digest(self.chart))
+        if "chart" not in self.__dict__:
+            return True
+        return self._digest is not None and self._digest == _digest(self.chart)
 
-    def settle(self, name: str, origin: object) -> None:
-        """Remember that the body was read as `name` from `origin`."""
-        self._home = (name, origin)
+    def settle(self, name: str, content: bytes) -> None:
+        """Remember that the body was read as `name` from the file `content`."""
+        self._home = (name, content)
 
-    def is_as_in(self, origin: object, name: str) -> bool:
-        """Whether the body was read as `name` from this very `origin` and is untouched."""
-        return self._home is not None and self._home[0] == name and self._home[1] is origin and self.is_untouched
+    def is_as_in(self, content: bytes, name: str) -> bool:
+        """Whether the body was read as `name` from this very `content` and is untouched."""
+        return self._home is not None and self._home[0] == name and self._home[1] is content and self.is_untouched
 
     if not TYPE_CHECKING:
 
@@ -109,6 +111,11 @@ class SfcBody(BodyBase):
         self.read()
         return super().__deepcopy__(memo)
 
+    def __getstate__(self) -> dict[Any, Any]:
+        """What is pickled: the chart, not the file it may still stand in."""
+        self.read()
+        return super().__getstate__()
+
     def read(self) -> SfcNetwork:
         """The chart, read now if it was not yet."""
         return self.chart
@@ -116,14 +123,14 @@ class SfcBody(BodyBase):
     @model_serializer(mode="wrap")
     def _serialize(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
         if info.context == FINGERPRINT and self.is_untouched:
-            return {"untouched": True}
+            return {"untouched": self._home[0] if self._home is not None else True}
         self.read()
         content: dict[str, Any] = handler(self)
         return content
 
 
 FINGERPRINT = "fingerprint"
-"""Serialisation context in which charts that were not edited count as one and the same."""
+"""Serialisation context in which a chart that was not edited counts as what it was read as."""
 
 
 def _digest(chart: SfcNetwork) -> bytes:

@@ -160,6 +160,10 @@ class Origin(NamedTuple):
     path: str | None
     diagnostics: list[Diagnostic]
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Origin:
+        """Itself: copies of a project come from the same file."""
+        return self
+
 
 class Project(Element):
     """Everything a file holds.
