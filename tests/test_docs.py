@@ -124,6 +124,13 @@ def test_commands_of_the_readme_are_single_lines_and_exist(workplace: Path) -> N
         assert block.text.count("\n") == 1
 
 
+@pytest.mark.parametrize("mark", ["first command", "test command"])
+def test_the_windows_commands_are_the_same(mark: str) -> None:
+    windows = marked_command(mark).replace("python3 -m venv", "py -m venv").replace(".venv/bin/", ".venv\\Scripts\\")
+    windows = " ".join(word.replace("/", "\\") if word.startswith("fixtures") else word for word in windows.split(" "))
+    assert windows in README.read_text(encoding="utf-8")
+
+
 @pytest.mark.skipif(shutil.which("bash") is None or shutil.which("awk") is None, reason="needs bash and awk")
 def test_ci_runs_the_test_command_of_the_readme() -> None:
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
