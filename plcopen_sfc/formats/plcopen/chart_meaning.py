@@ -143,7 +143,8 @@ class DrawnChart:
         """The id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
         number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
         if number is None or number in self.ids.used:
-            entry["local_id"] = number
+            # 0 is what Beremiz writes at every action: an id that says nothing
+            entry["local_id"] = None if self.ctx.version.first_generation else number or 0
             return self.ids.new()
         self.ids.used.add(number)
         return number

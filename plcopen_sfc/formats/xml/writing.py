@@ -73,6 +73,12 @@ def write(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
     return (bom if style.bom else b"") + encode_text(text, codec)
 
 
+def canonical(root: etree._Element) -> bytes:
+    """The tree in canonical form, without comments: equal for trees that say the same."""
+    text: bytes = etree.tostring(root, method="c14n", with_comments=False)
+    return text
+
+
 def _indent(root: etree._Element, unit: str) -> None:
     """Indent, but leave mixed content as it is: `etree.indent` would put line ends between its elements."""
     kept = [(node, node.text, node.tail, node is mixed) for mixed in _untouchable(root) for node in mixed.iter()]
