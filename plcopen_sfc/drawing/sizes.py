@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition
-from plcopen_sfc.model.drawing import Symbol, SymbolKind
+from plcopen_sfc.model.drawing import ActionEntry, Symbol, SymbolKind
 from plcopen_sfc.model.network import Block, InOutVariable, InputVariable, Node, OutputVariable
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
@@ -57,13 +57,21 @@ class Sizes:
             target = self.steps.get(symbol.target) if symbol.target is not None else None
             return even(max(40, text_width(target.name if target is not None else symbol.name or "") + 20)), 20
         if kind is SymbolKind.ACTION_BLOCK:
-            entries = [e.association for e in symbol.entries or () if e.association in self.associations]
-            rows = [self.associations[number] for number in entries]
-            width = max((text_width(_row_text(row)) for row in rows), default=0)
+            rows = [self.row_text(symbol, entry) for entry in symbol.entries or ()]
+            width = max((text_width(row) for row in rows), default=0)
             return even(max(100, width + 60)), ROW_HEIGHT * max(len(rows), 1)
         if kind is SymbolKind.EXPRESSION:
             return even(max(40, text_width(self.conditions.get(symbol.id, symbol.name or "")) + 10)), 20
         return 20, BAR_HEIGHT[kind]
+
+    def row_text(self, block: Symbol, entry: ActionEntry) -> str:
+        """What stands in a line of an action block."""
+        if entry.step_action is None:
+            association = self.associations.get(entry.association)
+            return _row_text(association) if association is not None else ""
+        owners = [self.steps.get(c.source) for pin in block.inputs for c in pin.connections]
+        actions = [getattr(step, f"{entry.step_action.value}_action") for step in owners if step is not None]
+        return f"P1 {actions[0]}" if actions and isinstance(actions[0], str) else "P1"
 
     def condition_text(self, symbol: Symbol) -> str:
         """What stands beside a transition."""

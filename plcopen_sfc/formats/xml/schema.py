@@ -1,25 +1,20 @@
-"""Checking a tree against one of our XML schemas: libxml2 decides, and only where it objects is the reason looked for.
-
-The schemas lie in `schemas/` of a source checkout and in `plcopen_sfc/schemas/` of an installation.
-"""
+"""Checking a tree against one of our XML schemas: libxml2 decides, and only where it objects is the reason looked for."""
 
 from __future__ import annotations
 
 import re
 import threading
 from collections.abc import Callable, Iterator
-from functools import cache
-from importlib import resources
 from itertools import islice
-from pathlib import Path
 
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import FileAccessError, Location
+from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.xml.schema_files import schema_path
 from plcopen_sfc.formats.xml.source import SourceLines
 
-__all__ = ["MAX_FINDINGS", "Judge", "element_path", "findings", "is_valid", "schema_path"]
+__all__ = ["MAX_FINDINGS", "Judge", "element_path", "findings", "is_valid"]
 
 MAX_FINDINGS = 100
 """So many findings are reported for one file; who repairs these will run the check again."""
@@ -29,23 +24,6 @@ Judge = Callable[[etree._Element], Severity]
 
 _KEYS = ("localId", "name", "Name", "guid", "alias", "instancePathAndName", "member", "formalParameter")
 _per_thread = threading.local()
-
-
-@cache
-def schema_path(name: str) -> Path:
-    """The file of the schema `name` (``plcopen-2.01``).
-
-    Raises `FileAccessError` where the package was installed without its schemas.
-    """
-    package = resources.files("plcopen_sfc")
-    for folder in (package / "schemas", Path(str(package)).parent / "schemas"):
-        path = Path(str(folder)) / f"{name}.xsd"
-        if path.is_file():
-            return path
-    raise FileAccessError(
-        f"the schema {name}.xsd is missing from this installation of plcopen_sfc",
-        hint="Install the package anew, unpacked: libxml2 cannot read schemas inside an archive.",
-    )
 
 
 def _validator(name: str) -> etree.XMLSchema:

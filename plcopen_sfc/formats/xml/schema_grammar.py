@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 import xmlschema
 from lxml import etree
 
-from plcopen_sfc.formats.xml.schema import schema_path
+from plcopen_sfc.formats.xml.schema_files import schema_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
