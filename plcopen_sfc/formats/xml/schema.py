@@ -1,4 +1,4 @@
-"""Checking a tree against one of our XML schemas: libxml2 decides, and only where it objects is the reason looked for."""
+"""Checking a tree against one of our XML schemas: libxml2 decides; where it objects the reason is looked for."""
 
 from __future__ import annotations
 
