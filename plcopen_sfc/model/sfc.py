@@ -275,7 +275,7 @@ class SfcNetwork(Element):
         used += [a.id for _, a in self.associations()]
         if self.drawing is not None:
             used += [s.id for s in self.drawing.symbols]
-            used += [e.local_id or 0 for s in self.drawing.symbols for e in s.entries or ()]
+            used += [i for s in self.drawing.symbols for e in s.entries or () for i in (e.local_id or 0, e.association)]
         return max(used, default=-1) + 1
 
     def add_step(self, name: str, *, initial: bool = False) -> Step:
