@@ -14,6 +14,7 @@ from xml.sax.saxutils import escape
 import pytest
 from lxml import etree
 
+from plcopen_sfc.model import Project
 from tests.corpus import ROOT, corpus_files
 
 FIXTURES = ROOT / "fixtures"
@@ -286,3 +287,21 @@ def local(element: etree._Element) -> str:
 def tree_of(data: bytes) -> etree._Element:
     """The tree of a file, by lxml alone."""
     return etree.fromstring(data, etree.XMLParser(huge_tree=True))
+
+
+# -- projects ----------------------------------------------------------------------------------------------------------
+
+
+def assert_same(mine: Project, theirs: Project) -> None:
+    """Equal, but for the ids of associations: most tools give them none, and then they are numbered when read."""
+    copies = [one.model_copy(deep=True) for one in (mine, theirs)]
+    for copy in copies:
+        for chart in copy.charts():
+            new = {a.id: -number for number, (_, a) in enumerate(chart.network.associations())}
+            for _, association in chart.network.associations():
+                association.__dict__["id"] = new[association.id]
+            for symbol in chart.network.drawing.symbols if chart.network.drawing is not None else ():
+                for entry in symbol.entries or ():
+                    entry.__dict__["association"] = new[entry.association]
+                    entry.local_id = None
+    assert copies[0] == copies[1]

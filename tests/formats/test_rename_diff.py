@@ -32,6 +32,7 @@ from tests.samples import (
     Hunk,
     Span,
     assert_only_names_changed,
+    assert_same,
     assert_within,
     charts_in,
     difference,
@@ -211,7 +212,9 @@ def initial_moved(subject: Subject) -> list[Span]:
 
 
 def variable_renamed(subject: Subject) -> list[Span]:
-    pous = [p for p in subject.project.pous if p.interface is not None and p.interface.variables()]
+    # a declaration text that no longer says what is declared is left out: see test_dialect
+    pous = [p for p in subject.project.pous if p.interface is not None and p.interface.declaration is None]
+    pous = [p for p in pous if p.interface is not None and p.interface.variables()]
     pou = found(iter(pous))
     variable = pou.interface.variables()[0]  # type: ignore[attr-defined]
     old, variable.name = variable.name, NEW
@@ -334,21 +337,6 @@ def test_an_edit_of_the_structure_stays_in_its_chart(path: Path, edit: Edit) -> 
         assert len(removed) <= 6, removed
         assert len(inserted) < 50, inserted
     assert not [line for line in inserted if re.search(r"<\w+:(step|transition|action)", line)]
-
-
-def assert_same(mine: Project, theirs: Project) -> None:
-    """Equal, but for the ids of associations: most tools give them none, and then they are numbered when read."""
-    copies = [one.model_copy(deep=True) for one in (mine, theirs)]
-    for copy in copies:
-        for chart in copy.charts():
-            new = {a.id: -number for number, (_, a) in enumerate(chart.network.associations())}
-            for _, association in chart.network.associations():
-                association.__dict__["id"] = new[association.id]
-            for symbol in chart.network.drawing.symbols if chart.network.drawing is not None else ():
-                for entry in symbol.entries or ():
-                    entry.__dict__["association"] = new[entry.association]
-                    entry.local_id = None
-    assert copies[0] == copies[1]
 
 
 def net(chart: SfcNetwork) -> object:
