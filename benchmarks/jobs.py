@@ -1,0 +1,169 @@
+"""What is measured: for each contestant what it prepares from the path of a file, and what it then does with that."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+import plcopen_sfc as sfc
+from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.formats.xml.schema_files import schema_path
+from plcopen_sfc.model import Project
+
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+OFFICIAL = {
+    b"http://www.plcopen.org/xml/tc6_0200": "tc6_xml_v200.xsd",
+    b"http://www.plcopen.org/xml/tc6_0201": "tc6_xml_v201.xsd",
+}
+
+
+def parse_lxml(path: Path) -> Any:
+    """The tree of lxml, and nothing done with it."""
+    return etree.parse(path)
+
+
+def load(path: Path) -> Project:
+    """`load`: everything but the charts, which are read when somebody looks at them."""
+    return sfc.load(path)
+
+
+def load_all(path: Path) -> Project:
+    """`load`, and look at every chart."""
+    project = sfc.load(path)
+    for chart in project.charts():
+        assert chart.network is not None
+    return project
+
+
+def steps_of(project: Project) -> int:
+    """How many steps the charts have."""
+    return sum(len(chart.network.steps) for chart in project.charts())
+
+
+def steps_in_tree(tree: Any) -> int:
+    """How many elements ``step`` a file has, wherever they stand."""
+    return sum(1 for _ in tree.iter("{*}step"))
+
+
+@cache
+def _xsdata() -> tuple[Any, type]:
+    parsers = import_module("xsdata.formats.dataclass.parsers")
+    contexts = import_module("xsdata.formats.dataclass.context")
+    return parsers.XmlParser(context=contexts.XmlContext()), import_module("plcopen").Project
+
+
+def has_xsdata() -> bool:
+    """Whether the packages `plcopen` and `xsdata` are installed."""
+    try:
+        _xsdata()
+    except ImportError:
+        return False
+    return True
+
+
+def parse_xsdata(path: Path) -> Any:
+    """The objects of the package `plcopen`, read by xsdata as its README says.
+
+    Its classes know TC6 2.01 only: a file of TC6 2.0 is presented to it as one of 2.01.
+    """
+    parser, project = _xsdata()
+    content = path.read_bytes()
+    if b"tc6_0200" in content[:4096]:
+        content = content.replace(b"tc6_0200", b"tc6_0201")
+    return parser.from_bytes(content, project)
+
+
+def steps_of_xsdata(found: object) -> tuple[int, int]:
+    """How many steps xsdata found anywhere in its objects: as objects of their class, and as elements of no class."""
+    typed, untyped, heap, seen = 0, 0, [found], set()
+    while heap:
+        each = heap.pop()
+        if isinstance(each, list | tuple):
+            heap.extend(each)
+        elif hasattr(each, "__dataclass_fields__") and id(each) not in seen:
+            seen.add(id(each))
+            typed += type(each).__qualname__.endswith("Sfc.Step")
+            untyped += str(getattr(each, "qname", "")).endswith("}step")
+            heap.extend(vars(each).values())
+    return typed, untyped
+
+
+def official_schema(path: Path) -> Path | None:
+    """The published schema for a file; None where it is not at hand (``$PLCOPEN_SFC_XSD``, ``../shared/xsd``)."""
+    with path.open("rb") as file:
+        head = file.read(4096)
+    name = next((name for namespace, name in OFFICIAL.items() if namespace in head), "none")
+    schema = Path(os.environ.get("PLCOPEN_SFC_XSD") or SHARED / "xsd") / "plcopen" / name
+    return schema if schema.is_file() else None
+
+
+def our_schema(path: Path) -> Path:
+    """Our schema of the version of TC6 that a file has, without the payloads of tools."""
+    with path.open("rb") as file:
+        head = file.read(4096)
+    return schema_path("plcopen-2.0" if b"tc6_0200" in head else "plcopen-2.01")
+
+
+def compile_schema(path: Path) -> tuple[etree.XMLSchema, Path]:
+    """The compiled schema for a file: the published one, or else ours."""
+    return etree.XMLSchema(etree.parse(official_schema(path) or our_schema(path))), path
+
+
+def validate_libxml2(schema_and_path: tuple[etree.XMLSchema, Path]) -> bool:
+    """Parsing, and libxml2's own validator."""
+    schema, path = schema_and_path
+    return schema.validate(etree.parse(path))
+
+
+def validate(path: Path) -> list[Any]:
+    """Our validation: what ``plcopen-sfc validate`` asks the schema of the file's format."""
+    data = path.read_bytes()
+    package = recognise(data).module.rpartition(".")[0]
+    found: list[Any] = import_module(f"{package}.schema").validate(data)
+    return found
+
+
+def write_lxml(tree: Any) -> bytes:
+    """The bytes of a tree."""
+    return etree.tostring(tree, encoding="utf-8", xml_declaration=True)
+
+
+def save(project: Project) -> int:
+    """`save`, into memory."""
+    file = BytesIO()
+    sfc.save(project, file)
+    return file.tell()
+
+
+def rename_and_save(project: Project) -> int:
+    """`save` after a step of the first chart got another name."""
+    chart = next(iter(project.charts())).network
+    chart.rename_step(chart.steps[0].name or "", "Renamed")
+    return save(project)
+
+
+def _itself(path: Path) -> Path:
+    return path
+
+
+JOBS: dict[str, tuple[Callable[[Path], Any], Callable[[Any], Any]]] = {
+    "lxml": (_itself, parse_lxml),
+    "load": (_itself, load),
+    "load_all": (_itself, load_all),
+    "xsdata": (_itself, parse_xsdata),
+    "tostring": (parse_lxml, write_lxml),
+    "save": (load, save),
+    "save_all": (load_all, save),
+    "rename": (load, rename_and_save),
+    "rename_all": (load_all, rename_and_save),
+    "libxml2": (compile_schema, validate_libxml2),
+    "validate": (_itself, validate),
+}
+"""The contestants: what is prepared, and what is measured."""
