@@ -126,7 +126,8 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
             return origin.content, report
         if not fresh and kind.xml:
             return _patched(project, origin, kind, report), report
-    options = WriteOptions(version, flavour)
+    same = origin is not None and origin.format == kind.name and origin.version == version and not flavour
+    options = WriteOptions(version, flavour, same=same)
     prepared = _prepared(project, kind, options, report)
     data: bytes = kind.codec().write(prepared, options, report)
     _verify(prepared, kind, data, report)
@@ -196,7 +197,7 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
             prepare_body(body, style, positions=False)
     codec = kind.codec()
     before: Project = codec.read(origin.content).project
-    options = WriteOptions(origin.version, untouched=frozenset(untouched - touched))
+    options = WriteOptions(origin.version, same=True, untouched=frozenset(untouched - touched))
     after = codec.to_tree(project, replace(options, baseline=before), report)
     data = patch(origin.content, codec.to_tree(before, options, ConversionReport()), after)
     back = codec.to_tree(codec.read(data).project, options, ConversionReport())
@@ -204,7 +205,7 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
     if canonical(back) != canonical(after):
         # rather a large diff than a lost edit
         report.add(Fate.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
-        options = WriteOptions(origin.version, baseline=before)
+        options = WriteOptions(origin.version, same=True, baseline=before)
         prepare(project, style, positions=kind.positions)
         data = codec.write(project, options, report)
     return data

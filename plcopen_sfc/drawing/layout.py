@@ -85,7 +85,7 @@ class _Layout:
             self.place(number)
         self.stretch_bars()
         self.place_rest(_MARGIN + root.height + _DOWN)
-        Wires(self.chart, keep=False).run()
+        Wires(self.chart).run()
 
     def assign(self) -> None:
         """Find out which blocks, expressions and elements of logic stand beside which symbol."""

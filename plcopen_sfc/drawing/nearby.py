@@ -39,7 +39,7 @@ def place_nearby(chart: SfcNetwork, followed: Mapping[int, int | None]) -> None:
         x, y = _wish(symbol, width, anchor) if anchor is not None else (20, below)
         boxes[number] = _free((x, y, width, height), list(boxes.values()))
         symbol.position = boxes[number][:2]
-    Wires(chart, keep=True).run()
+    Wires(chart, only=frozenset(followed)).run()
 
 
 def _or(number: int | None, default: int) -> int:

@@ -12,11 +12,14 @@ from plcopen_sfc.model.sfc import SfcNetwork
 
 
 class Wires:
-    """Places pins and wires of a chart whose symbols are placed. `keep`: pins and wires that have their places stay."""
+    """Places pins and wires of a chart whose symbols are placed.
 
-    def __init__(self, chart: SfcNetwork, *, keep: bool) -> None:
+    `only`: these symbols are new; pins and wires that do not touch them stay as they are.
+    """
+
+    def __init__(self, chart: SfcNetwork, *, only: frozenset[int] | None = None) -> None:
         self.chart = chart
-        self.keep = keep
+        self.only = only
         drawing = chart.drawing
         self.symbols = {symbol.id: symbol for symbol in drawing.symbols} if drawing is not None else {}
         self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
@@ -33,8 +36,9 @@ class Wires:
     def run(self) -> None:
         """Place everything."""
         for symbol in self.symbols.values():
-            self._outputs(symbol)
-        for node in self.nodes.values():
+            if self._is_new(symbol.id):
+                self._outputs(symbol)
+        for node in self.nodes.values() if self.only is None else ():
             self._node_outputs(node)
         conditions = {t.id: t.condition for t in self.chart.transitions}
         for symbol in self.symbols.values():
@@ -46,7 +50,7 @@ class Wires:
             if isinstance(condition, WiredCondition):
                 self._input(symbol.id, condition.input, (0, self.boxes[symbol.id][3] / 2))
             for row, line in enumerate(symbol.entries or ()):
-                if not self.keep:
+                if self._is_new(symbol.id):
                     line.position = (0, ROW_HEIGHT * row)
         for node in self.nodes.values():
             for row, pin in enumerate(node_inputs(node)):
@@ -82,8 +86,10 @@ class Wires:
                 self._output(pin_or_none, (width, height // 2))
 
     def _output(self, pin: OutputPin, place: Point) -> None:
-        if not self.keep or pin.position is None:
-            pin.position = place
+        pin.position = place
+
+    def _is_new(self, number: int) -> bool:
+        return self.only is None or number in self.only
 
     def _consumers(self) -> dict[int, list[int]]:
         if not hasattr(self, "_consumer_lists"):
@@ -112,13 +118,17 @@ class Wires:
         return (width / 2, 0)
 
     def _input(self, owner: int, pin: InputPin, place: Point) -> None:
-        if not self.keep or pin.position is None:
+        if self._is_new(owner):
             pin.position = place
+        elif not any(self._is_new(connection.source) for connection in pin.connections):
+            return
+        # where the file says nothing of the pin, wires to it end where such pins are
+        end = pin.position or place
         x, y, _, _ = self.boxes[owner]
-        start = (x + pin.position[0], y + pin.position[1])
+        start = (x + end[0], y + end[1])
         for connection in pin.connections:
-            if connection.source in self.boxes and not (self.keep and connection.points):
-                sideways = pin.position[0] == 0 and self._leaves_sideways(owner, connection)
+            if connection.source in self.boxes and (self.only is None or not connection.points):
+                sideways = end[0] == 0 and self._leaves_sideways(owner, connection)
                 connection.points = _bends(start, self._start_of(connection, start, sideways), sideways=sideways)
 
     def _leaves_sideways(self, owner: int, connection: Connection) -> bool:

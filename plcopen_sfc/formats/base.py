@@ -37,12 +37,14 @@ class DrawingNeed(StrEnum):
 class WriteOptions:
     """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual.
 
+    `same`: the project was read from this format in this version; ids come back by themselves then.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
     file that is patched. `baseline` is the project as it was read, by which a writer sees what was edited.
     """
 
     version: str = ""
     flavour: str = ""
+    same: bool = False
     untouched: frozenset[str] = frozenset()
     baseline: Project | None = None
 

@@ -42,7 +42,7 @@ def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -
     """The tree of the export for `project`. The tools write TC6 2.0; a file that was put into 2.01 by hand stays so."""
     stale = drop_stale(project, options.baseline, report) if options.baseline is not None else frozenset()
     dialect = replace(CODESYS, version=V2_01) if options.version == V2_01.name else CODESYS
-    return write_project(project, dialect, report, options.untouched, stale)
+    return write_project(project, dialect, report, options, stale)
 
 
 def style(_project: Project, _options: WriteOptions) -> XmlStyle:

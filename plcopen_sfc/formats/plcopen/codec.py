@@ -30,9 +30,9 @@ def lines(content: bytes, project: Project) -> dict[str, int]:
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the file for `project`."""
     if options.flavour == "beremiz":
-        return write_project(project, BEREMIZ, report)
+        return write_project(project, BEREMIZ, report, options)
     version = version_named(options.version) or V2_01
-    return write_project(project, Dialect(version), report, options.untouched)
+    return write_project(project, Dialect(version), report, options)
 
 
 def style(_project: Project, _options: WriteOptions) -> XmlStyle:

@@ -7,6 +7,7 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.body_writer import write_pou
 from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD
 from plcopen_sfc.formats.plcopen.types_writer import (
@@ -30,15 +31,14 @@ def write_project(
     project: Project,
     dialect: Dialect,
     report: ConversionReport,
-    untouched: frozenset[str] = frozenset(),
+    options: WriteOptions,
     stale: frozenset[int] = frozenset(),
 ) -> etree._Element:
     """The tree of the file for `project`; what becomes of each item goes into `report`.
 
-    The charts of bodies named in `untouched` are left out, for a patch that leaves them as they are. `stale` are the
-    objects (by `id()`) whose declaration as text is left out.
+    `stale` are the objects (by `id()`) whose declaration as text is left out.
     """
-    ctx = WriteContext(dialect, report, project, untouched, stale)
+    ctx = WriteContext(dialect, report, project, options, stale)
     nsmap: dict[str | None, str] = {None: dialect.version.namespace}
     if dialect.declares_xhtml:
         nsmap["xhtml"] = XHTML

@@ -14,6 +14,7 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
@@ -56,14 +57,16 @@ class WriteContext:
         dialect: Dialect,
         report: ConversionReport,
         project: Project,
-        untouched: frozenset[str] = frozenset(),
+        options: WriteOptions,
         stale: frozenset[int] = frozenset(),
     ) -> None:
         self.dialect = dialect
         self.version = dialect.version
         self.names = dialect.version.qualified
         self.report = report
-        self.untouched = untouched
+        self.untouched = options.untouched
+        self.same = options.same
+        """Whether the project was read from this format in this version."""
         self.stale = stale
         """Objects (by `id()`) whose declaration as text is not written."""
         self.body_name = ""
