@@ -142,7 +142,7 @@ class DrawnChart:
     def _entry_id(self, entry: Fields, local_id: str | None) -> int:
         """The id of a line of a block: its ``localId``, or a new one where that is missing or taken."""
         number = int(local_id) if local_id and local_id.isascii() and local_id.isdigit() else None
-        if number is None or number in self.ids.used:
+        if not number or number in self.ids.used:
             # 0 is what Beremiz writes at every action: an id that says nothing
             entry["local_id"] = None if self.ctx.version.first_generation else number or 0
             return self.ids.new()
