@@ -528,12 +528,15 @@ def project_parts(charts: int, dialect: Standard | Codesys, steps: int = STEPS) 
     yield dialect.tail(charts)
 
 
-def generate(path: Path, *, megabytes: float = 10, codesys: bool = False) -> int:
-    """Write a project of about `megabytes` to `path`, charts of `STEPS` steps; returns how many."""
+def generate(path: Path, *, megabytes: float = 10, codesys: bool = False, steps: int = STEPS) -> int:
+    """Write a project of about `megabytes` to `path`, charts of `steps` steps, at least one; returns how many.
+
+    The size is that with `STEPS` steps.
+    """
     dialect = Codesys() if codesys else Standard()
     charts = max(1, round(megabytes * dialect.charts_per_megabyte))
     with path.open("w", encoding="utf-8", newline="\r\n" if codesys else "\n") as file:
-        file.writelines(project_parts(charts, dialect))
+        file.writelines(project_parts(charts, dialect, steps))
     return charts
 
 

@@ -7,6 +7,8 @@ take twice the time on a heap that other parses have used before: in one process
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import gc
 import json
 import re
@@ -86,7 +88,7 @@ def process_times(commands: dict[str, Sequence[str]], *, rounds: int = 10) -> di
 
 
 def peak_memory() -> int:
-    """The most memory that this process ever had, in bytes.
+    """The most memory that this process ever had, or had since `reset_peak`, in bytes.
 
     Linux hands `ru_maxrss` down from the parent process; the high-water mark in ``/proc`` is the process's own.
     """
@@ -99,6 +101,17 @@ def peak_memory() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
 
 
+def reset_peak() -> None:
+    """Give unused memory back and begin anew with the peak, where the system can do that (Linux with glibc).
+
+    Else memory that earlier work has freed would be used again, and not be counted.
+    """
+    gc.collect()
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).malloc_trim(0)
+        Path("/proc/self/clear_refs").write_text("5", "ascii")
+
+
 def _main(name: str, path: str, warm: str) -> None:
     from benchmarks.jobs import JOBS, has_xsdata  # noqa: PLC0415
 
@@ -106,7 +119,7 @@ def _main(name: str, path: str, warm: str) -> None:
     prepare, job = JOBS[name]
     job(prepare(Path(warm)))
     prepared = prepare(Path(path))
-    gc.collect()
+    reset_peak()
     before = peak_memory()
     wall, cpu = time.perf_counter(), time.process_time()
     result = job(prepared)
