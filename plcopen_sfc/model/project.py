@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import Field, PrivateAttr
 
+from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
@@ -205,9 +206,14 @@ class Project(Element):
         """What the reader had to say about the file: charts that are wrong but could be loaded. Reads every chart."""
         if self._origin is None:
             return ()
-        for _ in self.charts():
-            pass
+        self.read_all()
         return tuple(sorted(self._origin.diagnostics, key=lambda d: d.location.line or 0))
+
+    def read_all(self) -> None:
+        """Read every chart that nobody has looked at yet: quicker for all of them at once than one by one."""
+        with collector_paused():
+            for _ in self.charts():
+                pass
 
     def pou(self, name: str) -> Pou:
         """The POU of this name; case does not matter. Raises `ModelError`."""

@@ -28,6 +28,7 @@ from plcopen_sfc.formats.xml.source import SourceLines, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+from functools import lru_cache
 
 __all__ = ["validate"]
 
@@ -154,15 +155,24 @@ def _wrong_payload(payload: etree._Element, name: str, wanted: str) -> tuple[Sev
 def _attribute_findings(payload: etree._Element, tag: str) -> Iterator[_Finding]:
     for attribute in payload.iterchildren(tag):
         guid = attribute.get("guid")
-        if guid is None:
-            continue  # the schema says so
-        rule = _VALUES.get(guid) or _VALUES.get(guid.lower())
-        if rule is None:
-            message = f"the attribute {guid} is not known; it may be of a newer version, and is kept as it is"
-            yield attribute, "XSD021", Severity.WARNING, message
-            continue
-        pattern, wanted = rule
+        if guid is None or guid in _FREE:
+            continue  # the schema speaks for the first, and of the second every text will do
         # Blanks around the value are of no meaning: files that were indented by another program have them.
-        text = (attribute.text or "").strip()
-        if pattern is not _ANY_TEXT and not pattern.fullmatch(text):
-            yield attribute, "XSD022", Severity.WARNING, f'the value "{text}" of this attribute must be {wanted}'
+        objection = _objection(guid, (attribute.text or "").strip())
+        if objection is not None:
+            yield attribute, objection[0], Severity.WARNING, objection[1]
+
+
+_FREE = frozenset(guid for guid, (pattern, _) in _VALUES.items() if pattern is _ANY_TEXT)
+
+
+@lru_cache(maxsize=1024)
+def _objection(guid: str, text: str) -> tuple[str, str] | None:
+    """What is wrong with an attribute of the SFC editor: code and message. The same few occur thousands of times."""
+    rule = _VALUES.get(guid) or _VALUES.get(guid.lower())
+    if rule is None:
+        return "XSD021", f"the attribute {guid} is not known; it may be of a newer version, and is kept as it is"
+    pattern, wanted = rule
+    if pattern is _ANY_TEXT or pattern.fullmatch(text):
+        return None
+    return "XSD022", f'the value "{text}" of this attribute must be {wanted}'
