@@ -68,15 +68,26 @@ def has_xsdata() -> bool:
     return True
 
 
-def parse_xsdata(path: Path) -> Any:
-    """The objects of the package `plcopen`, read by xsdata as its README says.
+def for_xsdata(path: Path) -> bytes:
+    """The content of a file as the classes of the package `plcopen` can read all of it. Not measured.
 
-    Its classes know TC6 2.01 only: a file of TC6 2.0 is presented to it as one of 2.01.
+    They know TC6 2.01 only, so a file of 2.0 is presented as one of 2.01. They do not look for the POUs that CODESYS
+    and TwinCAT hide in ``addData``, so these are moved to where TC6 has them.
     """
+    content = path.read_bytes().replace(b"tc6_0200", b"tc6_0201")
+    root = etree.fromstring(content, etree.XMLParser(huge_tree=True))
+    tc6 = "{http://www.plcopen.org/xml/tc6_0201}"
+    pous = root.find(f"{tc6}types/{tc6}pous")
+    hidden = list(root.iterfind(f".//{tc6}data/{tc6}pou"))
+    if pous is not None and hidden:
+        pous.extend(hidden)
+        content = etree.tostring(root)
+    return content
+
+
+def parse_xsdata(content: bytes) -> Any:
+    """The objects of the package `plcopen`, read by xsdata as its README says."""
     parser, project = _xsdata()
-    content = path.read_bytes()
-    if b"tc6_0200" in content[:4096]:
-        content = content.replace(b"tc6_0200", b"tc6_0201")
     return parser.from_bytes(content, project)
 
 
@@ -157,7 +168,7 @@ JOBS: dict[str, tuple[Callable[[Path], Any], Callable[[Any], Any]]] = {
     "lxml": (_itself, parse_lxml),
     "load": (_itself, load),
     "load_all": (_itself, load_all),
-    "xsdata": (_itself, parse_xsdata),
+    "xsdata": (for_xsdata, parse_xsdata),
     "tostring": (parse_lxml, write_lxml),
     "save": (load, save),
     "save_all": (load_all, save),

@@ -118,14 +118,14 @@ class Bench:
         steps = f"{label}: {expected} steps in the XML, {found} in our model"
         if jobs.has_xsdata():
             try:
-                typed, untyped = jobs.steps_of_xsdata(jobs.parse_xsdata(path))
+                typed, untyped = jobs.steps_of_xsdata(jobs.parse_xsdata(jobs.for_xsdata(path)))
             except Exception as error:  # whatever xsdata raises on a file that it does not take
                 self.notes.append(f"{label}: xsdata cannot read it: {type(error).__name__}: {str(error)[:80]}")
             else:
                 contestants.append("xsdata")
                 steps += f", {typed} in the objects of xsdata"
                 if untyped:
-                    steps += f", where {untyped} more are plain elements without a class (POUs in addData): less work"
+                    steps += f", where {untyped} more are plain elements without a class: less work"
         else:
             self.notes.append('xsdata is not measured: pip install plcopen "xsdata[lxml]"')
         self.notes.append(steps)

@@ -193,3 +193,15 @@ def test_strict_stops_before_anything_is_written(tmp_path: Path) -> None:
     assert not target.exists()
     assert sfc.save(project, target, format="codesys").losses
     assert target.exists()
+
+
+def test_excluded_elements_are_no_silent_matter() -> None:
+    project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    charts = [chart.network for chart in project.charts()]
+    things = [t for c in charts for t in (*c.steps, *c.transitions, *(a for _, a in c.associations()))]
+    excluded = [thing for thing in things if thing.exclude]
+    assert excluded
+    _, report = sfc.convert(project, "plcopen-2.01")
+    found = report.with_fate(Fate.APPROXIMATED)
+    assert {item.what for item in found} == {"exclude"}
+    assert len(found) >= len(excluded)

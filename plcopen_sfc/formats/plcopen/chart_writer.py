@@ -323,7 +323,9 @@ class ChartWriter:
         )
         self.associations[entry.association], self.owner[entry.association] = association, step
         self.write_action(parent, entry, association, {STEP_ACTION_FIELD: kind.value})
-        why = f"an association with qualifier {qualifier.value}; a main action has no final scan, an N action has"
+        why = f"an association with qualifier {qualifier.value}"
+        if kind is StepActionKind.MAIN:
+            why += "; other than a main action, it has a final scan when the step is left"
         self.ctx.note(Fate.TRANSLATED, f"{kind.value} action", f"step {step.name}", why)
 
     def write_action(

@@ -210,8 +210,14 @@ def finish(
         _add_data(ctx, element, written, carried, left)
     elif left:
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
+    own_name = str(getattr(thing, "name", None) or "")
+    subject = "" if ctx.place and ctx.place[-1].endswith(own_name) else own_name
     for name in left.keys() - (also or {}).keys():
-        ctx.note(Fate.CARRIED, _label(name), why=f"TC6 {ctx.version.name} has no place for it")
+        why = f"TC6 {ctx.version.name} has no place for it"
+        if name in _CHANGES:
+            ctx.note(Fate.APPROXIMATED, _label(name), subject, f"{why}; {_CHANGES[name]}")
+        else:
+            ctx.note(Fate.CARRIED, _label(name), subject, why)
     if documents:
         write_text(ctx, element, "documentation", getattr(thing, "comment", None))
 
@@ -227,8 +233,12 @@ def left_over(thing: Model, native: frozenset[str]) -> dict[str, Any]:
     return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
 
 
+_CHANGES = {"exclude": "other tools execute what CODESYS leaves out"}
+"""Fields that are carried, but without which a chart does something else."""
+
+
 def _label(name: str) -> str:
-    return name.replace("_", " ")
+    return "foreign data" if name == "carried" else name.replace("_", " ")
 
 
 def _add_data(
