@@ -35,10 +35,9 @@ def load(path: Path) -> Project:
 
 
 def load_all(path: Path) -> Project:
-    """`load`, and look at every chart."""
+    """`load`, and read every chart."""
     project = sfc.load(path)
-    for chart in project.charts():
-        assert chart.network is not None
+    project.read_all()
     return project
 
 

@@ -20,6 +20,9 @@ Line = tuple[Fields, Fields, str | None]
 """A line of an action block: the association, where it is drawn, and its ``localId``."""
 
 
+_NOTHING: Fields = {}
+
+
 class DrawnChart:
     """The symbols of one chart as they were read, with wires and names not yet followed."""
 
@@ -72,6 +75,8 @@ class DrawnChart:
 
     def _resolve_conditions(self) -> None:
         """Tell expressions that only feed one condition from graphical logic."""
+        if not any(t.get("condition", _NOTHING).get("kind") == "wired" for t in self.transitions):
+            return
         consumers: dict[int, int] = {}
         for holder in (*self.symbols, *self.nodes):
             for connection in _connections(holder):
@@ -217,15 +222,23 @@ class DrawnChart:
         for holder in (*self.symbols, *self.nodes):
             for connection in _connections(holder):
                 if connection["source"] not in known:
-                    self._error(
-                        "SFC102", f"a connection leads to element {connection['source']}, which does not exist", holder
-                    )
+                    self._leads_to_nothing("a connection", connection, holder)
         for transition in self.transitions:
             condition = transition.get("condition")
             if condition is None:
                 self._error("SFC112", "a transition has no condition", transition)
+            elif condition["kind"] == "wired":
+                wires = condition["input"].get("connections", ())
+                for connection in wires:
+                    if connection["source"] not in known:
+                        self._leads_to_nothing("the wire of a condition", connection, transition)
+                if not wires and "expression" not in condition["input"]:
+                    self._error("SFC112", "the condition of a transition is wired to nothing", transition)
         self._check_names()
         self._check_initial()
+
+    def _leads_to_nothing(self, what: str, connection: Fields, holder: Fields) -> None:
+        self._error("SFC102", f"{what} leads to element {connection['source']}, which does not exist", holder)
 
     def _check_names(self) -> None:
         seen: dict[str, str] = {}
@@ -271,7 +284,10 @@ class DrawnChart:
 
 def _connections(holder: Fields) -> list[Fields]:
     """All wires that end at an element, whatever its pins are."""
-    pins = [*holder.get("inputs", ())]
+    pins = holder.get("inputs", ())
+    if "kind" in holder and isinstance(holder["kind"], SymbolKind):
+        return [connection for pin in pins for connection in pin.get("connections", ())]
+    pins = [*pins]
     if "input" in holder:
         pins.append(holder["input"])
     for group in (holder.get("parameters") or {}).values():

@@ -248,8 +248,14 @@ def number(text: str | None) -> float | None:
 
 def read_point(element: etree._Element) -> tuple[float, float] | None:
     """A ``position`` or ``relPosition``; None where its numbers are damaged."""
-    x, y = number(element.get("x")), number(element.get("y"))
-    return None if x is None or y is None or len(element.attrib) > 2 else (x, y)
+    values = element.items()
+    if len(values) != 2:
+        return None
+    (first, one), (second, other) = values
+    if first == "y":
+        first, one, second, other = second, other, first, one
+    x, y = number(str(one)), number(str(other))
+    return None if x is None or y is None or first != "x" or second != "y" else (x, y)
 
 
 def take_number(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> float | None:
