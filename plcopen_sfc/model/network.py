@@ -124,26 +124,28 @@ class Block(NodeBase):
     code: str | None = None
 
 
-class InputVariable(NodeBase):
+class ModifiedNode(NodeBase):
+    """An element that can invert, watch for an edge of, or store what passes through it."""
+
+    negated: bool = False
+    edge: Edge = Edge.NONE
+    storage: Storage = Storage.NONE
+
+
+class InputVariable(ModifiedNode):
     """An expression that feeds a wire (TC6 ``inVariable``)."""
 
     kind: Literal["input"] = "input"
     expression: str
     output: OutputPin | None = None
-    negated: bool = False
-    edge: Edge = Edge.NONE
-    storage: Storage = Storage.NONE
 
 
-class OutputVariable(NodeBase):
+class OutputVariable(ModifiedNode):
     """A variable that a wire is written to (TC6 ``outVariable``)."""
 
     kind: Literal["output"] = "output"
     expression: str
     input: InputPin | None = None
-    negated: bool = False
-    edge: Edge = Edge.NONE
-    storage: Storage = Storage.NONE
 
 
 class InOutVariable(NodeBase):
@@ -161,28 +163,22 @@ class InOutVariable(NodeBase):
     storage_out: Storage = Storage.NONE
 
 
-class Contact(NodeBase):
+class Contact(ModifiedNode):
     """A contact of a ladder diagram."""
 
     kind: Literal["contact"] = "contact"
     variable: str
     input: InputPin | None = None
     output: OutputPin | None = None
-    negated: bool = False
-    edge: Edge = Edge.NONE
-    storage: Storage = Storage.NONE
 
 
-class Coil(NodeBase):
+class Coil(ModifiedNode):
     """A coil of a ladder diagram."""
 
     kind: Literal["coil"] = "coil"
     variable: str
     input: InputPin | None = None
     output: OutputPin | None = None
-    negated: bool = False
-    edge: Edge = Edge.NONE
-    storage: Storage = Storage.NONE
 
 
 class LeftPowerRail(NodeBase):

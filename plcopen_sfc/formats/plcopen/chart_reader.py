@@ -91,13 +91,9 @@ class ChartReader:
         step["symbol_fields"] = symbol
         for child in element:
             local = tags.get(child.tag)
-            if local == "position":
-                _position(symbol, child)
-            elif local == "connectionPointIn":
-                symbol.setdefault("inputs", []).append(read_input(ctx, child))
-            elif local == "connectionPointOut":
-                symbol.setdefault("outputs", []).append(read_output(ctx, child))
-            elif local == "connectionPointOutAction":
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "connectionPointOutAction":
                 symbol["action_output"] = read_output(ctx, child)
             else:
                 read_common(ctx, step, child, local, "step")
@@ -116,13 +112,9 @@ class ChartReader:
         step["symbol_fields"] = symbol
         for child in element:
             local = tags.get(child.tag)
-            if local == "position":
-                _position(symbol, child)
-            elif local == "connectionPointIn":
-                symbol.setdefault("inputs", []).append(read_input(ctx, child))
-            elif local == "connectionPointOut":
-                symbol.setdefault("outputs", []).append(read_output(ctx, child))
-            elif local == "body":
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "body":
                 macro["body"] = self.read_body(ctx, child)
             else:
                 read_common(ctx, step, child, local, "macroStep")
@@ -141,13 +133,9 @@ class ChartReader:
         transition["symbol_fields"] = symbol
         for child in element:
             local = tags.get(child.tag)
-            if local == "position":
-                _position(symbol, child)
-            elif local == "connectionPointIn":
-                symbol.setdefault("inputs", []).append(read_input(ctx, child))
-            elif local == "connectionPointOut":
-                symbol.setdefault("outputs", []).append(read_output(ctx, child))
-            elif local == "condition":
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "condition":
                 self.read_condition(child, transition, symbol)
             else:
                 read_common(ctx, transition, child, local, "transition")
@@ -228,13 +216,9 @@ class ChartReader:
         ctx = self.ctx
         for child in element:
             local = ctx.tags.get(child.tag)
-            if local == "position":
-                _position(symbol, child)
-            elif local == "connectionPointIn":
-                symbol.setdefault("inputs", []).append(read_input(ctx, child))
-            elif local == "connectionPointOut" and owner != "jumpStep":
-                symbol.setdefault("outputs", []).append(read_output(ctx, child))
-            else:
+            # TC6 gives a jump no output: one in a file is carried
+            extra = owner == "jumpStep" and local == "connectionPointOut"
+            if extra or not _read_place(ctx, symbol, child, local):
                 read_common(ctx, symbol, child, local, owner)
 
     def read_action_block(self, element: etree._Element) -> None:
@@ -246,13 +230,9 @@ class ChartReader:
         entries: list[Line] = []
         for child in element:
             local = ctx.tags.get(child.tag)
-            if local == "position":
-                _position(symbol, child)
-            elif local == "connectionPointIn":
-                symbol.setdefault("inputs", []).append(read_input(ctx, child))
-            elif local == "connectionPointOut":
-                symbol.setdefault("outputs", []).append(read_output(ctx, child))
-            elif local == "action":
+            if _read_place(ctx, symbol, child, local):
+                continue
+            if local == "action":
                 entries.append(self.read_action(child))
             else:
                 read_common(ctx, symbol, child, local, "actionBlock")
@@ -314,7 +294,16 @@ def _hand_over(thing: Fields, symbol: Fields) -> None:
         symbol["execution_order"] = thing.pop("execution_order")
 
 
-def _position(symbol: Fields, element: etree._Element) -> None:
-    point = read_point(element)
-    if point is not None:
-        symbol["position"] = point
+def _read_place(ctx: ReadContext, symbol: Fields, child: etree._Element, local: str | None) -> bool:
+    """Read what every symbol may have: its position, and the pins that the flow runs through."""
+    if local == "position":
+        point = read_point(child)
+        if point is not None:
+            symbol["position"] = point
+    elif local == "connectionPointIn":
+        symbol.setdefault("inputs", []).append(read_input(ctx, child))
+    elif local == "connectionPointOut":
+        symbol.setdefault("outputs", []).append(read_output(ctx, child))
+    else:
+        return False
+    return True
