@@ -36,8 +36,11 @@ from tests.samples import (
     assert_within,
     charts_in,
     difference,
+    fixture_files,
+    label,
     name_places,
     outline,
+    real_files,
 )
 
 SMALL = 200_000
@@ -74,6 +77,26 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
         assert again == project or (step.carried is not None and step.carried.data)
         assert [net(c.network) for c in again.charts()] == [net(c) for c in charts]
         step.name = old
+    assert sfc.dumps(project) == data
+
+
+BIG = [path for path in (*fixture_files(), *real_files()) if path.stat().st_size > SMALL]
+
+
+@pytest.mark.slow
+@pytest.mark.corpus
+@pytest.mark.parametrize("path", BIG, ids=label)
+def test_every_step_of_the_bigger_files_too(path: Path) -> None:
+    """What the test above does not look at: the lines alone, which takes a third of the time."""
+    data = path.read_bytes()
+    project = sfc.loads(data)
+    spans = charts_in(outline(data))
+    for number, chart in enumerate(chart.network for chart in project.charts()):
+        for position, step in enumerate(chart.steps):
+            old = step.name
+            step.name = NEW
+            assert_only_names_changed(data, sfc.dumps(project), old, name_places(spans[number], position), note=old)
+            step.name = old
     assert sfc.dumps(project) == data
 
 
