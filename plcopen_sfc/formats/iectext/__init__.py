@@ -1,0 +1,1 @@
+"""Textual IEC 61131-3, with sequential function charts."""

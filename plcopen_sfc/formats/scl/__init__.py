@@ -1,0 +1,1 @@
+"""External sources of Siemens SCL."""

@@ -1,0 +1,362 @@
+"""Makes the nodes of the syntax tree while the parser recognises the rules of ``st.lark``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lark.visitors import Transformer
+
+from plcopen_sfc.languages.problems import Problem
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.lexer import Token
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Span
+
+PRECEDENCE: dict[Operator, int] = {
+    Operator.OR: 1,
+    Operator.OR_ELSE: 1,
+    Operator.XOR: 2,
+    Operator.AND: 3,
+    Operator.AND_THEN: 3,
+    Operator.EQUAL: 4,
+    Operator.UNEQUAL: 4,
+    Operator.LESS: 5,
+    Operator.GREATER: 5,
+    Operator.LESS_OR_EQUAL: 5,
+    Operator.GREATER_OR_EQUAL: 5,
+    Operator.ADD: 6,
+    Operator.SUBTRACT: 6,
+    Operator.MULTIPLY: 7,
+    Operator.DIVIDE: 7,
+    Operator.MODULO: 7,
+    Operator.POWER: 8,
+}
+"""How tightly binary operators bind (IEC 61131-3 ed. 3, table 71; the same in CODESYS and SCL).
+
+NOT and signs bind tighter than all of them, but that in SCL a power binds tighter than a sign: ``-2 ** 2`` is -4 there.
+"""
+
+ASSOCIATIVE = frozenset({Operator.OR, Operator.XOR, Operator.AND, Operator.ADD, Operator.MULTIPLY})
+"""Operators whose operands in a row make one `Operation`."""
+
+_OPERATORS: dict[str, Operator] = {operator.value: operator for operator in PRECEDENCE} | {"&": Operator.AND}
+_SIGNS = {"+": Operator.PLUS, "-": Operator.NEGATE}
+
+Items = list[Any]
+"""What a rule consists of: tokens, nodes, and lists of nodes. The grammar says which stands where."""
+
+
+class StatementList(list[Any]):
+    """Statements while they are read: the place where the parser goes on after an error."""
+
+    __slots__ = ()
+
+
+class _Labels:
+    """Labels of a branch of CASE, or the target of a jump, before it is known which."""
+
+    __slots__ = ("labels", "span")
+
+    def __init__(self, labels: list[Expression | n.Range], span: Span) -> None:
+        self.labels = labels
+        self.span = span
+
+
+def _over(items: Items) -> Span:
+    return (items[0].span[0], items[-1].span[1])
+
+
+class Builder(Transformer[Token, Any]):
+    """One method for each alias of the grammar; each is given what its rule consists of.
+
+    `signs_below_power`: the sign of ``-2 ** 2`` stands before the power, as in SCL.
+    """
+
+    def __init__(self, *, signs_below_power: bool) -> None:
+        super().__init__()
+        self._signs_below_power = signs_below_power
+        self.problems: list[Problem] = []
+
+    # -- lists
+
+    def only(self, items: Items) -> Any:
+        return items[0]
+
+    def first(self, items: Items) -> Any:
+        return [items[0]]
+
+    def further(self, items: Items) -> Any:
+        items[0].append(items[2])
+        return items[0]
+
+    def none(self, items: Items) -> Any:
+        return StatementList()
+
+    def one_more(self, items: Items) -> Any:
+        if items[1] is not None:
+            items[0].append(items[1])
+        return items[0]
+
+    # -- expressions
+
+    def first_operand(self, items: Items) -> Any:
+        return items
+
+    def next_operand(self, items: Items) -> Any:
+        chain: Items = items[0]
+        chain.append(items[1])
+        chain.append(items[2])
+        return chain
+
+    def finish_chain(self, items: Items) -> Any:
+        chain: Items = items[0]
+        if len(chain) == 1:
+            return chain[0]
+        operands: list[Expression] = [chain[0]]
+        waiting: list[Operator] = []
+        for token, operand in zip(chain[1::2], chain[2::2], strict=True):
+            operator = _OPERATORS[token.value.upper()]
+            strength = PRECEDENCE[operator]
+            while waiting and PRECEDENCE[waiting[-1]] >= strength:
+                self._join(operands, waiting.pop())
+            operands.append(operand)
+            waiting.append(operator)
+        while waiting:
+            self._join(operands, waiting.pop())
+        return operands[0]
+
+    def _join(self, operands: list[Expression], operator: Operator) -> None:
+        right = operands.pop()
+        left = operands.pop()
+        span = _over([left, right])
+        joined: Expression
+        if self._signs_below_power and operator is Operator.POWER and isinstance(left, n.Unary):
+            joined = _power_of_signed(left, right, span)
+        elif operator in ASSOCIATIVE and isinstance(left, n.Operation) and left.operator is operator:
+            joined = n.Operation(operator, (*left.operands, right), span=span)
+        else:
+            joined = n.Operation(operator, (left, right), span=span)
+        operands.append(joined)
+
+    def literal(self, items: Items) -> Any:
+        token: Token = items[0]
+        return n.Literal(token.value, span=token.span)
+
+    def parenthesized(self, items: Items) -> Any:
+        return n.Parenthesized(items[1], span=_over(items))
+
+    def unary(self, items: Items) -> Any:
+        token: Token = items[0]
+        operator = Operator.NOT if token.type == "NOT" else _SIGNS[token.value]
+        return n.Unary(operator, items[1], span=_over(items))
+
+    def name(self, items: Items) -> Any:
+        return _name(items[0])
+
+    def address(self, items: Items) -> Any:
+        token: Token = items[0]
+        return n.Address(token.value, span=token.span)
+
+    def member(self, items: Items) -> Any:
+        return n.Member(items[0], _name(items[2]), span=_over(items))
+
+    def index(self, items: Items) -> Any:
+        return n.Index(items[0], tuple(items[2]), span=_over(items))
+
+    def dereference(self, items: Items) -> Any:
+        return n.Dereference(items[0], span=_over(items))
+
+    def peripheral(self, items: Items) -> Any:
+        return n.Peripheral(items[0], span=_over(items))
+
+    def call_without_arguments(self, items: Items) -> Any:
+        return n.Call(items[0], span=_over(items))
+
+    def call(self, items: Items) -> Any:
+        return n.Call(items[0], tuple(items[2]), span=_over(items))
+
+    def positional(self, items: Items) -> Any:
+        return n.Argument(items[0], span=items[0].span)
+
+    def input_argument(self, items: Items) -> Any:
+        return n.Argument(items[2], _name(items[0]), span=_over(items))
+
+    def empty_input(self, items: Items) -> Any:
+        return n.Argument(None, _name(items[0]), span=_over(items))
+
+    def output_argument(self, items: Items) -> Any:
+        return n.Argument(items[2], _name(items[0]), output=True, span=_over(items))
+
+    def empty_output(self, items: Items) -> Any:
+        return n.Argument(None, _name(items[0]), output=True, span=_over(items))
+
+    def negated_output(self, items: Items) -> Any:
+        return n.Argument(items[3], _name(items[1]), output=True, negated=True, span=_over(items))
+
+    def assignment_expression(self, items: Items) -> Any:
+        return n.AssignmentExpression(items[0], items[2], span=_over(items))
+
+    # -- statements
+
+    def assignment(self, items: Items) -> Any:
+        kind = n.AssignmentKind(items[1].value.upper())
+        return n.Assignment(items[0], items[2], kind, span=_over(items))
+
+    def call_statement(self, items: Items) -> Any:
+        return n.CallStatement(items[0], span=_over(items))
+
+    def empty(self, items: Items) -> Any:
+        span: Span = items[0].span
+        return n.Empty(span=span) if span[0] < span[1] else None  # no semicolon stands there: see `recovery`
+
+    def closed(self, items: Items) -> Any:
+        # the semicolon after END_IF belongs to the statement
+        statement: n.Node = items[0]
+        object.__setattr__(statement, "span", _over(items))
+        return statement
+
+    def exit(self, items: Items) -> Any:
+        return n.Exit(span=_over(items))
+
+    def continue_(self, items: Items) -> Any:
+        return n.Continue(span=_over(items))
+
+    def return_(self, items: Items) -> Any:
+        return n.Return(span=_over(items))
+
+    def return_value(self, items: Items) -> Any:
+        return n.Return(items[1], span=_over(items))
+
+    def goto(self, items: Items) -> Any:
+        return n.Goto(_name(items[1]), items[0].type, span=_over(items))
+
+    def range(self, items: Items) -> Any:
+        return n.Range(items[0], items[2], span=_over(items))
+
+    def labels(self, items: Items) -> Any:
+        return _Labels(items[0], (items[0][0].span[0], items[1].span[1]))
+
+    def elsif(self, items: Items) -> Any:
+        branches: Items = items[0]
+        span = (items[1].span[0], _end(items[4], items[3]))
+        branches.append(n.Branch(items[2], self._statements(items[4]), span=span))
+        return branches
+
+    def if_(self, items: Items) -> Any:
+        span = (items[0].span[0], _end(items[3], items[2]))
+        first = n.Branch(items[1], self._statements(items[3]), span=span)
+        return n.If((first, *items[4]), span=_over(items))
+
+    def if_else(self, items: Items) -> Any:
+        span = (items[0].span[0], _end(items[3], items[2]))
+        first = n.Branch(items[1], self._statements(items[3]), span=span)
+        return n.If((first, *items[4]), self._statements(items[6]), span=_over(items))
+
+    def case(self, items: Items) -> Any:
+        return n.Case(items[1], self._branches(items[3]), span=_over(items))
+
+    def case_else(self, items: Items) -> Any:
+        return n.Case(items[1], self._branches(items[3]), self._statements(items[5]), span=_over(items))
+
+    def for_(self, items: Items) -> Any:
+        statements = self._statements(items[7])
+        return n.For(items[1], items[3], items[5], None, statements, span=_over(items))
+
+    def for_by(self, items: Items) -> Any:
+        statements = self._statements(items[9])
+        return n.For(items[1], items[3], items[5], items[7], statements, span=_over(items))
+
+    def while_(self, items: Items) -> Any:
+        return n.While(items[1], self._statements(items[3]), span=_over(items))
+
+    def repeat(self, items: Items) -> Any:
+        return n.Repeat(self._statements(items[1]), items[3], span=_over(items))
+
+    repeat_closed = repeat
+
+    def region(self, items: Items) -> Any:
+        title: str = items[0].value[len("REGION") :].strip()
+        return n.Region(title, self._statements(items[1]), span=_over(items))
+
+    def try_(self, items: Items) -> Any:
+        error, handler = next((i for i in items if isinstance(i, tuple)), (None, None))
+        final = next((i for i in items[2:] if isinstance(i, StatementList)), None)
+        statements = self._statements(items[1])
+        return n.Try(
+            statements,
+            error,
+            None if handler is None else self._statements(handler),
+            None if final is None else self._statements(final),
+            span=_over(items),
+        )
+
+    def catch(self, items: Items) -> Any:
+        return (items[2] if len(items) > 2 else None, items[-1])  # with an error variable in parentheses
+
+    def finally_(self, items: Items) -> Any:
+        return items[1]
+
+    def whole_body(self, statements: StatementList, end: int) -> n.Statements:
+        """The statements of a text of length `end`."""
+        return n.Statements(self._statements(statements), span=(0, end))
+
+    def _statements(self, found: StatementList) -> tuple[n.Statement, ...]:
+        """`found` outside of CASE, where a label is a place to jump to."""
+        return tuple(self._jump_label(item) if isinstance(item, _Labels) else item for item in found)
+
+    def _jump_label(self, labels: _Labels) -> n.Statement:
+        only = labels.labels[0]
+        if len(labels.labels) == 1 and isinstance(only, n.Name):
+            return n.Label(only, span=labels.span)
+        self.problems.append(Problem("labels of this form belong into a CASE", labels.span))
+        return n.Unreadable("", span=labels.span)
+
+    def _branches(self, found: StatementList) -> tuple[n.CaseBranch, ...]:
+        """The branches of a CASE: each label starts one."""
+        branches: list[n.CaseBranch] = []
+        labels: _Labels | None = None
+        statements = StatementList()
+
+        def close() -> None:
+            if labels is not None:
+                end = statements[-1].span[1] if statements else labels.span[1]
+                span = (labels.span[0], end)
+                branches.append(n.CaseBranch(tuple(labels.labels), tuple(statements), span=span))
+
+        for item in found:
+            if isinstance(item, _Labels):
+                close()
+                labels, statements = item, StatementList()
+            elif labels is None:
+                if not isinstance(item, n.Empty | n.Unreadable):
+                    self.problems.append(Problem("a label is missing before this statement", item.span))
+            else:
+                statements.append(item)
+        close()
+        return tuple(branches)
+
+
+def _end(statements: StatementList, token: Token) -> int:
+    end: int = statements[-1].span[1] if statements else token.span[1]
+    return end
+
+
+def _name(token: Token) -> n.Name:
+    value = token.value
+    if value[0] == '"':
+        return n.Name(value[1:-1], n.Quoting.GLOBAL, span=token.span)
+    if value[0] == "#":
+        if value[1] == '"':
+            return n.Name(value[2:-1], n.Quoting.LOCAL_QUOTED, span=token.span)
+        return n.Name(value[1:], n.Quoting.LOCAL, span=token.span)
+    return n.Name(value, span=token.span)
+
+
+def _power_of_signed(left: n.Unary, right: Expression, span: Span) -> n.Unary:
+    """``-a ** b`` as SCL reads it: the sign stands before the power."""
+    inner: Expression
+    below = (left.operand.span[0] if left.operand.span else span[0], span[1])
+    if isinstance(left.operand, n.Unary):
+        inner = _power_of_signed(left.operand, right, below)
+    else:
+        inner = n.Operation(Operator.POWER, (left.operand, right), span=below)
+    return n.Unary(left.operator, inner, span=span)

@@ -1,0 +1,238 @@
+"""Tokens of structured text: names, literals, keywords and punctuation, with comments and pragmas set apart."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Problem
+from plcopen_sfc.languages.st.nodes import Span
+
+
+class Token:
+    """A token: its type in the grammar, its text and where it stands."""
+
+    __slots__ = ("span", "type", "value")
+
+    def __init__(self, type: str, value: str, span: Span) -> None:
+        self.type = type
+        self.value = value
+        self.span = span
+
+    def __repr__(self) -> str:
+        return f"Token({self.type}, {self.value!r})"
+
+
+class CommentKind(StrEnum):
+    """The kinds of text between tokens that mean something to a person or a tool."""
+
+    LINE = "line"
+    BLOCK = "block"
+    PRAGMA = "pragma"
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment or a pragma; `text` includes its delimiters."""
+
+    kind: CommentKind
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Tokens:
+    """What a text consists of."""
+
+    tokens: list[Token]
+    comments: list[Comment]
+    problems: list[Problem]
+
+
+STATEMENT_KEYWORDS = frozenset(
+    """IF THEN ELSIF ELSE END_IF CASE OF END_CASE FOR TO BY DO END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT
+    EXIT CONTINUE RETURN NOT""".split()
+)
+_DIALECT_KEYWORDS = {
+    Dialect.IEC: frozenset(),
+    Dialect.CODESYS: frozenset({"JMP", "__TRY", "__CATCH", "__FINALLY", "__ENDTRY"}),
+    Dialect.TWINCAT: frozenset({"JMP", "__TRY", "__CATCH", "__FINALLY", "__ENDTRY"}),
+    Dialect.SCL: frozenset({"GOTO", "REGION", "END_REGION"}),
+}
+_WORD_OPERATORS = frozenset({"AND", "OR", "XOR", "MOD", "AND_THEN", "OR_ELSE"})
+_LITERAL_WORDS = frozenset({"TRUE", "FALSE", "NULL"})
+_PUNCTUATION = {
+    ":=": "ASSIGN",
+    "=>": "ARROW",
+    "..": "RANGE",
+    ";": "SEMICOLON",
+    ":": "COLON",
+    ",": "COMMA",
+    ".": "DOT",
+    "(": "LPAR",
+    ")": "RPAR",
+    "[": "LSQB",
+    "]": "RSQB",
+    "^": "CARET",
+    "+": "SIGN",
+    "-": "SIGN",
+    "?=": "COMPOUND_ASSIGN",
+    "+=": "COMPOUND_ASSIGN",
+    "-=": "COMPOUND_ASSIGN",
+    "*=": "COMPOUND_ASSIGN",
+    "/=": "COMPOUND_ASSIGN",
+}
+_OPERAND_ENDS = frozenset({"NAME", "RSQB", "RPAR", "CARET", "ADDRESS"})
+
+_SINGLE_QUOTED = r"'(?:\$[\s\S]|[^$'\r\n])*'"
+_DOUBLE_QUOTED = r'"(?:\$[\s\S]|[^$"\r\n])*"'
+_NUMBER = r"\d[\d_]*(?:\#[0-9A-Za-z_]+|(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?)"
+
+
+def _pattern(dialect: Dialect) -> re.Pattern[str]:
+    scl = dialect is Dialect.SCL
+    codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+    groups = [
+        # 1 COMMENT, 2 the start of a block comment, whose end the lexer looks for because comments nest
+        r"(//[^\r\n]*|/\*[\s\S]*?\*/|\(/\*[\s\S]*?\*/\)|\{[^}]*\})",
+        r"(\(\*)",
+        # 3 LITERAL
+        r"((?i:(?:L?TIME|L?T|S5T|S5TIME)\#[-+]?(?:\w|\.(?=\d))+"
+        r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d:_-]|\.(?=\d))*)"
+        + (r"|(?i:P\#[\w.]+(?:\s+(?:BOOL|BYTE|WORD|DWORD|INT|DINT|REAL|CHAR)\s+\d+\b)?)" if scl else "")
+        + rf"|[^\W\d]\w*\#(?:{_SINGLE_QUOTED}|{_DOUBLE_QUOTED}|[-+]?{_NUMBER}|[^\W\d]\w*)"
+        + (r"|\#(?!)" if scl else f"|{_DOUBLE_QUOTED}")
+        + rf"|{_SINGLE_QUOTED}|(?<![^.]\.){_NUMBER})",
+        # 4 COMPOUND_ASSIGN by a word, if an operand stands before it
+        r"((?i:REF|S|R)=)" if codesys else r"((?!))",
+        # 5 NAME or keyword, 6 NAME that is none
+        r"([^\W\d]\w*)",
+        r'(\#[^\W\d]\w*|\#"[^"\r\n]+"|"[^"\r\n]+"|(?<=\.)%[XBWDxbwd]\d+|(?<=\.)\d+)' if scl else r"((?<=\.)\d+)",
+        # 7 ADDRESS
+        r"(%(?i:DB\d+\.(?:DB)?)?[A-Za-z*]+[\d.*]*(?<!\.))",
+        # 8 OPERATOR, 9 punctuation
+        r"(\*\*|<>|<=|>=|=(?!>)|<|>|\*(?!=)|/(?!=)|&)",
+        r"(:P\b|:=|=>|\.\.|\?=|[-+*/]=|[;:,.()\[\]^+-])" if scl else r"(:=|=>|\.\.|\?=|[-+*/]=|[;:,.()\[\]^+-])",
+        # 10 an opening quote without its end, 11 anything else
+        r"""(['"][^\r\n]*)""",
+        r"([\s\S])",
+    ]
+    # spaces before a token belong to the match: one step of the loop less for each
+    return re.compile(r"[\s\ufeff]*+(?:" + "|".join(groups) + r")")
+
+
+_COMMENT, _BLOCK, _LITERAL, _WORD_ASSIGN, _WORD, _NAME, _ADDRESS, _OPERATOR, _PUNCT, _OPEN_QUOTE = range(1, 11)
+
+
+@cache
+def _compiled(dialect: Dialect) -> re.Pattern[str]:
+    return _pattern(dialect)
+
+
+@cache
+def _words(dialect: Dialect, keywords: frozenset[str]) -> dict[str, str]:
+    """The token type of each word that is no name; grows with the spellings that occur."""
+    words = dict.fromkeys(STATEMENT_KEYWORDS | _DIALECT_KEYWORDS[dialect] | keywords)
+    types = {word: word.strip("_") for word in words}
+    types |= dict.fromkeys(_WORD_OPERATORS, "OPERATOR") | dict.fromkeys(_LITERAL_WORDS, "LITERAL")
+    return types
+
+
+def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str] = frozenset()) -> Tokens:
+    """The tokens of `text`. `keywords` are words that are no names here, beyond those of statements."""
+    words = _words(dialect, keywords)
+    known = words.get
+    tokens: list[Token] = []
+    comments: list[Comment] = []
+    problems: list[Problem] = []
+    append = tokens.append
+    match = _compiled(dialect).match
+    position, end = 0, len(text)
+    previous = ""
+    while position < end:
+        found = match(text, position)
+        if found is None:  # spaces at the end
+            break
+        group = found.lastindex or 0
+        start, position = found.span(group)
+        value = found.group(group)
+        if group == _WORD:
+            kind = "NAME"
+            if previous != "DOT":
+                kind = known(value) or known(value.upper()) or "NAME"
+                if kind == "REGION":  # its title is free text up to the end of the line
+                    position = _line_end(text, position)
+                    value = text[start:position]
+        elif group == _PUNCT:
+            kind = _PUNCTUATION.get(value, "PERIPHERAL")
+            if kind == "PERIPHERAL" and (previous not in _OPERAND_ENDS or tokens[-1].span[1] != start):
+                kind, value, position = "COLON", ":", start + 1
+        elif group == _OPERATOR:
+            kind = "OPERATOR"
+        elif group == _LITERAL:
+            kind = "LITERAL"
+        elif group == _NAME:
+            kind = "NAME"
+        elif group == _COMMENT:
+            comments.append(Comment(_comment_kind(value), value, (start, position)))
+            continue
+        elif group == _BLOCK:
+            position = _comment_end(text, start)
+            if position < 0:
+                problems.append(Problem("this comment has no end: *) is missing", (start, end)))
+                position = end
+            comments.append(Comment(CommentKind.BLOCK, text[start:position], (start, position)))
+            continue
+        elif group == _ADDRESS:
+            kind = "ADDRESS"
+        elif group == _WORD_ASSIGN:
+            if previous in _OPERAND_ENDS:
+                kind = "COMPOUND_ASSIGN"
+            else:  # a comparison with a variable that is called S or R
+                append(Token("NAME", value[:-1], (start, position - 1)))
+                kind, value, start = "OPERATOR", "=", position - 1
+        elif group == _OPEN_QUOTE:
+            problems.append(Problem("this string has no end on its line", (start, position)))
+            kind = "BAD"
+        else:
+            problems.append(Problem(f"{_shown(value)} cannot stand here", (start, position)))
+            kind = "BAD"
+        append(Token(kind, value, (start, position)))
+        previous = kind
+    return Tokens(tokens, comments, problems)
+
+
+def _line_end(text: str, position: int) -> int:
+    found = re.compile(r"[\r\n]|$").search(text, position)
+    return found.start() if found is not None else len(text)
+
+
+def _comment_kind(value: str) -> CommentKind:
+    if value.startswith("{"):
+        return CommentKind.PRAGMA
+    return CommentKind.LINE if value.startswith("//") else CommentKind.BLOCK
+
+
+_COMMENT_MARK = re.compile(r"\(\*|\*\)")
+
+
+def _comment_end(text: str, start: int) -> int:
+    """Where the block comment at `start` ends, -1 if nowhere.
+
+    Comments nest, in IEC 61131-3 ed. 3 always, in tools by an option. If they do not close when nested they are taken
+    as not nested.
+    """
+    depth = 0
+    for mark in _COMMENT_MARK.finditer(text, start):
+        depth += 1 if mark.group() == "(*" else -1
+        if depth == 0:
+            return mark.end()
+    end = text.find("*)", start + 2)
+    return end + 2 if end >= 0 else -1
+
+
+def _shown(character: str) -> str:
+    return repr(character) if character.isprintable() else f"the character U+{ord(character):04X}"

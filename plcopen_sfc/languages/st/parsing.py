@@ -1,0 +1,115 @@
+"""Parsing structured text: every text gets a tree, and what does not parse stays in it as it stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.resources import files
+from threading import Lock
+from typing import Any, Generic, TypeVar
+
+from lark import Lark
+from lark.lexer import Lexer
+
+from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Lines, Problem
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.builder import Builder
+from plcopen_sfc.languages.st.depth import may_be_deep, too_deep
+from plcopen_sfc.languages.st.lexer import Comment, tokenize
+from plcopen_sfc.languages.st.recovery import Reading
+
+Tree_co = TypeVar("Tree_co", covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed(Generic[Tree_co]):
+    """A text and its tree.
+
+    `problems` tell what does not parse, in the order of the text; what stands there is `Unreadable` in the tree.
+    """
+
+    text: str
+    dialect: Dialect
+    tree: Tree_co
+    comments: tuple[Comment, ...] = ()
+    problems: tuple[Problem, ...] = ()
+
+    def place(self, offset: int) -> tuple[int, int]:
+        """The line and column of an offset, from 1."""
+        return Lines(self.text).place(offset)
+
+
+def parse_statements(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Statements]:
+    """The statements of a body. Never raises: see `Parsed.problems`."""
+    return _parse(text, Dialect(dialect), "statements")
+
+
+def parse_expression(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expression]:
+    """An expression, such as the condition of a transition. Never raises: see `Parsed.problems`."""
+    return _parse(text, Dialect(dialect), "whole_expression")
+
+
+def _parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
+    # conditions and short actions repeat a lot in real charts; trees cannot be changed, so equal texts share one
+    return (_cached_parse if len(text) <= _CACHED else _fresh_parse)(text, dialect, start)
+
+
+_CACHED = 1000
+
+
+@lru_cache(maxsize=16384)
+def _cached_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
+    return _fresh_parse(text, dialect, start)
+
+
+def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
+    with collector_paused():
+        found = tokenize(text, dialect)
+        with _LOCK:
+            lark, builder = _parser(dialect)
+            tree = Reading(lark, builder, start, text, found).run()
+            problems = sorted(found.problems + builder.problems, key=lambda problem: problem.span)
+        problem = too_deep(tree) if tree is not None and may_be_deep(found.tokens) else None
+    if problem is not None:
+        problems = [problem]
+    if tree is None or problem is not None:
+        tree = n.Unreadable(text, span=(0, len(text)))
+        if start == "statements":
+            tree = n.Statements((tree,), span=tree.span)
+    return Parsed(text, dialect, tree, tuple(found.comments), tuple(problems))
+
+
+_LOCK = Lock()
+"""One parse at a time: the builder collects the problems of the text that is being parsed."""
+
+
+class _GivenTokens(Lexer):
+    """Stands where lark wants a lexer; the tokens are fed one by one."""
+
+    def __init__(self, *_: Any) -> None:
+        pass
+
+    def lex(self, *_: Any) -> Any:
+        raise NotImplementedError
+
+
+@cache
+def _parser_for(scl: bool) -> tuple[Lark, Builder]:
+    builder = Builder(signs_below_power=scl)
+    grammar = files(__package__).joinpath("st.lark").read_text("utf-8")
+    lark = Lark(
+        grammar,
+        parser="lalr",
+        lexer=_GivenTokens,
+        start=["statements", "whole_expression"],
+        keep_all_tokens=True,
+        maybe_placeholders=False,
+        transformer=builder,
+    )
+    return lark, builder
+
+
+def _parser(dialect: Dialect) -> tuple[Lark, Builder]:
+    return _parser_for(dialect is Dialect.SCL)

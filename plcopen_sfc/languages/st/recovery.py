@@ -1,0 +1,194 @@
+"""Runs the parser over the tokens of a text, and goes on after an error where that is possible.
+
+After an error the parser is taken back to the statements that were being read, what cannot be read up to the next
+semicolon becomes one `Unreadable` statement, and reading goes on behind it. A missing semicolon is put in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, cast
+
+from lark import Lark
+from lark.exceptions import UnexpectedToken
+
+from plcopen_sfc.languages.problems import Lines, Problem
+from plcopen_sfc.languages.st.builder import Builder, StatementList
+from plcopen_sfc.languages.st.expected import expectation
+from plcopen_sfc.languages.st.lexer import Token, Tokens
+from plcopen_sfc.languages.st.nodes import Unreadable
+
+MAX_PROBLEMS = 50
+"""So many problems of one text are told; the rest of it is not read."""
+
+_CLOSED_BY = {
+    "IF": "END_IF",
+    "CASE": "END_CASE",
+    "FOR": "END_FOR",
+    "WHILE": "END_WHILE",
+    "REPEAT": "END_REPEAT",
+    "REGION": "END_REGION",
+    "TRY": "ENDTRY",
+}
+_CLOSING = frozenset(_CLOSED_BY.values())
+_DIVIDING = frozenset({"ELSE", "ELSIF", "UNTIL", "CATCH", "FINALLY"})
+_BEFORE_STATEMENTS = frozenset({"THEN", "ELSE", "DO", "OF", "REPEAT", "REGION", "TRY", "FINALLY"})
+
+
+class Reading:
+    """One run of the parser over `found`, from the rule `start`."""
+
+    def __init__(self, lark: Lark, builder: Builder, start: str, text: str, found: Tokens) -> None:
+        self._parser = lark.parse_interactive(start=start)
+        self._values: list[Any] = self._parser.parser_state.value_stack
+        self._states: list[Any] = self._parser.parser_state.state_stack
+        # lark's own tokens are strings that remember much more and cost as much
+        self._feed = cast(Callable[..., Any], self._parser.parser_state.feed_token)
+        self._builder = builder
+        self._has_statements = start == "statements"
+        self._text = text
+        self._tokens = [*found.tokens, Token("$END", "", (len(text), len(text)))]
+        builder.problems = []
+
+    def run(self) -> Any:
+        """What the rule makes; None if an error leaves nothing of it."""
+        tokens = self._tokens
+        feed = self._feed
+        if self._has_statements:
+            self._feed_semicolon(0)
+        position, last = 0, len(tokens) - 1
+        while True:
+            try:
+                for index in range(position, last):
+                    position = index
+                    feed(tokens[index])
+                position = last
+                # after an error nothing may be left to reduce, and lark looks for the end when it reduces
+                complete = self._has_statements and len(self._values) == 1
+                result = self._values[0] if complete else feed(tokens[last], is_end=True)
+            except UnexpectedToken:
+                if not self._has_statements:
+                    self._tell(position)
+                    return None
+                position = self._recover(position)
+            else:
+                return self._builder.whole_body(result, len(self._text)) if self._has_statements else result
+
+    def _feed_semicolon(self, offset: int) -> None:
+        """Feed a semicolon that does not stand in the text; an empty statement that it makes is left out."""
+        self._feed(Token("SEMICOLON", ";", (offset, offset)))
+
+    def _tell(self, position: int) -> None:
+        token = self._tokens[position]
+        if token.type == "BAD":  # the lexer has told why
+            return
+        message = expectation(token, self._accepted())
+        opening = self._opening()
+        if opening is not None and (token.type == "$END" or token.type in _CLOSING):
+            line, _ = Lines(self._text).place(opening.span[0])
+            message += f" for the {opening.type} in line {line}"
+        self._builder.problems.append(Problem(message, token.span))
+
+    def _accepted(self) -> set[str]:
+        """The types of the tokens that could stand next."""
+        return set(self._parser.accepts())  # type: ignore[no-untyped-call]  # lark does not say
+
+    def _opening(self) -> Token | None:
+        """The keyword of the innermost block that is open."""
+        return next((v for v in reversed(self._values) if isinstance(v, Token) and v.type in _CLOSED_BY), None)
+
+    def _recover(self, position: int) -> int:
+        """Make the parser ready to go on; the index of the token to go on with."""
+        token = self._tokens[position]
+        self._tell(position)
+        if len(self._builder.problems) >= MAX_PROBLEMS:
+            return self._give_up(position)
+        if self._semicolon_is_missing(position):
+            self._feed_semicolon(self._tokens[position - 1].span[1])
+            return position
+        if token.type == "$END":
+            return self._give_up(position)
+        if token.type in _CLOSING and self._close_outer_block(token):
+            return position
+        if self._values and isinstance(self._values[-1], Token) and self._values[-1].type in _BEFORE_STATEMENTS:
+            self._feed_semicolon(token.span[0])
+        start, opened = self._unwind(token.span[0])
+        position = self._skip(position, opened)
+        end = max(self._tokens[position - 1].span[1], start)
+        self._keep(start, end)
+        return position
+
+    def _give_up(self, position: int) -> int:
+        """Leave everything from the outermost unfinished statement on as it stands."""
+        start, _ = self._unwind(self._tokens[position].span[0], outermost=True)
+        self._keep(start, len(self._text))
+        return len(self._tokens) - 1
+
+    def _semicolon_is_missing(self, position: int) -> bool:
+        token = self._tokens[position]
+        accepted = self._accepted()
+        if "SEMICOLON" not in accepted or "IF" in accepted:  # where a statement may start, none is unfinished
+            return False
+        if token.type == "$END" or token.type in _CLOSED_BY or token.type in _CLOSING or token.type in _DIVIDING:
+            return True
+        between = self._text[self._tokens[position - 1].span[1] : token.span[0]]
+        return token.type != "BAD" and ("\n" in between or "\r" in between)
+
+    def _close_outer_block(self, token: Token) -> bool:
+        """If `token` closes a block around the innermost one, go back to the statements of that block."""
+        openings = [v for v in self._values if isinstance(v, Token) and _CLOSED_BY.get(v.type) == token.type]
+        if not openings:
+            return False
+        start = token.span[0]
+        while self._opening() is not openings[-1] or not isinstance(self._values[-1], StatementList):
+            start = self._pop(start)
+        self._keep(start, token.span[0])
+        return True
+
+    def _unwind(self, start: int, *, outermost: bool = False) -> tuple[int, int]:
+        """Take the parser back to the statements it was reading: where what it forgot starts, and its open blocks."""
+        opened = 0
+        while len(self._values) > 1 and (outermost or not isinstance(self._values[-1], StatementList)):
+            value = self._values[-1]
+            opened += isinstance(value, Token) and value.type in _CLOSED_BY
+            start = self._pop(start)
+        return start, opened
+
+    def _pop(self, start: int) -> int:
+        self._states.pop()
+        value = self._values.pop()
+        while isinstance(value, list):
+            if not value:
+                return start
+            value = value[0]
+        return min(start, value.span[0]) if value.span is not None else start
+
+    def _skip(self, position: int, opened: int) -> int:
+        """The token behind a statement that cannot be read and that has opened so many blocks."""
+        depth, first = opened, position
+        closing = {_CLOSED_BY[v.type] for v in self._values if isinstance(v, Token) and v.type in _CLOSED_BY}
+        for index in range(position, len(self._tokens)):
+            kind = self._tokens[index].type
+            if kind == "$END":
+                return index
+            if kind in _CLOSED_BY:
+                if depth == 0 and index > first:
+                    return index
+                depth += 1
+            elif kind in _CLOSING:
+                if depth == 0:
+                    if index > first and kind in closing:
+                        return index
+                    continue
+                depth -= 1
+                if depth == 0:
+                    return index + (2 if self._tokens[index + 1].type == "SEMICOLON" else 1)
+            elif depth == 0 and (kind == "SEMICOLON" or (kind in _DIVIDING and closing and index > first)):
+                return index + (kind == "SEMICOLON")
+        return len(self._tokens) - 1
+
+    def _keep(self, start: int, end: int) -> None:
+        statements: StatementList = self._values[-1]
+        if statements and statements[-1].span[0] >= start:
+            start = statements[-1].span[1]
+        statements.append(Unreadable(self._text[start:end], span=(start, end)))

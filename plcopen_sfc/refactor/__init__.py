@@ -1,0 +1,1 @@
+"""Edits of a project that keep every reference right."""
