@@ -1,0 +1,1 @@
+"""FBD and LD networks: to structured text and back."""

@@ -1,0 +1,350 @@
+"""Blocks to text: operators, functions, function blocks and whatever else is called in a network."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container
+from dataclasses import dataclass
+from itertools import pairwise
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.effects import is_variable
+from plcopen_sfc.languages.networks.graph import Graph, Source, block_inputs, is_enable
+from plcopen_sfc.languages.networks.values import (
+    TRUE,
+    Factor,
+    Product,
+    expression_of,
+    inverted,
+    joined,
+    product_of,
+)
+from plcopen_sfc.languages.networks.wires import Wires
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
+from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
+from plcopen_sfc.model.network import (
+    Block,
+    BlockCall,
+    BlockVariable,
+    Edge,
+    Node,
+    OutputVariable,
+    Storage,
+)
+
+
+@dataclass(slots=True)
+class _Argument:
+    """An input of a block with what comes to it; `product` only where it comes unmodified."""
+
+    variable: BlockVariable
+    value: Expression | None
+    product: Product | None
+
+
+class BlockReader:
+    """Executes the blocks of a network symbolically."""
+
+    def __init__(self, graph: Graph, wires: Wires, known: Container[str] | None) -> None:
+        self._graph = graph
+        self._wires = wires
+        self._known = known
+        self._written: set[int] = set()
+        for node in graph.nodes.values():
+            if isinstance(node, Block) and node.instance and node.call is not BlockCall.METHOD:
+                wires.instance(node.instance, node.type_name)
+
+    def acts(self, block: Block) -> bool:
+        """Whether executing it does something even if nobody uses its outputs."""
+        if block.call in _ACTING or block.instance or block.code is not None:
+            return True
+        standard = standard_block(block.type_name)
+        return standard is None or standard.stateful or any(map(_target, block.parameters.outputs))
+
+    def is_written(self, node: Node) -> bool:
+        """Whether the element was written together with the block that feeds it."""
+        return node.id in self._written
+
+    def last_output(self, block: Block, pin: str) -> Expression | None:
+        """What an output has before the block is executed: that of the last cycle. None: it does not keep it."""
+        variable = next((v for v in block.parameters.outputs if v.name == pin), None)
+        if not block.instance or variable is None or is_enable(variable) or variable.edge is not Edge.NONE:
+            return None
+        value = n.Member(self._wires.expression(block.instance, block.id), n.Name(pin))
+        return inverted(value) if variable.negated else value
+
+    def execute(self, block: Block, value_of: Callable[[Node, int], Product | None]) -> None:
+        """Execute a block: give its outputs their values."""
+        arguments = [
+            self._argument(block, variable, value_of(block, index))
+            for index, variable in enumerate(block_inputs(block))
+        ]
+        for variable in block.parameters.in_outs:
+            given = next(a for a in arguments if a.variable is variable)
+            self._give(block, variable, given.value)
+        enable = next((a for a in arguments if _is(a.variable, "EN")), None)
+        guard = enable.value if enable is not None and enable.value != TRUE else None
+        arguments = [a for a in arguments if a is not enable]
+        for variable in block.parameters.outputs:
+            if _is(variable, "ENO"):
+                if guard is not None and self._is_used(block, variable) and not is_variable(guard):
+                    guard = self._kept(block, guard)
+                self._give(block, variable, guard or TRUE)
+        outputs = [variable for variable in block.parameters.outputs if not _is(variable, "ENO")]
+        if block.code is not None or block.call is BlockCall.EXECUTE:
+            self._wires.execute_all(self._guarded(guard, self._wires.code(block.code or "", block.id)))
+            return
+        standard = standard_block(block.type_name)
+        self._check_known(block, standard)
+        if block.instance or (standard is not None and standard.stateful) or block.call is BlockCall.PROGRAM:
+            self._function_block(block, arguments, outputs, guard)
+        elif block.call is BlockCall.ACTION:
+            self._wires.execute_all(self._guarded(guard, (n.CallStatement(n.Call(self._callee(block))),)))
+        else:
+            self._function(block, standard, arguments, outputs, guard)
+
+    def _kept(self, block: Block, value: Expression) -> n.Name:
+        helper = self._wires.helper("value", (block.id, None), None, retained=False)
+        self._wires.execute(n.Assignment(helper, value))
+        return helper
+
+    # -- inputs and outputs
+
+    def _argument(self, block: Block, variable: BlockVariable, product: Product | None) -> _Argument:
+        if variable.storage is not Storage.NONE and variable.input is not None:
+            self._wires.problem(f"its input {variable.name} cannot {variable.storage.value} anything", block.id)
+        if product is None:
+            self._missing(block, variable)
+            return _Argument(variable, None, None)
+        if not variable.negated and variable.edge is Edge.NONE:
+            return _Argument(variable, expression_of(product), product)
+        if variable.negated and variable.edge is not Edge.NONE:
+            text = (
+                f"its input {variable.name} is negated and watches for an edge: taken as the edge of the negated value"
+            )
+            self._wires.problem(text, block.id, Severity.WARNING)
+        value = expression_of(product)
+        value = self._wires.edge(variable.edge, inverted(value) if variable.negated else value, (block.id, None))
+        return _Argument(variable, value, None)
+
+    def _missing(self, block: Block, variable: BlockVariable) -> None:
+        if _is(variable, "EN") or variable.hidden:
+            return
+        if variable.input is not None and variable.input.connections:
+            self._wires.problem(f"its input {variable.name!r} gets no value", block.id)
+        elif self.acts(block):
+            text = f"its input {variable.name!r} is not connected and keeps its value"
+            self._wires.problem(text, block.id, Severity.INFO)
+        else:
+            self._wires.problem(f"its input {variable.name!r} is not connected", block.id)
+
+    def _give(self, block: Block, variable: BlockVariable, value: Expression | None) -> None:
+        """Give an output its value, and write it to the variable that stands at the pin."""
+        source = (block.id, variable.name)
+        if value is not None and variable.input is None:
+            value = self._wires.edge(variable.edge, inverted(value) if variable.negated else value, (block.id, None))
+            if _target(variable):
+                value = self._write_at_pin(block, variable, value)
+            elif variable.storage is not Storage.NONE:
+                self._wires.problem(f"its output {variable.name} has nothing to {variable.storage.value}", block.id)
+        self._wires.store(source, (Factor(source, value),) if value is not None else None)
+
+    def _write_at_pin(self, block: Block, variable: BlockVariable, value: Expression) -> Expression:
+        """Write an output to the variable that stands at its pin; returns what has its value from now on."""
+        target = self._wires.expression(_target(variable), block.id)
+        if variable.storage is not Storage.NONE and self._graph.uses[block.id, variable.name]:
+            value = self._kept(block, value)
+        self._wires.execute(self.assignment(target, value, variable.storage))
+        return target if variable.storage is Storage.NONE else value
+
+    def assignment(self, target: Expression, value: Expression, storage: Storage) -> Statement:
+        """Write `value` to `target`, or set or reset it while `value` is TRUE."""
+        if storage is Storage.NONE:
+            return n.Assignment(target, value)
+        sets = storage is Storage.SET
+        if self._wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
+            return n.Assignment(target, value, AssignmentKind.SET if sets else AssignmentKind.RESET)
+        constant = n.Assignment(target, n.Literal("TRUE" if sets else "FALSE"))
+        return n.If((n.Branch(value, (constant,)),))
+
+    def _guarded(self, guard: Expression | None, statements: tuple[Statement, ...]) -> tuple[Statement, ...]:
+        return statements if guard is None else (n.If((n.Branch(guard, statements),)),)
+
+    def _check_known(self, block: Block, standard: StandardBlock | None) -> None:
+        if standard is None and self._known is not None and block.call not in (BlockCall.ACTION, BlockCall.METHOD):
+            name = block.type_name.rpartition(".")[2].casefold()
+            if name not in self._known and block.type_name.casefold() not in self._known:
+                self._wires.problem(f"the block {block.type_name!r} is neither of the project nor standard", block.id)
+
+    # -- calls
+
+    def _callee(self, block: Block) -> Expression:
+        names = [name for name in (block.instance, block.type_name) if name]
+        return self._wires.expression(".".join(names), block.id)
+
+    def _function_block(
+        self, block: Block, arguments: list[_Argument], outputs: list[BlockVariable], guard: Expression | None
+    ) -> None:
+        callee: Expression
+        if block.call is BlockCall.PROGRAM:
+            callee = self._wires.expression(block.type_name, block.id)
+        elif block.instance:
+            callee = self._wires.expression(block.instance, block.id)
+        else:
+            name = self._wires.helper(block.type_name.lower(), (block.id, None), block.type_name, retained=True)
+            callee = name
+            self._wires.instance(name.identifier, block.type_name)
+            text = f"{block.type_name} has no instance here; {name.identifier} is one"
+            self._wires.problem(text, block.id, Severity.WARNING)
+        if any(not a.variable.name for a in arguments):
+            self._wires.problem(f"an input of {block.type_name} has no name", block.id)
+        given = tuple(n.Argument(a.value, n.Name(a.variable.name)) for a in arguments if a.value is not None)
+        self._wires.execute_all(self._guarded(guard, (n.CallStatement(n.Call(callee, given)),)))
+        for variable in outputs:
+            self._give(block, variable, n.Member(callee, n.Name(variable.name)))
+
+    def _function(
+        self,
+        block: Block,
+        standard: StandardBlock | None,
+        arguments: list[_Argument],
+        outputs: list[BlockVariable],
+        guard: Expression | None,
+    ) -> None:
+        moves = standard is not None and standard.name == "MOVE"
+        extra = [
+            (variable, self._wires.helper("value", (block.id, None), None, retained=False))
+            for variable in outputs[1:]
+            if not moves and self._is_used(block, variable)
+        ]
+        product = self._result(block, standard, arguments, [(v.name, h) for v, h in extra])
+        if not outputs or (standard is None and not self._is_used(block, outputs[0])):
+            if product is not None:
+                call = n.CallStatement(expression_of(product))
+                self._wires.execute_all(self._guarded(guard, (call,)))
+                product = None
+        elif product is not None and (guard is not None or extra):
+            product = self._conditional(block, outputs[0], expression_of(product), guard)
+        for variable in outputs if moves else outputs[:1]:
+            self._give_product(block, variable, product)
+        for variable, helper in extra:
+            self._give(block, variable, helper)
+
+    def _is_used(self, block: Block, variable: BlockVariable) -> bool:
+        return bool(self._graph.uses[block.id, variable.name] or _target(variable))
+
+    def _give_product(self, block: Block, variable: BlockVariable, product: Product | None) -> None:
+        if product is None or variable.negated or variable.edge is not Edge.NONE or _target(variable):
+            self._give(block, variable, expression_of(product) if product is not None else None)
+        else:
+            self._wires.store((block.id, variable.name), product)
+
+    def _conditional(
+        self, block: Block, result: BlockVariable, value: Expression, guard: Expression | None
+    ) -> Product | None:
+        """The result of a function that is executed under a condition: it is written while the condition is TRUE."""
+        sink = self._only_sink(block, result)
+        if guard is not None and sink is not None and not _target(result) and not result.negated:
+            target = self._wires.expression(sink.expression, sink.id)
+            self._wires.execute_all(self._guarded(guard, (n.Assignment(target, value),)))
+            self._written.add(sink.id)
+            return None
+        helper = self._wires.helper("value", (block.id, None), None, retained=guard is not None)
+        self._wires.execute_all(self._guarded(guard, (n.Assignment(helper, value),)))
+        return (Factor((block.id, result.name), helper),)
+
+    def _only_sink(self, block: Block, result: BlockVariable) -> OutputVariable | None:
+        """The variable that a result goes to, if that is all it does."""
+        source: Source = (block.id, result.name)
+        if self._graph.uses[source] != 1 or result.edge is not Edge.NONE:
+            return None
+        sink = next((node for node in self._graph.nodes.values() if [source] in self._graph.sources(node)), None)
+        if not isinstance(sink, OutputVariable) or sink.negated:
+            return None
+        return sink if sink.storage is Storage.NONE and sink.edge is Edge.NONE else None
+
+    # -- functions and operators
+
+    def _result(
+        self,
+        block: Block,
+        standard: StandardBlock | None,
+        arguments: list[_Argument],
+        outputs: list[tuple[str, n.Name]],
+    ) -> Product | None:
+        there = [a for a in arguments if a.value is not None]
+        values = [a.value for a in there if a.value is not None]
+        source = (block.id, "result")
+        if standard is not None and standard.name == "AND" and there:
+            products = [
+                a.product if a.product is not None else (Factor((*source, i), values[i]),) for i, a in enumerate(there)
+            ]
+            return product_of(products)
+        if standard is not None and standard.name == "MOVE" and there:
+            return there[0].product or (Factor(source, values[0]),)
+        value = _operation(standard, values) if standard is not None and not outputs else None
+        if value is None:
+            if standard is not None and not values:
+                return None
+            value = n.Call(self._callee(block), self._call_arguments(standard, arguments, outputs))
+        return (Factor(source, value),)
+
+    def _call_arguments(
+        self, standard: StandardBlock | None, arguments: list[_Argument], outputs: list[tuple[str, n.Name]]
+    ) -> tuple[n.Argument, ...]:
+        given = [(a.variable.name, a.value) for a in arguments]
+        if standard is not None:
+            given = [(standard.input_name(name) or name, value) for name, value in given]
+            order = [pin.name for pin in standard.input_pins(len(given))]
+            if [name for name, _ in given] == order or not all(name for name, _ in given):
+                given = [("", value) for _, value in given]
+        named = tuple(n.Argument(value, n.Name(name) if name else None) for name, value in given if value is not None)
+        return (*named, *(n.Argument(helper, n.Name(name), output=True) for name, helper in outputs))
+
+
+_ACTING = frozenset(
+    {BlockCall.FUNCTION_BLOCK, BlockCall.PROGRAM, BlockCall.ACTION, BlockCall.METHOD, BlockCall.EXECUTE}
+)
+_COMPARISONS = frozenset(
+    {
+        Operator.EQUAL,
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+    }
+)
+
+
+def _is(variable: BlockVariable, name: str) -> bool:
+    return variable.name.casefold() == name.casefold()
+
+
+def _target(variable: BlockVariable) -> str:
+    """The variable that stands at an output pin."""
+    return (variable.output.expression or "").strip() if variable.output is not None else ""
+
+
+def _operation(standard: StandardBlock, values: list[Expression]) -> Expression | None:
+    """An operator block as an operation; None where it must be written as a call."""
+    operator = standard.operator
+    if operator is None or not values:
+        return None
+    if operator is Operator.NOT:
+        return inverted(values[0]) if len(values) == 1 else None
+    if operator in (Operator.OR, Operator.XOR):
+        return joined(operator, values)
+    if len(values) < 2:
+        return None
+    if operator in (Operator.ADD, Operator.MULTIPLY):
+        first = n.bare(values[0])
+        if isinstance(first, n.Operation) and first.operator is operator:
+            values = [*first.operands, *values[1:]]
+        return n.Operation(operator, tuple(values))
+    if len(values) == 2:
+        return n.Operation(operator, (values[0], values[1]))
+    if operator in _COMPARISONS:
+        pairs = pairwise(values)
+        return n.Operation(Operator.AND, tuple(n.Operation(operator, pair) for pair in pairs))
+    return None

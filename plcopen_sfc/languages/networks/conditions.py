@@ -1,0 +1,195 @@
+"""Conditions drawn as networks: the Boolean expression of a transition, however its condition is given."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable
+from dataclasses import replace
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.reading import NetworkReader, body_statements, reader_of_chart
+from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
+from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.pou import NamedTransition
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+
+
+def condition_expression(
+    chart: SfcNetwork,
+    transition: Transition,
+    dialect: Dialect = Dialect.IEC,
+    *,
+    transitions: Iterable[NamedTransition] = (),
+    taken: Iterable[str] = (),
+    known: Container[str] | None = None,
+) -> NetworkExpression:
+    """The condition of a transition as an expression, whatever it is given as.
+
+    `transitions` are the transition objects of the POU (`Pou.transitions`): the expression of one that the condition
+    names is taken; one that is not among them stands in the expression by its name. What must be executed before the
+    expression (function blocks, edges) stands in `NetworkExpression.before`. `taken` and `known` as in
+    `body_statements`.
+    """
+    reader = _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, [*taken], known)
+    if transition.condition is None:
+        return _failed("the transition has no condition")
+    return reader.read(transition.condition)
+
+
+def chart_statements(
+    chart: SfcNetwork, dialect: Dialect = Dialect.IEC, *, taken: Iterable[str] = (), known: Container[str] | None = None
+) -> NetworkStatements:
+    """What the logic drawn in a chart does besides feeding conditions: it is executed in every cycle.
+
+    Function blocks and edges that feed conditions only are left to `condition_expression`.
+    """
+    pins = [t.condition.input for t in chart.transitions if isinstance(t.condition, WiredCondition)]
+    whole = reader_of_chart(chart, chart.logic, dialect, taken=taken, known=known)
+    feeding = _feeding(whole, [whole.graph.resolve(None, pin) for pin in pins])
+    acting = [node for node in chart.logic if node.id not in feeding and whole.acts(node)]
+    needed = {node.id for node in acting} | _feeding(whole, [s for node in acting for s in whole.graph.sources(node)])
+    left = [node for node in chart.logic if node.id in needed or node.id not in feeding]
+    reader = reader_of_chart(chart, left, dialect, taken=taken, known=known)
+    reader.run()
+    return reader.result()
+
+
+def _feeding(reader: NetworkReader, pins: Iterable[Iterable[tuple[int, str | None]]]) -> set[int]:
+    """The elements that something depends on."""
+    found: set[int] = set()
+    waiting = [source for sources in pins for source, _ in sources]
+    while waiting:
+        number = waiting.pop()
+        if number in reader.graph.nodes and number not in found:
+            found.add(number)
+            waiting += [s for sources in reader.graph.sources(reader.graph.nodes[number]) for s, _ in sources]
+    return found
+
+
+class _ConditionReader:
+    def __init__(
+        self,
+        chart: SfcNetwork,
+        dialect: Dialect,
+        transitions: dict[str, NamedTransition],
+        taken: list[str],
+        known: Container[str] | None,
+    ) -> None:
+        self._chart = chart
+        self._dialect = dialect
+        self._transitions = transitions
+        self._taken = taken
+        self._known = known
+        self._open: set[str] = set()
+
+    def read(self, condition: Condition) -> NetworkExpression:
+        """Any condition as an expression."""
+        if isinstance(condition, Expression):
+            found = self._text(condition.text)
+        elif isinstance(condition, NamedCondition):
+            found = self._named(condition.name)
+        elif isinstance(condition, BodyCondition):
+            found = self._body(condition.body, condition.name)
+        else:
+            found = self._wired(condition)
+        if condition.negated and found.tree is not None:
+            found = replace(found, tree=inverted(found.tree))
+        return found
+
+    def _text(self, text: str) -> NetworkExpression:
+        parsed = parse_expression(text, self._dialect)
+        return NetworkExpression(
+            tree=parsed.tree, problems=tuple(NetworkProblem(f"{text!r}: {p.message}") for p in parsed.problems)
+        )
+
+    def _named(self, name: str) -> NetworkExpression:
+        known = self._transitions.get(name.casefold())
+        if known is None or known.body is None:
+            return self._text(name)
+        if name.casefold() in self._open:
+            return _failed(f"the condition {name!r} depends on itself")
+        self._open.add(name.casefold())
+        found = self._body(known.body, name)
+        self._open.remove(name.casefold())
+        return found
+
+    def _body(self, body: Body, name: str) -> NetworkExpression:
+        if isinstance(body, StBody):
+            return self._statements(body.text, name)
+        if isinstance(body, FbdBody | LdBody):
+            read = body_statements(body, self._dialect, taken=self._taken, known=self._known)
+            return _result_of(read, name)
+        return _failed(f"a condition in {body.language} cannot be read as an expression")
+
+    def _statements(self, text: str, name: str) -> NetworkExpression:
+        """ST: an expression, with ``:=`` before it or a semicolon behind it as tools write it, or statements."""
+        stripped = text.strip().removeprefix(":=").removesuffix(";")
+        as_expression = self._text(stripped)
+        if as_expression.complete:
+            return as_expression
+        parsed = parse_statements(text, self._dialect)
+        problems = tuple(NetworkProblem(f"{text!r}: {p.message}") for p in parsed.problems)
+        return _result_of(NetworkStatements(tree=parsed.tree, problems=problems), name)
+
+    def _wired(self, condition: WiredCondition) -> NetworkExpression:
+        pin = condition.input
+        if not pin.connections:
+            return self._text(pin.expression) if pin.expression else _failed("the condition is wired to nothing")
+        nodes: list[Node] = self._chart.logic
+        whole = reader_of_chart(self._chart, nodes, self._dialect)
+        needed = _feeding(whole, [whole.graph.resolve(None, pin)])
+        reader = reader_of_chart(
+            self._chart,
+            [node for node in nodes if node.id in needed],
+            self._dialect,
+            taken=self._taken,
+            known=self._known,
+            also_used=[pin],
+        )
+        reader.run()
+        tree = reader.outer_value(0)
+        read = reader.result()
+        problems = read.problems
+        if tree is None:
+            problems = (*problems, NetworkProblem("the condition has no value"))
+        return NetworkExpression(
+            read.helpers, read.instances, read.comments, problems, tree=tree, before=read.tree.statements
+        )
+
+
+def _result_of(read: NetworkStatements, name: str) -> NetworkExpression:
+    """The condition that a body computes: what it writes to `name` last, else the value that leads nowhere."""
+    statements = list(read.tree.statements)
+    problems = list(read.problems)
+    tree: n.Expression | None = None
+    writing = [s for s in statements if isinstance(s, n.Assignment) and s.kind is n.AssignmentKind.ASSIGN]
+    named = [s for s in writing if isinstance(s.target, n.Name) and s.target.identifier.casefold() == name.casefold()]
+    if named or (not name and len(writing) == 1 and not read.open_ends):
+        last = (named or writing)[-1]
+        if last is statements[-1]:
+            statements.pop()
+            tree = last.value
+        else:
+            tree = last.target
+    elif len(read.open_ends) == 1:
+        tree = read.open_ends[0][1]
+        problems = [p for p in problems if p.node != read.open_ends[0][0]]
+    elif statements and isinstance(call := statements[-1], n.CallStatement) and isinstance(call.call, n.Call):
+        tree = call.call
+        statements.pop()
+        text = "the value of the last call is taken as the condition"
+        problems.append(NetworkProblem(text, None, Severity.WARNING))
+    if tree is None:
+        problems.append(NetworkProblem(f"the body does not tell which value is the condition {name}".strip()))
+    return NetworkExpression(
+        read.helpers, read.instances, read.comments, tuple(problems), tree=tree, before=tuple(statements)
+    )
+
+
+def _failed(message: str) -> NetworkExpression:
+    return NetworkExpression(problems=(NetworkProblem(message),))

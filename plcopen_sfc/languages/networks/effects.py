@@ -1,0 +1,132 @@
+"""What expressions read and statements write, as far as names tell: whether a value may change before it is used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from functools import lru_cache
+from typing import Any
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import standard_block
+
+Path = tuple[str, ...]
+"""A variable and the members that lead to a part of it, in lower case; indices are left out, which means any."""
+
+ANYTHING: Path = ()
+"""Reaches every variable: what a pointer leads to, or what a call of unknown code may write."""
+
+
+def walk(tree: Any) -> Iterator[n.Node]:
+    """All nodes of a tree, a node before what is in it."""
+    waiting = [tree]
+    while waiting:
+        item = waiting.pop()
+        if isinstance(item, n.Node):
+            yield item
+            waiting.extend(getattr(item, f.name) for f in reversed(fields(item)) if f.name != "span")
+        elif isinstance(item, tuple):
+            waiting.extend(reversed(item))
+
+
+def path_of(expression: Expression) -> Path:
+    """The path of a variable; `ANYTHING` for what is none."""
+    names: list[str] = []
+    at: Expression = n.bare(expression)
+    while True:
+        if isinstance(at, n.Name):
+            names.append(at.identifier.casefold())
+            return tuple(reversed(names))
+        if isinstance(at, n.Address):
+            return (at.text.casefold(),)
+        if isinstance(at, n.Member):
+            names.append(at.name.identifier.casefold())
+        elif isinstance(at, n.Index | n.Peripheral):
+            names.clear()
+        else:
+            return ANYTHING
+        at = n.bare(at.base)
+
+
+def is_variable(expression: Expression) -> bool:
+    """Whether it names a variable or a part of one."""
+    return isinstance(expression, n.Name | n.Member | n.Index | n.Dereference | n.Peripheral | n.Address)
+
+
+@lru_cache(maxsize=4096)
+def reads(expression: Expression) -> frozenset[Path]:
+    """The variables that an expression reads."""
+    found: set[Path] = set()
+    waiting: list[Any] = [expression]
+    while waiting:
+        item = waiting.pop()
+        if isinstance(item, tuple):
+            waiting.extend(item)
+        elif isinstance(item, n.Index):
+            found.add(path_of(item))
+            waiting += [item.base, item.indices]
+        elif isinstance(item, n.Name | n.Member | n.Address | n.Dereference | n.Peripheral):
+            found.add(path_of(item))
+            if not isinstance(item, n.Name | n.Address):
+                waiting += [at for at in walk(item) if isinstance(at, n.Index | n.Call)]
+        elif isinstance(item, n.Call):
+            waiting.append(item.arguments)
+            if not isinstance(item.callee, n.Name):
+                found.add(path_of(item.callee))
+        elif isinstance(item, n.Argument):
+            waiting.append(item.value)
+        elif isinstance(item, n.Node):
+            waiting.extend(getattr(item, f.name) for f in fields(item) if f.name != "span")
+    return frozenset(found)
+
+
+@lru_cache(maxsize=4096)
+def is_impure(expression: Expression) -> bool:
+    """Whether evaluating it twice may differ from once: it calls what is no standard function, or assigns."""
+    return any(
+        isinstance(node, n.AssignmentExpression | n.Unreadable)
+        or (isinstance(node, n.Call) and not is_standard_call(node))
+        for node in walk(expression)
+    )
+
+
+def is_standard_call(call: n.Call) -> bool:
+    """Whether it calls a standard function, and has no output parameters."""
+    if not isinstance(call.callee, n.Name) or any(argument.output for argument in call.arguments):
+        return False
+    block = standard_block(call.callee.identifier)
+    return block is not None and not block.stateful
+
+
+def writes(statement: Statement, standard_instances: frozenset[Path]) -> frozenset[Path]:
+    """The variables that a statement writes. `standard_instances`: those of standard function blocks."""
+    found: set[Path] = set()
+    for node in walk(statement):
+        if isinstance(node, n.Assignment | n.AssignmentExpression):
+            found.add(path_of(node.target))
+        elif isinstance(node, n.For):
+            found.add(path_of(node.variable))
+        elif isinstance(node, n.Call) and not is_standard_call(node):
+            found.update(path_of(a.value) for a in node.arguments if a.output and a.value is not None)
+            path = path_of(node.callee)
+            found.update((path,) if path in standard_instances else (path, ANYTHING))
+        elif isinstance(node, n.Unreadable) or (
+            isinstance(node, n.CallStatement) and not isinstance(node.call, n.Call)
+        ):
+            found.add(ANYTHING)
+    return frozenset(found)
+
+
+def may_change(read: frozenset[Path], written: frozenset[Path], private: frozenset[str]) -> bool:
+    """Whether one of the variables `read` may be one of those `written`, or a part of it or around it.
+
+    `private` are variables that only a statement that names them can write: helpers and instances.
+    """
+    return any(_overlap(a, b) for a in read for b in written if b != ANYTHING or not a or a[0] not in private)
+
+
+def _overlap(a: Path, b: Path) -> bool:
+    # a global variable may be named with or without its list: GVL.x, x
+    starts = [(a, b)] + ([(a[1:], b)] if len(a) > 1 else []) + ([(a, b[1:])] if len(b) > 1 else [])
+    return any(all(x == y for x, y in zip(one, other, strict=False)) for one, other in starts)

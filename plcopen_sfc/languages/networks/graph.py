@@ -1,0 +1,208 @@
+"""The elements of a network as a graph: what feeds what, and in which order they are executed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.networks.results import NetworkProblem
+from plcopen_sfc.model.network import (
+    Block,
+    BlockCall,
+    BlockVariable,
+    Coil,
+    Connection,
+    Connector,
+    Contact,
+    Continuation,
+    InOutVariable,
+    InputPin,
+    InputVariable,
+    Jump,
+    Label,
+    LeftPowerRail,
+    Node,
+    OutputVariable,
+    Return,
+    RightPowerRail,
+)
+
+Source = tuple[int, str | None]
+"""An output: the id of an element, and the name of the pin where the element is a block."""
+
+
+def block_outputs(block: Block) -> list[BlockVariable]:
+    """The parameters of a block that wires can start from."""
+    return [*block.parameters.outputs, *block.parameters.in_outs]
+
+
+def block_inputs(block: Block) -> list[BlockVariable]:
+    """The parameters of a block that wires can end at."""
+    return [*block.parameters.inputs, *block.parameters.in_outs]
+
+
+def is_enable(variable: BlockVariable) -> bool:
+    """Whether it is EN or ENO."""
+    return variable.name.casefold() in ("en", "eno")
+
+
+def is_fed(pin: InputPin | None) -> bool:
+    """Whether something stands at an input: a wire or an expression."""
+    return pin is not None and bool(pin.connections or pin.expression)
+
+
+class Graph:
+    """The elements of a network, or of all networks of a body.
+
+    `steps` are the ids of steps, which may feed the logic drawn in a chart.
+    """
+
+    def __init__(self, networks: Iterable[Sequence[Node]], steps: Mapping[int, str] | None = None) -> None:
+        self.networks = list(networks)
+        self.steps = steps or {}
+        self.nodes: dict[int, Node] = {}
+        self.problems: list[NetworkProblem] = []
+        for node in (node for network in self.networks for node in network):
+            if node.id in self.nodes:
+                self.problems.append(NetworkProblem("another element has this id too", node.id))
+            self.nodes.setdefault(node.id, node)
+        self._connectors = self._by_name()
+        self._sources: dict[int, list[list[Source]]] = {}
+        self.uses: Counter[Source] = Counter()
+        for node in self.nodes.values():
+            resolved = [self._resolve(node, pin) for pin in self.pins(node)]
+            self._sources[node.id] = resolved
+            # a wire to the right power rail does nothing, and that of a connector goes on at its continuation
+            if not isinstance(node, Connector | RightPowerRail):
+                self.uses.update(source for sources in resolved for source in sources)
+
+    def pins(self, node: Node) -> list[InputPin]:
+        """The inputs of an element; of a continuation, that of its connector."""
+        if isinstance(node, Block):
+            return [variable.input or InputPin() for variable in block_inputs(node)]
+        if isinstance(node, RightPowerRail):
+            return node.inputs
+        if isinstance(node, Continuation):
+            connector = self._connectors.get(node.name.casefold())
+            return [connector.input or InputPin()] if connector is not None else []
+        if isinstance(node, OutputVariable | InOutVariable | Contact | Coil | Jump | Return | Connector):
+            return [node.input or InputPin()]
+        return []
+
+    def sources(self, node: Node) -> list[list[Source]]:
+        """Where the wires at each of `pins` start; those that start nowhere are left out (and a problem)."""
+        return self._sources[node.id]
+
+    def resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
+        """Where the wires at a pin that belongs to no element of the network start: that of a transition."""
+        return self._resolve(holder, pin)
+
+    def _resolve(self, holder: Node | None, pin: InputPin) -> list[Source]:
+        found = (self._source(holder.id if holder is not None else None, wire) for wire in pin.connections)
+        return [source for source in found if source is not None]
+
+    def _source(self, holder: int | None, wire: Connection) -> Source | None:
+        node = self.nodes.get(wire.source)
+        if node is None:
+            if wire.source in self.steps:
+                return wire.source, None
+            self.problems.append(NetworkProblem(f"a wire starts at element {wire.source}, which is not there", holder))
+            return None
+        if isinstance(node, Block):
+            return self._block_source(holder, wire, node)
+        if isinstance(node, InputVariable | InOutVariable | Contact | Coil | LeftPowerRail | Continuation):
+            return node.id, None
+        self.problems.append(NetworkProblem(f"a wire starts at element {node.id}, which has no output", holder))
+        return None
+
+    def _block_source(self, holder: int | None, wire: Connection, block: Block) -> Source | None:
+        outputs = block_outputs(block)
+        for variable in outputs:
+            if wire.pin is not None and variable.name.casefold() == wire.pin.casefold():
+                return block.id, variable.name
+        if not outputs:
+            self.problems.append(NetworkProblem(f"a wire starts at element {block.id}, which has no output", holder))
+            return None
+        if wire.pin:
+            # CODESYS names the assigned variable here when it exports the second wire from a box of a ladder
+            self.problems.append(
+                NetworkProblem(
+                    f"a wire starts at the output {wire.pin!r} of element {block.id}, which {block.type_name} does not"
+                    f" have; taken as {outputs[0].name!r}",
+                    holder,
+                    Severity.WARNING,
+                )
+            )
+        return block.id, outputs[0].name
+
+    def _by_name(self) -> dict[str, Connector]:
+        found: dict[str, Connector] = {}
+        continued = {n.name.casefold(): n for n in self.nodes.values() if isinstance(n, Continuation)}
+        for node in self.nodes.values():
+            if isinstance(node, Connector):
+                key = node.name.casefold()
+                if key in found:
+                    self.problems.append(NetworkProblem(f"there are two connectors {node.name!r}", node.id))
+                if key not in continued:
+                    self.problems.append(NetworkProblem(f"connector {node.name!r} goes on nowhere", node.id))
+                found.setdefault(key, node)
+        for key, node in continued.items():
+            if key not in found:
+                self.problems.append(NetworkProblem(f"continuation {node.name!r} comes from nowhere", node.id))
+        return found
+
+    def execution(self) -> Iterator[Node]:
+        """Every element once, in the order of execution.
+
+        Networks one after another; in a network first the elements with an order of execution, then the others from
+        top to bottom and from left to right (in the order of the file where nothing has a place). What feeds an
+        element comes before it, but for feedback.
+        """
+        done: set[int] = set()
+        for network in self.networks:
+            for root in sorted(network, key=_sort_key(network)):
+                if self._is_root(root):
+                    yield from self._with_feeding(root, done)
+            for node in network:
+                yield from self._with_feeding(node, done)
+
+    def _is_root(self, node: Node) -> bool:
+        """Whether it is executed when its turn comes, not only when something needs its value."""
+        if (node.execution_order or 0) > 0:
+            return True
+        if isinstance(node, Block):
+            used = any(self.uses[node.id, variable.name] for variable in block_outputs(node))
+            return not used or node.instance is not None or node.call in _ACTING
+        return isinstance(node, OutputVariable | Coil | Jump | Return | Label) or (
+            isinstance(node, InOutVariable) and is_fed(node.input)
+        )
+
+    def _with_feeding(self, root: Node, done: set[int]) -> Iterator[Node]:
+        stack: list[tuple[int, bool]] = [(root.id, False)]
+        while stack:
+            number, fed = stack.pop()
+            if fed:
+                yield self.nodes[number]
+            elif number in self.nodes and number not in done:
+                done.add(number)
+                stack.append((number, True))
+                feeding = [source for sources in self._sources[number] for source, _ in sources]
+                stack.extend((source, False) for source in reversed(feeding))
+
+
+_ACTING = frozenset(
+    {BlockCall.FUNCTION_BLOCK, BlockCall.PROGRAM, BlockCall.ACTION, BlockCall.METHOD, BlockCall.EXECUTE}
+)
+
+
+def _sort_key(network: Sequence[Node]) -> Callable[[Node], tuple[bool, int, float, float, int]]:
+    placed = len({node.position for node in network}) > 1
+    number = {node.id: index for index, node in enumerate(network)}
+
+    def key(node: Node) -> tuple[bool, int, float, float, int]:
+        order = node.execution_order or 0
+        x, y = node.position if placed else (0, 0)
+        return order <= 0, order, y, x, number[node.id]
+
+    return key

@@ -1,0 +1,308 @@
+"""Networks to text: an FBD or LD network as statements of structured text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Iterable, Mapping, Sequence
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.blocks import BlockReader
+from plcopen_sfc.languages.networks.effects import path_of
+from plcopen_sfc.languages.networks.graph import Graph, Source, block_outputs, is_fed
+from plcopen_sfc.languages.networks.results import NetworkStatements
+from plcopen_sfc.languages.networks.values import TRUE, Factor, Product, expression_of, inverted, meeting
+from plcopen_sfc.languages.networks.wires import Wires
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.network import (
+    Block,
+    Coil,
+    CommentBox,
+    Connector,
+    Contact,
+    Continuation,
+    Edge,
+    ErrorBox,
+    InOutVariable,
+    InputPin,
+    InputVariable,
+    Jump,
+    Label,
+    LeftPowerRail,
+    LogicNetwork,
+    Node,
+    OutputVariable,
+    Return,
+    RightPowerRail,
+    Storage,
+    VendorElement,
+)
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.text import plain
+
+
+def body_statements(
+    body: FbdBody | LdBody,
+    dialect: Dialect = Dialect.IEC,
+    *,
+    taken: Iterable[str] = (),
+    known: Container[str] | None = None,
+) -> NetworkStatements:
+    """An FBD or LD body as statements, in the order of execution.
+
+    `taken` are names that helpers must not have. `known` are the names of functions and function blocks of the
+    project, in lower case: a block that is neither among them nor a standard block is a problem; None: any may exist.
+    """
+    return network_statements(body.networks, dialect, taken=taken, known=known)
+
+
+def network_statements(
+    networks: Iterable[LogicNetwork],
+    dialect: Dialect = Dialect.IEC,
+    *,
+    taken: Iterable[str] = (),
+    known: Container[str] | None = None,
+) -> NetworkStatements:
+    """Networks as statements; see `body_statements`."""
+    reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, known=known)
+    reader.run()
+    return reader.result()
+
+
+def reader_of_chart(
+    chart: SfcNetwork,
+    nodes: Sequence[Node],
+    dialect: Dialect,
+    *,
+    taken: Iterable[str] = (),
+    known: Container[str] | None = None,
+    also_used: Iterable[InputPin] = (),
+) -> NetworkReader:
+    """A reader of `nodes`, some of the elements drawn in a chart."""
+    steps = {step.id: step.name for step in chart.steps}
+    return NetworkReader([nodes], dialect, steps=steps, taken=taken, known=known, also_used=also_used)
+
+
+class NetworkReader:
+    """Executes the elements of a network symbolically, in their order, and writes down what happens."""
+
+    def __init__(
+        self,
+        networks: Iterable[Sequence[Node]],
+        dialect: Dialect,
+        *,
+        steps: Mapping[int, str] | None = None,
+        taken: Iterable[str] = (),
+        known: Container[str] | None = None,
+        also_used: Iterable[InputPin] = (),
+    ) -> None:
+        self.graph = Graph(networks, steps)
+        self._outer = [self.graph.resolve(None, pin) for pin in also_used]
+        self.graph.uses.update(source for sources in self._outer for source in sources)
+        names = {*taken, *_names(self.graph), *self.graph.steps.values()}
+        self.wires = Wires(lambda source: self.graph.uses[source], dialect, names)
+        self.comments: list[tuple[int, str]] = []
+        self.open_ends: list[tuple[int, Expression]] = []
+        self._blocks = BlockReader(self.graph, self.wires, known)
+        self._step_flag = "X" if dialect in (Dialect.IEC, Dialect.SCL) else "x"
+
+    def run(self) -> None:
+        """Execute every element."""
+        for node in self.graph.execution():
+            self._execute(node)
+        self._find_open_ends()
+
+    def result(self) -> NetworkStatements:
+        """What was executed, as statements."""
+        for number, value in self.open_ends:
+            del value
+            self.wires.problem("its value leads nowhere", number)
+        return NetworkStatements(
+            helpers=tuple(self.wires.helpers),
+            instances=self.wires.instances,
+            comments=tuple(self.comments),
+            problems=(*self.graph.problems, *self.wires.problems),
+            tree=n.Statements(tuple(self.wires.statements)),
+            open_ends=tuple(self.open_ends),
+        )
+
+    def acts(self, node: Node) -> bool:
+        """Whether executing an element does something, whoever uses its value."""
+        if isinstance(node, Block):
+            return self._blocks.acts(node)
+        return not isinstance(node, InputVariable | Contact | LeftPowerRail | RightPowerRail | Continuation | Connector)
+
+    def outer_value(self, number: int) -> Expression | None:
+        """The value at one of the pins `also_used`."""
+        product = self._meet(self._outer[number])
+        return expression_of(product) if product is not None else None
+
+    # -- values
+
+    def _value(self, node: Node, pin: int = 0) -> Product | None:
+        """The value at an input; None where there is none."""
+        given = self.graph.pins(node)[pin]
+        if not given.connections and given.expression is not None:
+            expression = self.wires.expression(given.expression, node.id)
+            return (Factor((node.id, "pin", pin), expression),)
+        return self._meet(self.graph.sources(node)[pin])
+
+    def _meet(self, sources: Sequence[Source]) -> Product | None:
+        products = [self._take(source) for source in sources]
+        there = [product for product in products if product is not None]
+        return meeting(there, self.wires.meetings) if there else None
+
+    def _take(self, source: Source) -> Product | None:
+        step = self.graph.steps.get(source[0])
+        if step is not None and source[0] not in self.graph.nodes:
+            return (Factor(source, n.Member(n.Name(step), n.Name(self._step_flag))),)
+        if not self.wires.is_stored(source):
+            node = self.graph.nodes[source[0]]
+            if isinstance(node, InOutVariable):
+                return (Factor(("last", source), self._passed_on(node)),)
+            if isinstance(node, Block):
+                last = self._blocks.last_output(node, source[1] or "")
+                if last is not None:
+                    return (Factor(("last", source), last),)
+        return self.wires.take(source)
+
+    def _modified(self, node: Node, value: Expression, *, negated: bool, edge: Edge) -> Expression:
+        """A value as it leaves an element that inverts it or watches for its edge."""
+        if negated and edge is not Edge.NONE:
+            text = "it is negated and watches for an edge: taken as the edge of the negated value"
+            self.wires.problem(text, node.id, Severity.WARNING)
+        return self.wires.edge(edge, inverted(value) if negated else value, (node.id, None))
+
+    # -- elements
+
+    def _execute(self, node: Node) -> None:
+        if isinstance(node, Block):
+            self._blocks.execute(node, self._value)
+        elif isinstance(node, InputVariable):
+            self._input(node)
+        elif isinstance(node, Contact):
+            self._contact(node)
+        elif isinstance(node, OutputVariable):
+            self._assign(node, node.expression, node.negated, node.edge, node.storage)
+        elif isinstance(node, Coil):
+            flow = self._assign(node, node.variable, node.negated, node.edge, node.storage)
+            self.wires.store((node.id, None), flow)
+        elif isinstance(node, InOutVariable):
+            if is_fed(node.input) or not self.graph.uses[node.id, None]:
+                self._assign(node, node.expression, node.negated_in, node.edge_in, node.storage_in)
+            self.wires.store((node.id, None), (Factor((node.id, None), self._passed_on(node)),), lazy=True)
+        elif isinstance(node, LeftPowerRail):
+            self.wires.store((node.id, None), ())
+        elif isinstance(node, Continuation):
+            product = self._value(node) if self.graph.pins(node) else None
+            self.wires.store((node.id, None), product)
+        elif isinstance(node, Jump | Return):
+            self._leave(node)
+        elif isinstance(node, Label):
+            self.wires.execute(n.Label(n.Name(node.label)))
+        elif isinstance(node, CommentBox):
+            self._comment(node.id, plain(node.content))
+        elif isinstance(node, ErrorBox):
+            self.wires.problem(f"an error of the tool that made the file: {plain(node.content)}", node.id)
+        elif isinstance(node, VendorElement):
+            self._vendor_element(node)
+        else:
+            # the wire of a connector goes on at its continuation, and the right power rail does nothing
+            assert isinstance(node, Connector | RightPowerRail)  # noqa: S101
+
+    def _input(self, node: InputVariable) -> None:
+        if node.storage is not Storage.NONE:
+            self.wires.problem(f"an input cannot {node.storage.value} anything", node.id)
+        expression = self.wires.expression(node.expression, node.id)
+        value = self._modified(node, expression, negated=node.negated, edge=node.edge)
+        source = (node.id, None)
+        self.wires.store(source, (Factor(source, value),), lazy=value is expression)
+
+    def _contact(self, node: Contact) -> None:
+        if node.storage is not Storage.NONE:
+            self.wires.problem(f"a contact cannot {node.storage.value} anything", node.id)
+        before = self._value(node)
+        if before is None:
+            self.wires.problem("nothing leads to this contact; taken as connected to the left power rail", node.id)
+            before = ()
+        variable = self.wires.expression(node.variable, node.id)
+        value = self._modified(node, variable, negated=node.negated, edge=node.edge)
+        source = (node.id, None)
+        self.wires.store(source, (*before, Factor(source, value)))
+
+    def _assign(self, node: Node, target: str, negated: bool, edge: Edge, storage: Storage) -> Product | None:
+        """Write what comes to an element to its variable; returns what comes to it."""
+        variable = self.wires.expression(target, node.id)
+        self.wires.prepare(frozenset({path_of(variable)}), self.graph.sources(node)[0])
+        product = self._value(node)
+        if product is None:
+            if not self._blocks.is_written(node):
+                self.wires.problem(f"nothing leads here, so {target} is not written", node.id)
+            return None
+        value = self._modified(node, expression_of(product), negated=negated, edge=edge)
+        self.wires.execute(self._blocks.assignment(variable, value, storage))
+        return product
+
+    def _passed_on(self, node: InOutVariable) -> Expression:
+        if node.storage_out is not Storage.NONE or node.edge_out is not Edge.NONE:
+            self.wires.problem("its output cannot store or watch for an edge", node.id)
+        variable = self.wires.expression(node.expression, node.id)
+        return inverted(variable) if node.negated_out else variable
+
+    def _leave(self, node: Jump | Return) -> None:
+        statement: Statement = n.Return()
+        if isinstance(node, Jump):
+            is_codesys = self.wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+            statement = n.Goto(n.Name(node.label), "JMP" if is_codesys else "GOTO")
+        product = self._value(node)
+        if product is None:
+            self.wires.problem("nothing leads here; taken as unconditional", node.id, Severity.WARNING)
+        condition = expression_of(product) if product is not None else TRUE
+        if condition != TRUE:
+            statement = n.If((n.Branch(condition, (statement,)),))
+        self.wires.execute(statement)
+
+    def _comment(self, number: int, text: str) -> None:
+        if text.strip():
+            self.comments.append((number, text))
+
+    def _vendor_element(self, node: VendorElement) -> None:
+        if node.element_type == "networktitle":
+            self._comment(node.id, plain(node.alternative_text))
+        elif node.parameters is not None or node.attributes.keys() - {"BoxInputFlagsSupported"} or not node.attributes:
+            text = plain(node.alternative_text)
+            self.wires.problem(f"an element that only its tool understands: {text}", node.id)
+
+    # -- what leads nowhere
+
+    def _find_open_ends(self) -> None:
+        for node in self.graph.nodes.values():
+            sources: list[Source] = []
+            if isinstance(node, InputVariable | Contact | Continuation):
+                sources = [(node.id, None)]
+            elif isinstance(node, Block) and not self._blocks.acts(node):
+                sources = [(node.id, variable.name) for variable in block_outputs(node)]
+                sources = [] if any(self.graph.uses[source] for source in sources) else sources[:1]
+            for source in sources:
+                if not self.graph.uses[source] and self.wires.is_stored(source):
+                    product = self.wires.take(source)
+                    if product is not None:
+                        self.open_ends.append((node.id, expression_of(product)))
+
+
+_WORD = re.compile(r"[^\W\d]\w*")
+
+
+def _names(graph: Graph) -> set[str]:
+    """All words in the texts of a network."""
+    texts: set[str] = set()
+    for node in graph.nodes.values():
+        texts.update(
+            getattr(node, name, None) or "" for name in ("expression", "variable", "instance", "label", "code")
+        )
+        texts.update(pin.expression or "" for pin in graph.pins(node))
+        if isinstance(node, Block):
+            texts.update(v.output.expression or "" for v in node.parameters.outputs if v.output is not None)
+    return {word for text in texts for word in _WORD.findall(text)}
