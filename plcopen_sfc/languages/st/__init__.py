@@ -1,5 +1,22 @@
-"""Structured text: parsing, printing and editing."""
+"""Structured text: parsing, printing and editing.
+
+`parse_statements` and `parse_expression` give a text its tree, `render` gives the text of a tree that was edited,
+`print_node` that of one which was made.
+"""
 
 from plcopen_sfc.languages.st.parsing import Parsed, parse_expression, parse_statements
+from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.st.rendering import render
+from plcopen_sfc.languages.st.walking import children, transform, walk, without_parentheses
 
-__all__ = ["Parsed", "parse_expression", "parse_statements"]
+__all__ = [
+    "Parsed",
+    "children",
+    "parse_expression",
+    "parse_statements",
+    "print_node",
+    "render",
+    "transform",
+    "walk",
+    "without_parentheses",
+]

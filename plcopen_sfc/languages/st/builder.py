@@ -88,7 +88,7 @@ class Builder(Transformer[Token, Any]):
         items[0].append(items[2])
         return items[0]
 
-    def none(self, items: Items) -> Any:
+    def none(self, _: Items) -> Any:
         return StatementList()
 
     def one_more(self, items: Items) -> Any:

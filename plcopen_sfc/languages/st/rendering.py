@@ -1,0 +1,136 @@
+"""Text of an edited tree: what did not change stays as it was written, with its layout and comments."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.st.lexer import CommentKind
+from plcopen_sfc.languages.st.nodes import Node, Statements
+from plcopen_sfc.languages.st.parsing import Parsed
+from plcopen_sfc.languages.st.printing import Printer
+from plcopen_sfc.languages.st.walking import parts, walk
+
+
+def render(parsed: Parsed[Any], tree: Node) -> str:
+    """The text of `tree`, which was made from `parsed.tree`. Of the unedited tree it is `parsed.text` exactly."""
+    return apply_edits(parsed.text, tree_edits(parsed, tree))
+
+
+def tree_edits(parsed: Parsed[Any], tree: Node) -> list[Edit]:
+    """What changes in `parsed.text` so that it is the text of `tree`."""
+    return _Comparison(parsed).edits(parsed.tree, tree)
+
+
+_STATEMENTS = frozenset({"statements", "otherwise", "handler", "finally_"})
+_REST_OF_LINE = re.compile(r"(?:[ \t]*(?://[^\r\n]*|\(\*(?:(?!\*\))[^\r\n])*\*\)))?")
+
+
+def _are_separate(name: str, before: tuple[Any, ...], after: tuple[Any, ...]) -> bool:
+    """Whether members of the list `name` can be taken out and put in: statements, and branches but the first."""
+    return name in _STATEMENTS or (name == "branches" and before[:1] == after[:1])
+
+
+class _Comparison:
+    def __init__(self, parsed: Parsed[Any]) -> None:
+        self._text = parsed.text
+        self._comments = parsed.comments
+        self._old = {id(node): node for node in walk(parsed.tree)}
+        newline = "\r\n" if "\r\n" in parsed.text else "\n"
+        self._newline = newline
+        self._printer = Printer(parsed.dialect, newline=newline, known=self._written)
+
+    def _written(self, node: Node) -> str | None:
+        if id(node) not in self._old or node.span is None:
+            return None
+        return self._text[node.span[0] : node.span[1]]
+
+    def edits(self, old: Node, new: Node) -> list[Edit]:
+        """The edits that make `new` of `old`."""
+        if old is new:
+            return []
+        if type(old) is not type(new):
+            return [self._replaced(old, new)]
+        found: list[Edit] = []
+        for name in parts(type(old)):
+            before, after = getattr(old, name), getattr(new, name)
+            if before is after:
+                continue
+            if isinstance(before, Node) and isinstance(after, Node):
+                found += self.edits(before, after)
+            elif isinstance(before, tuple) and isinstance(after, tuple):
+                inner = self._list_edits(before, after, separate=_are_separate(name, before, after))
+                if inner is None:
+                    return [self._replaced(old, new)]
+                found += inner
+            elif before != after:
+                return [self._replaced(old, new)]
+        return found
+
+    def _replaced(self, old: Node, new: Node) -> Edit:
+        start, end = old.span or (0, len(self._text))
+        if isinstance(new, Statements):
+            return Edit(start, end, self._printer.text(new))
+        indent = self._indent_at(start)
+        return Edit(start, end, self._lost_comments(old, new, indent) + self._printer.text(new, indent))
+
+    def _lost_comments(self, old: Node, new: Node, indent: str) -> str:
+        """The comments inside `old` that no part of it carries into `new`: they move before it."""
+        start, end = old.span or (0, 0)
+        kept = [node.span for node in walk(new) if id(node) in self._old and node.span is not None]
+        text = ""
+        for comment in self._comments:
+            first, last = comment.span
+            if start <= first and last <= end and not any(a <= first and last <= b for a, b in kept):
+                text += comment.text + (f"{self._newline}{indent}" if comment.kind is CommentKind.LINE else " ")
+        return text
+
+    def _indent_at(self, offset: int) -> str:
+        """The spaces at the start of the line that `offset` is in."""
+        line = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
+        found = re.compile(r"[ \t]*").match(self._text, line)
+        return found.group() if found is not None else ""
+
+    def _list_edits(self, old: tuple[Any, ...], new: tuple[Any, ...], *, separate: bool) -> list[Edit] | None:
+        """The edits between two lists of nodes; None where the list has to be written anew with its node.
+
+        `separate`: see `_are_separate`.
+        """
+        same = 0
+        while same < min(len(old), len(new)) and old[same] is new[same]:
+            same += 1
+        tail = 0
+        while tail < min(len(old), len(new)) - same and old[-1 - tail] is new[-1 - tail]:
+            tail += 1
+        gone, come = old[same : len(old) - tail], new[same : len(new) - tail]
+        if len(gone) == len(come):
+            return [edit for a, b in zip(gone, come, strict=True) for edit in self.edits(a, b)]
+        if not separate or same + tail == 0:
+            return None
+        paired = min(len(gone), len(come))
+        found = [edit for a, b in zip(gone[:paired], come[:paired], strict=True) for edit in self.edits(a, b)]
+        found += [self._removed(node) for node in gone[paired:]]
+        if come[paired:]:
+            found.append(self._inserted(come[paired:], old, same + paired))
+        return found
+
+    def _removed(self, node: Node) -> Edit:
+        """Takes a statement out, with its line where nothing else stands in it."""
+        start, end = node.span or (0, 0)
+        before = re.compile(r"(?:^|(?<=[\r\n]))[ \t]*\Z").search(self._text[:start])
+        after = re.compile(r"[ \t]*(\r\n|\r|\n|\Z)").match(self._text, end)
+        if before is not None and after is not None:
+            return Edit(before.start(), after.end(), "")
+        return Edit(start, end, "")
+
+    def _inserted(self, nodes: tuple[Any, ...], old: tuple[Any, ...], index: int) -> Edit:
+        """Puts statements behind the one before them, or before the one behind them, each in a line of its own."""
+        neighbour: Node = old[index - 1] if index else old[0]
+        start, end = neighbour.span or (0, 0)
+        indent = self._indent_at(start)
+        texts = [self._printer.text(node, indent) for node in nodes]
+        if index:
+            end = _REST_OF_LINE.match(self._text, end).end()  # type: ignore[union-attr]  # it may match nothing
+            return Edit(end, end, "".join(f"{self._newline}{indent}{text}" for text in texts))
+        return Edit(start, start, "".join(f"{text}{self._newline}{indent}" for text in texts))

@@ -1,0 +1,65 @@
+"""Going through a tree, and making a changed one of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields, replace
+from typing import Any, TypeVar, cast
+
+from plcopen_sfc.languages.st.nodes import Node, Parenthesized
+
+AnyNode = TypeVar("AnyNode", bound=Node)
+
+
+_PARTS: dict[type[Node], tuple[str, ...]] = {}
+
+
+def parts(kind: type[Node]) -> tuple[str, ...]:
+    """The names of the fields that hold what a node says: all but its span."""
+    names = _PARTS.get(kind)
+    if names is None:
+        names = _PARTS[kind] = tuple(field.name for field in fields(kind) if field.name != "span")
+    return names
+
+
+def children(node: Node) -> Iterator[Node]:
+    """The nodes directly inside `node`, field by field."""
+    for name in parts(type(node)):
+        value = getattr(node, name)
+        if isinstance(value, Node):
+            yield value
+        elif isinstance(value, tuple):
+            yield from (item for item in value if isinstance(item, Node))
+
+
+def walk(node: Node) -> Iterator[Node]:
+    """`node` and all nodes inside it, outer ones first."""
+    waiting = [node]
+    while waiting:
+        found = waiting.pop()
+        yield found
+        waiting += reversed(tuple(children(found)))
+
+
+def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
+    """The tree in which `change` has been applied to every node, inner ones first.
+
+    Where `change` gives back what it got, nodes stay the same objects, so that `render` finds what is new.
+    """
+    new: dict[str, Any] = {}
+    for name in parts(type(node)):
+        value = getattr(node, name)
+        if isinstance(value, Node):
+            changed = transform(value, change)
+            if changed is not value:
+                new[name] = changed
+        elif isinstance(value, tuple):
+            members = tuple(transform(item, change) if isinstance(item, Node) else item for item in value)
+            if any(a is not b for a, b in zip(members, value, strict=True)):
+                new[name] = members
+    return cast(AnyNode, change(replace(node, **new) if new else node))
+
+
+def without_parentheses(node: AnyNode) -> AnyNode:
+    """The tree without the parentheses that people have set. It means the same: the tree itself says what binds."""
+    return transform(node, lambda found: found.inner if isinstance(found, Parenthesized) else found)
