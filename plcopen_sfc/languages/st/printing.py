@@ -164,7 +164,12 @@ class Printer:
     def _if(self, node: n.If, indent: str) -> str:
         text = ""
         for word, branch in zip(("IF", *["ELSIF"] * len(node.branches)), node.branches, strict=False):
-            text += (indent if text else "") + self._branch(word, branch, indent)
+            known = self._known(branch)
+            if known is not None and known[: len(word)].upper() == word:
+                printed = known + self._newline
+            else:
+                printed = self._branch(word, branch, indent)
+            text += (indent if text else "") + printed
         return text + self._otherwise(node.otherwise, indent) + f"{indent}END_IF;"
 
     def _branch(self, word: str, node: n.Branch, indent: str) -> str:

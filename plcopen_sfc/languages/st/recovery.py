@@ -82,9 +82,10 @@ class Reading:
         token = self._tokens[position]
         if token.type == "BAD":  # the lexer has told why
             return
-        message = expectation(token, self._accepted())
+        accepted = self._accepted()
+        message = expectation(token, accepted)
         opening = self._opening()
-        if opening is not None and (token.type == "$END" or token.type in _CLOSING):
+        if opening is not None and _CLOSED_BY[opening.type] in accepted and token.type in {"$END", *_CLOSING}:
             line, _ = Lines(self._text).place(opening.span[0])
             message += f" for the {opening.type} in line {line}"
         self._builder.problems.append(Problem(message, token.span))

@@ -7,7 +7,7 @@ from typing import Any
 
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st.lexer import CommentKind
-from plcopen_sfc.languages.st.nodes import Node, Statements
+from plcopen_sfc.languages.st.nodes import Node, Span, Statements
 from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.printing import Printer
 from plcopen_sfc.languages.st.walking import parts, walk
@@ -37,6 +37,7 @@ class _Comparison:
         self._text = parsed.text
         self._comments = parsed.comments
         self._old = {id(node): node for node in walk(parsed.tree)}
+        self._used: list[Span] = []
         newline = "\r\n" if "\r\n" in parsed.text else "\n"
         self._newline = newline
         self._printer = Printer(parsed.dialect, newline=newline, known=self._written)
@@ -44,6 +45,7 @@ class _Comparison:
     def _written(self, node: Node) -> str | None:
         if id(node) not in self._old or node.span is None:
             return None
+        self._used.append(node.span)
         return self._text[node.span[0] : node.span[1]]
 
     def edits(self, old: Node, new: Node) -> list[Edit]:
@@ -73,16 +75,16 @@ class _Comparison:
         if isinstance(new, Statements):
             return Edit(start, end, self._printer.text(new))
         indent = self._indent_at(start)
-        return Edit(start, end, self._lost_comments(old, new, indent) + self._printer.text(new, indent))
+        self._used.clear()
+        text = self._printer.text(new, indent)
+        return Edit(start, end, self._lost_comments(start, end, indent) + text)
 
-    def _lost_comments(self, old: Node, new: Node, indent: str) -> str:
-        """The comments inside `old` that no part of it carries into `new`: they move before it."""
-        start, end = old.span or (0, 0)
-        kept = [node.span for node in walk(new) if id(node) in self._old and node.span is not None]
+    def _lost_comments(self, start: int, end: int, indent: str) -> str:
+        """The comments from `start` to `end` that no part used again contains: they move before what is new there."""
         text = ""
         for comment in self._comments:
             first, last = comment.span
-            if start <= first and last <= end and not any(a <= first and last <= b for a, b in kept):
+            if start <= first and last <= end and not any(a <= first and last <= b for a, b in self._used):
                 text += comment.text + (f"{self._newline}{indent}" if comment.kind is CommentKind.LINE else " ")
         return text
 
