@@ -153,12 +153,17 @@ _SHOWN = 60
 
 
 def _prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Project:
-    """A copy of `project` with the drawings that the writer needs."""
-    if kind.drawing is DrawingNeed.NONE:
+    """A copy of `project` with its texts in the dialect and with the drawings that the writer needs."""
+    same_dialect = kind.dialect in (None, project.dialect)
+    if kind.drawing is DrawingNeed.NONE and same_dialect:
         return project
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
 
     copy = project.model_copy(deep=True)
+    if kind.dialect is not None:
+        copy.dialect = kind.dialect
+    if kind.drawing is DrawingNeed.NONE:
+        return copy
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     if style.structured and (project._origin is None or project._origin.format != kind.name):
         _note_limits(copy, report)

@@ -8,6 +8,8 @@ from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from plcopen_sfc.model.dialect import Dialect
+
 if TYPE_CHECKING:
     from lxml import etree
 
@@ -77,7 +79,8 @@ class Format:
     """One format in the table of formats.
 
     `module` is imported when the format is used. `recognises` looks at the start of a file (see
-    `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms.
+    `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
+    is that of the structured text in its files; None: a file may hold any and says which.
     """
 
     name: str
@@ -91,6 +94,7 @@ class Format:
     xml: bool = False
     drawing: DrawingNeed = DrawingNeed.NONE
     positions: bool = False
+    dialect: Dialect | None = None
 
     def codec(self) -> Any:
         """The module that reads and writes it."""

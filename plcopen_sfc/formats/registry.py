@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from plcopen_sfc.errors import Location, UnknownFormatError
 from plcopen_sfc.formats.base import DrawingNeed, Format
+from plcopen_sfc.model.dialect import Dialect
 
 _ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
 _HEAD = 65536
@@ -59,6 +60,7 @@ FORMATS: tuple[Format, ...] = (
         ),
         xml=True,
         drawing=DrawingNeed.STRUCTURED,
+        dialect=Dialect.CODESYS,
     ),
     Format(
         name="plcopen",
@@ -80,6 +82,7 @@ FORMATS: tuple[Format, ...] = (
         xml=True,
         drawing=DrawingNeed.PLAIN,
         positions=True,
+        dialect=Dialect.IEC,
     ),
     Format(
         name="json",

@@ -1,18 +1,7 @@
-"""The dialects of structured text that the library reads and writes."""
+"""The dialects of structured text that the library reads and writes. The model names them; this is their home here."""
 
 from __future__ import annotations
 
-from enum import StrEnum
+from plcopen_sfc.model.dialect import Dialect
 
-
-class Dialect(StrEnum):
-    """A dialect of structured text.
-
-    IEC: IEC 61131-3 ed. 3. CODESYS: CODESYS V3 and V2.3. TWINCAT: TwinCAT 3, which is CODESYS V3 in its language. SCL:
-    Siemens SCL of TIA Portal and STEP 7 (names of locals with ``#``, of globals in quotes).
-    """
-
-    IEC = "iec"
-    CODESYS = "codesys"
-    TWINCAT = "twincat"
-    SCL = "scl"
+__all__ = ["Dialect"]

@@ -19,6 +19,7 @@ from plcopen_sfc.model.actions import (
 from plcopen_sfc.model.base import Carried, Element, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import (
     Block,
@@ -164,6 +165,7 @@ __all__ = [
     "DataType",
     "DataTypeDeclaration",
     "DerivedType",
+    "Dialect",
     "Dimension",
     "Drawing",
     "DrawingScales",

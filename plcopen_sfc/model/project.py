@@ -11,6 +11,7 @@ from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
@@ -171,7 +172,8 @@ class Project(Element):
 
     `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application
     exports). POUs and data types are in one list each, whatever their `place` is. `content_comment` and
-    `content_carried` belong to the description of the content (TC6 ``contentHeader``).
+    `content_carried` belong to the description of the content (TC6 ``contentHeader``). `dialect` is that of all
+    structured text in it, expressions included.
     """
 
     name: str = ""
@@ -192,6 +194,7 @@ class Project(Element):
     configurations: list[Configuration] = Field(default_factory=list)
     applications: list[Resource] = Field(default_factory=list)
     tree: list[TreeNode] | None = None
+    dialect: Dialect = Dialect.IEC
 
     _origin: Origin | None = PrivateAttr(default=None)
 

@@ -17,13 +17,14 @@ from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01
 from plcopen_sfc.formats.xml import writing
 from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 
 def read(data: bytes, *, file: str | None = None) -> Reading:
     """Read an export. Raises `FormatError`."""
-    return load(
+    reading = load(
         data,
         file=file,
         data_readers=DATA_READERS,
@@ -31,6 +32,8 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
         placeless=True,
         finish_chart=finish_chart,
     )
+    reading.project.dialect = Dialect.CODESYS
+    return reading
 
 
 def lines(content: bytes, project: Project) -> dict[str, int]:

@@ -63,7 +63,7 @@ def write_project(
         for application in project.applications:
             holder = Configuration(name=application.name, resources=[application])
             write_configuration(ctx, configurations, holder, is_application=True)
-    native = _HEADER | {"data_types", "pous", "configurations", "applications"}
+    native = _HEADER | {"data_types", "pous", "configurations", "applications", "dialect"}  # the format has its dialect
     if ctx.version.first_generation:
         native = native - {"content_carried", "foreign_data_infos"}
     finish(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
