@@ -174,6 +174,12 @@ class Builder(Transformer[Token, Any]):
     def call(self, items: Items) -> Any:
         return n.Call(items[0], tuple(items[2]), span=_over(items))
 
+    def operator_call(self, items: Items) -> Any:
+        token: Token = items[0]
+        if not token.value.isalpha():
+            self.problems.append(Problem(f"found '{token.value}', expected an expression", token.span))
+        return n.Call(n.Name(token.value, span=token.span), tuple(items[2]), span=_over(items))
+
     def positional(self, items: Items) -> Any:
         return n.Argument(items[0], span=items[0].span)
 

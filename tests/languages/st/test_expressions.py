@@ -85,6 +85,12 @@ def test_arguments_by_position_by_name_as_output_and_empty() -> None:
     assert read("fb(a,)") == ("Call", "fb", [("Argument", "a", None, False, False)])
 
 
+def test_operators_as_functions() -> None:
+    a, b = ("Argument", "a", None, False, False), ("Argument", "b", "IN2", False, False)
+    assert read("x OR AND(a, IN2 := b)") == ("OR", "x", ("Call", "AND", [a, b]))
+    assert [p.message for p in parse_expression("*(a, b)").problems] == ["found '*', expected an expression"]
+
+
 @pytest.mark.parametrize(
     "literal",
     """1 1_000 16#FF 2#1010_0101 8#17 1.5 1.5e-3 1E6 TRUE FALSE INT#5 INT#-5 UINT#16#FF REAL#1.5 BOOL#1 BYTE#2#11
