@@ -1,0 +1,477 @@
+"""Text to function block diagrams: values and statements as elements that wait for their place.
+
+`plcopen_sfc.languages.networks.ladders` draws the same as ladder diagrams.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.effects import Path, is_impure, is_variable, path_of, reads, walk
+from plcopen_sfc.languages.networks.pictures import (
+    ROW,
+    BlockDraft,
+    End,
+    Item,
+    Slot,
+    placed,
+    text_width,
+)
+from plcopen_sfc.languages.networks.results import NetworkProblem
+from plcopen_sfc.languages.networks.values import TRUE, joined
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
+from plcopen_sfc.languages.st.parsing import parse_expression
+from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
+from plcopen_sfc.model.network import (
+    BlockCall,
+    InputPin,
+    InputVariable,
+    Jump,
+    Label,
+    Node,
+    OutputPin,
+    OutputVariable,
+    Return,
+    Storage,
+)
+
+_MAX_WAITING = 8
+"""How many calls of function blocks may wait to be drawn together with the statement that uses them."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingRules:
+    """How networks are drawn.
+
+    `dialect`: of the texts in their elements. `tool`: pins have its names instead of those of IEC 61131-3.
+    `instances`: the types of function block instances by name, without which their calls cannot be drawn as blocks.
+    `booleans`: which variables are of type BOOL, by name in lower case. In a ladder, one that is not there is taken as
+    BOOL where it stands in a logic operation.
+    """
+
+    dialect: Dialect = Dialect.IEC
+    tool: Tool | None = None
+    instances: Mapping[str, str] = field(default_factory=dict)
+    booleans: Mapping[str, bool] = field(default_factory=dict)
+
+
+class Rung(NamedTuple):
+    """A rung that waits for its place, and its elements."""
+
+    item: Item
+    nodes: Sequence[Node]
+
+
+class Drafter:
+    """Makes the elements of one network, or of all of a body."""
+
+    def __init__(self, rules: DrawingRules, first_id: int) -> None:
+        self.rules = rules
+        self.nodes: list[Node] = []
+        self.problems: list[NetworkProblem] = []
+        self._next_id = first_id
+        self._next_order = 1
+        self._types = {
+            path_of(parse_expression(name, rules.dialect).tree): type_name
+            for name, type_name in rules.instances.items()
+        }
+        self._waiting: dict[Path, n.Call] = {}
+        self._drawn: list[Path] = []
+        self._blocked = False
+
+    # -- statements
+
+    def statements(self, statements: Iterable[Statement]) -> list[Rung]:
+        """The rungs of statements. A function block whose output is used next stands in the rung that uses it."""
+        rungs: list[Rung] = []
+        waiting: list[Statement] = []
+        for statement in _flat(statements):
+            waiting.append(statement)
+            if not self._can_wait(statement, waiting[:-1]) or len(waiting) > _MAX_WAITING:
+                rungs += [self._rung(*group) for group in self._grouped(waiting)]
+                waiting = []
+        return rungs + [self._rung(*group) for group in self._grouped(waiting)]
+
+    def _grouped(self, statements: Sequence[Statement]) -> list[tuple[Sequence[Statement], Statement]]:
+        """Statements, of which all but the last are calls that may wait, in groups that can stand in one rung each."""
+        if not statements:
+            return []
+        *calls, last = statements
+        first = 0
+        while first < len(calls) and not self._fits(calls[first:], last):
+            first += 1
+        return [*self._grouped(calls[:first]), (calls[first:], last)]
+
+    def _fits(self, calls: Sequence[Statement], last: Statement) -> bool:
+        """Whether the function blocks of `calls` can be drawn inside `last` and are still executed in their order."""
+        state = len(self.nodes), len(self.problems), self._next_id, self._next_order
+        self._rung(calls, last)
+        del self.nodes[state[0] :], self.problems[state[1] :]
+        self._next_id, self._next_order = state[2:]
+        return self._drawn[: len(calls)] == list(self._waiting) and not self._blocked
+
+    def _rung(self, calls: Sequence[Statement], last: Statement) -> Rung:
+        first = len(self.nodes)
+        self._waiting = {path_of(call.callee): call for call in _calls(calls)}
+        self._drawn, self._blocked = [], False
+        item = self.statement(last)
+        return Rung(item, self.nodes[first:])
+
+    def _can_wait(self, statement: Statement, waiting: Sequence[Statement]) -> bool:
+        """Whether it is the call of a standard function block of which none waits yet."""
+        call = statement.call if isinstance(statement, n.CallStatement) else None
+        if not isinstance(call, n.Call):
+            return False
+        if path_of(call.callee) in {path_of(waiting_call.callee) for waiting_call in _calls(waiting)}:
+            return False
+        type_name = self._types.get(path_of(call.callee))
+        block = standard_block(type_name) if type_name is not None else None
+        return block is not None and block.stateful and _by_name(call)
+
+    def statement(self, statement: Statement) -> Item:
+        """The rung of a statement."""
+        if isinstance(statement, n.Assignment):
+            item = self._assignment(statement)
+        elif isinstance(statement, n.CallStatement):
+            item = self._call(statement, None)
+        elif isinstance(statement, n.If):
+            item = self._conditional(statement)
+        elif isinstance(statement, n.Goto | n.Return):
+            item = self._leave(statement, TRUE)
+        elif isinstance(statement, n.Label):
+            name = statement.label.identifier
+            node = Label(id=self.new_id(), label=name, execution_order=self.new_order())
+            self.nodes.append(node)
+            item = placed(node, (text_width(name), ROW), [], [], ROW / 2)
+        else:
+            item = None
+        return item if item is not None else self._text_box(statement, None, (statement,))
+
+    def _assignment(self, statement: n.Assignment) -> Item | None:
+        storage = _STORAGES.get(statement.kind)
+        if storage is None or isinstance(statement.value, n.AssignmentExpression):
+            return None
+        return self.sink(statement.target, statement.value, storage)
+
+    def _conditional(self, statement: n.If) -> Item | None:
+        """IF with one branch of one statement: a stored variable, a jump, or a block with EN."""
+        if len(statement.branches) != 1 or statement.otherwise is not None:
+            return None
+        branch = statement.branches[0]
+        inner = branch.statements[0] if len(branch.statements) == 1 else None
+        item = None
+        if isinstance(inner, n.Assignment) and inner.kind is AssignmentKind.ASSIGN:
+            constant = _constant(inner.value)
+            if constant is not None:
+                storage = Storage.SET if constant else Storage.RESET
+                return self.sink(inner.target, branch.condition, storage)
+            item = self._enabled_assignment(inner, branch.condition)
+        elif isinstance(inner, n.Goto | n.Return):
+            item = self._leave(inner, branch.condition)
+        elif isinstance(inner, n.CallStatement):
+            item = self._call(inner, branch.condition)
+        return item if item is not None else self._text_box(statement, branch.condition, branch.statements)
+
+    def _enabled_assignment(self, assignment: n.Assignment, condition: Expression) -> Item | None:
+        value = n.bare(assignment.value)
+        if not _is_harmless(value):
+            return None
+        draft = self._operation_draft(value, enable=condition)
+        if draft is None:
+            draft = BlockDraft("MOVE", call=self._call_kind(BlockCall.OPERATOR))
+            block = standard_block("MOVE")
+            assert block is not None  # noqa: S101
+            draft.inputs = [("EN", self.power(condition)), (self._pin(block, "IN"), self.value(value))]
+            draft.outputs = ["ENO", self._pin(block, "OUT")]
+        item = self._block(draft, draft.outputs[-1], acting=False)
+        return self._output(assignment.target, item, Storage.NONE)
+
+    def _leave(self, statement: n.Goto | n.Return, condition: Expression) -> Item | None:
+        if isinstance(statement, n.Return) and statement.value is not None:
+            return None
+        item = self._not_negated(self.power(condition))
+        pin = InputPin(position=(0, ROW / 2))
+        common = {"id": self.new_id(), "input": pin, "execution_order": self.new_order()}
+        text = statement.label.identifier if isinstance(statement, n.Goto) else "RETURN"
+        node: Node = (
+            Jump.model_validate({"label": text, **common}) if text != "RETURN" else Return.model_validate(common)
+        )
+        self.nodes.append(node)
+        return placed(node, (text_width(text), ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
+
+    def _text_box(self, statement: Statement, enable: Expression | None, code: Sequence[Statement]) -> Item:
+        """A statement that has no graphical form, as the text of an EXECUTE box."""
+        text = print_node(n.Statements(tuple(code)), self.rules.dialect)
+        draft = BlockDraft("EXECUTE", call=BlockCall.EXECUTE, code=text, outputs=["ENO"])
+        draft.inputs = [("EN", self.power(enable) if enable is not None else None)]
+        item = self._block(draft, None, acting=True)
+        kind = type(statement).__name__
+        message = f"a statement ({kind}) has no graphical form: kept as the text of an EXECUTE box of CODESYS"
+        self.problems.append(NetworkProblem(message, self.nodes[-1].id, Severity.WARNING))
+        return item
+
+    # -- sinks
+
+    def sink(self, target: Expression, value: Expression, storage: Storage) -> Item:
+        """A value that is written to a variable."""
+        return self._output(target, self.value(value), storage)
+
+    def _output(self, target: Expression, item: Item, storage: Storage) -> Item:
+        text = self._text(target)
+        pin = InputPin(position=(0, ROW / 2))
+        node = OutputVariable(
+            id=self.new_id(),
+            expression=text,
+            input=pin,
+            negated=item.negated,
+            storage=storage,
+            execution_order=self.new_order(),
+        )
+        self.nodes.append(node)
+        return placed(node, (text_width(text), ROW), [Slot(pin, ROW / 2, item)], [], ROW / 2)
+
+    # -- values
+
+    def power(self, expression: Expression) -> Item:
+        """A Boolean value that enables something: in a ladder it comes from the left power rail."""
+        return self.value(expression)
+
+    def value(self, expression: Expression) -> Item:
+        """The elements of an expression."""
+        expression = n.bare(expression)
+        if isinstance(expression, n.Unary) and expression.operator is Operator.NOT:
+            item = self.value(expression.operand)
+            return item._replace(negated=not item.negated)
+        if isinstance(expression, n.Member):
+            call = self._waiting.get(path_of(expression.base))
+            if call is not None and path_of(expression.base) not in self._drawn:
+                return self._function_block(call, expression.name.identifier, None)
+        if is_impure(expression) and len(self._drawn) < len(self._waiting):
+            self._blocked = True
+        draft = self._operation_draft(expression, enable=None)
+        if draft is not None:
+            return self._block(draft, draft.outputs[-1], acting=False)
+        return self._input(expression)
+
+    def _note_reading(self, expression: Expression) -> None:
+        """Note that an element reads variables: it must not read those of a call that is not drawn yet."""
+        paths = reads(expression)
+        if any(path[: len(p)] == p for path in paths for p in self._waiting if p not in self._drawn):
+            self._blocked = True
+
+    def _input(self, expression: Expression) -> Item:
+        self._note_reading(expression)
+        if isinstance(expression, n.Unreadable):
+            self.problems.append(NetworkProblem(f"{expression.text!r} cannot be read; it stands at an input as it is"))
+        text = self._text(expression)
+        node = InputVariable(id=self.new_id(), expression=text, output=OutputPin())
+        self.nodes.append(node)
+        width = text_width(text)
+        node.output = OutputPin(position=(width, ROW / 2))
+        return placed(node, (width, ROW), [], [End(node.id, None, (width, ROW / 2))], ROW / 2)
+
+    def _not_negated(self, item: Item) -> Item:
+        """An item whose value need not be inverted by the one who takes it: with a NOT block if it must be."""
+        if not item.negated:
+            return item
+        block = standard_block("NOT")
+        assert block is not None  # noqa: S101
+        draft = BlockDraft("NOT", call=self._call_kind(BlockCall.OPERATOR))
+        draft.inputs = [(self._pin(block, "IN"), item._replace(negated=False))]
+        draft.outputs = [self._pin(block, "OUT")]
+        return self._block(draft, draft.outputs[0], acting=False)
+
+    def _operation_draft(self, expression: Expression, enable: Expression | None) -> BlockDraft | None:
+        """The block of an operation or of the call of a function; None where it has none."""
+        operands: list[tuple[str, Expression]]
+        if isinstance(expression, n.Operation):
+            block = operator_block(expression.operator)
+            if block is None:
+                return None
+            if expression.operator in _FLAT:
+                expression = joined(expression.operator, expression.operands)
+            values = expression.operands if isinstance(expression, n.Operation) else (expression,)
+            operands = [
+                (self._pin(block, p.name), v) for p, v in zip(block.input_pins(len(values)), values, strict=True)
+            ]
+            draft = BlockDraft(block.name, call=self._call_kind(BlockCall.OPERATOR))
+            draft.outputs = [self._pin(block, block.result.name)]
+        elif isinstance(expression, n.Call):
+            found = self._function(expression)
+            if found is None:
+                return None
+            draft, operands = found
+        else:
+            return None
+        if enable is not None:
+            draft.inputs.append(("EN", self.power(enable)))
+            draft.outputs.insert(0, "ENO")
+        draft.inputs += [(name, self.value(value)) for name, value in operands]
+        return draft
+
+    def _function(self, call: n.Call) -> tuple[BlockDraft, list[tuple[str, Expression]]] | None:
+        if not isinstance(call.callee, n.Name) or call.callee.quoting is not n.Quoting.NONE or not call.arguments:
+            return None
+        if any(a.output or a.value is None for a in call.arguments) or path_of(call.callee) in self._types:
+            return None
+        name = call.callee.identifier
+        block = standard_block(name)
+        given = [
+            (a.name.identifier if a.name is not None else "", a.value) for a in call.arguments if a.value is not None
+        ]
+        if block is not None and block.stateful:
+            return None
+        if block is not None:
+            if not all(pin for pin, _ in given):
+                pins = block.input_pins(len(given))
+                if any(pin for pin, _ in given) or len(pins) != len(given):
+                    return None
+                given = [(p.name, value) for p, (_, value) in zip(pins, given, strict=True)]
+            given = [(self._pin(block, block.input_name(pin) or pin), value) for pin, value in given]
+            kind = BlockCall.OPERATOR if block.operator is not None else BlockCall.FUNCTION
+            draft = BlockDraft(block.name, call=self._call_kind(kind), outputs=[self._pin(block, block.result.name)])
+        else:
+            draft = BlockDraft(
+                name, call=self._call_kind(BlockCall.FUNCTION), outputs=[name if self.rules.tool else "OUT"]
+            )
+        return draft, given
+
+    # -- calls
+
+    def _call(self, statement: n.CallStatement, enable: Expression | None) -> Item | None:
+        call = statement.call
+        if isinstance(call, n.Call) and path_of(call.callee) in self._types and _by_name(call):
+            safe = enable is None or all(a.value is not None and _is_harmless(a.value) for a in call.arguments)
+            return self._function_block(call, None, enable) if safe else None
+        return None
+
+    def _function_block(self, call: n.Call, output: str | None, enable: Expression | None) -> Item:
+        """A call of an instance; `output`: which of its values is used."""
+        path = path_of(call.callee)
+        type_name = self._types[path]
+        block = standard_block(type_name)
+        draft = BlockDraft(type_name, self._text(call.callee), self._call_kind(BlockCall.FUNCTION_BLOCK))
+        if enable is not None:
+            draft.inputs.append(("EN", self.power(enable)))
+            draft.outputs.append("ENO")
+        for argument in call.arguments:
+            if argument.name is not None and argument.value is not None:
+                name = argument.name.identifier
+                powered = block is not None and _is_power(block, name)
+                item = self.power(argument.value) if powered else self.value(argument.value)
+                draft.inputs.append((name, item))
+        if block is not None:
+            given = {block.input_name(name) for name, _ in draft.inputs}
+            draft.inputs += [(self._pin(block, p.name), None) for p in block.inputs if p.name not in given]
+            used = block.output_name(output) if output is not None else None
+            draft.outputs += [output or "" if p.name == used else self._pin(block, p.name) for p in block.outputs]
+        if output is not None and output not in draft.outputs:
+            draft.outputs.append(output)
+        self._drawn.append(path)
+        return self._block(draft, output, acting=True)
+
+    # -- small things
+
+    def _block(self, draft: BlockDraft, value: str | None, *, acting: bool) -> Item:
+        node, item = draft.draw(self.new_id(), self.new_order() if acting else None, value)
+        self.nodes.append(node)
+        return item
+
+    def _pin(self, block: StandardBlock, pin: str) -> str:
+        return block.tool_pin(pin, self.rules.tool) if self.rules.tool is not None else pin
+
+    def _call_kind(self, kind: BlockCall) -> BlockCall | None:
+        """CODESYS says at each block what it calls."""
+        return kind if self.rules.tool is Tool.CODESYS else None
+
+    def _text(self, expression: Expression) -> str:
+        return print_node(expression, self.rules.dialect)
+
+    def new_id(self) -> int:
+        """An id that no element has."""
+        self._next_id += 1
+        return self._next_id - 1
+
+    def new_order(self) -> int:
+        """The next place in the order of execution."""
+        self._next_order += 1
+        return self._next_order - 1
+
+
+_STORAGES = {
+    AssignmentKind.ASSIGN: Storage.NONE,
+    AssignmentKind.SET: Storage.SET,
+    AssignmentKind.RESET: Storage.RESET,
+}
+_FLAT = frozenset({Operator.AND, Operator.OR, Operator.XOR})
+_RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
+
+
+def _flat(statements: Iterable[Statement]) -> Iterable[Statement]:
+    """The statements without those that mean nothing: regions and lone semicolons."""
+    for statement in statements:
+        if isinstance(statement, n.Region):
+            yield from _flat(statement.statements)
+        elif not isinstance(statement, n.Empty):
+            yield statement
+
+
+def _calls(statements: Iterable[Statement]) -> list[n.Call]:
+    """The calls among statements."""
+    called = (statement.call for statement in statements if isinstance(statement, n.CallStatement))
+    return [call for call in called if isinstance(call, n.Call)]
+
+
+def _constant(expression: Expression) -> bool | None:
+    text = n.bare(expression)
+    if isinstance(text, n.Literal) and text.text.upper() in ("TRUE", "FALSE"):
+        return text.text.upper() == "TRUE"
+    return None
+
+
+def is_boolean_result(expression: Expression) -> bool | None:
+    """Whether what is no variable is of type BOOL; None: unknown."""
+    if isinstance(expression, n.Literal):
+        return expression.text.upper().removeprefix("BOOL#") in ("TRUE", "FALSE")
+    block = None
+    if isinstance(expression, n.Operation | n.Unary):
+        block = operator_block(expression.operator)
+    elif isinstance(expression, n.Call) and isinstance(expression.callee, n.Name):
+        block = standard_block(expression.callee.identifier)
+        if block is None:
+            return None
+    known = {"BOOL": True, "ANY": None, "ANY_BIT": None, "ANY_ELEMENTARY": None}
+    return known.get(block.result.type, False) if block is not None else None
+
+
+def _by_name(call: n.Call) -> bool:
+    """Whether all its arguments are inputs with names: the others have no pin."""
+    return all(a.name is not None and not a.output and a.value is not None for a in call.arguments)
+
+
+def _is_power(block: StandardBlock, name: str) -> bool:
+    """Whether an input is of type BOOL."""
+    iec = block.input_name(name)
+    return any(pin.name == iec and pin.type == "BOOL" for pin in block.inputs)
+
+
+def _is_harmless(expression: Expression) -> bool:
+    """Whether its operands may be evaluated though their operation is not enabled: none can fail or do anything."""
+    inner = n.bare(expression)
+    operands: Sequence[object] = (inner,)
+    if isinstance(inner, n.Operation):
+        operands = inner.operands
+    elif isinstance(inner, n.Call) and not is_variable(inner):
+        operands = inner.arguments
+    return not any(
+        isinstance(node, n.Call | n.Index | n.Dereference | n.Unreadable | n.AssignmentExpression)
+        or (isinstance(node, n.Operation) and node.operator in _RISKY)
+        for operand in operands
+        for node in walk(operand)
+    )
