@@ -23,12 +23,18 @@ _SHOWN = {
     "CATCH": "__CATCH",
     "FINALLY": "__FINALLY",
     "ENDTRY": "__ENDTRY",
+    "POU": "the head of a POU",
+    "END": "its end",
+    "QUALIFIER": "CONSTANT or the like",
+    "DIRECTION": "READ_ONLY or READ_WRITE",
+    "EDGE": "R_EDGE or F_EDGE",
+    "POINTER": "POINTER TO or REFERENCE TO",
 }
 _CONTINUATIONS = frozenset(
     {"OPERATOR", "SIGN", "DOT", "LSQB", "CARET", "PERIPHERAL", "COMPOUND_ASSIGN", "LPAR", "ARROW", "RANGE", "COLON"}
 )
 _STATEMENT_STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN"})
-_EXPRESSION_STARTS = frozenset({"NAME", "LITERAL", "ADDRESS", "NOT", "LPAR", "SIGN"})
+_EXPRESSION_STARTS = frozenset({"NAME", "LITERAL", "ADDRESS", "NOT", "LPAR", "SIGN", "OPERATOR"})  # AND(a, b)
 _SHOWN_TEXT = 30
 
 
