@@ -1,0 +1,423 @@
+"""The outline of a text: units and what stands in them, found by their keywords.
+
+Bodies are not parsed here, so an error in one of them costs nothing else; every part knows where it stands.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Problem
+from plcopen_sfc.languages.st.lexer import Comment, Token, Tokens, tokenize
+
+
+class Kind(StrEnum):
+    """The kinds of parts, by the keyword that opens them."""
+
+    PROGRAM = "PROGRAM"
+    FUNCTION_BLOCK = "FUNCTION_BLOCK"
+    FUNCTION = "FUNCTION"
+    METHOD = "METHOD"
+    ACTION = "ACTION"
+    STEP = "STEP"
+    INITIAL_STEP = "INITIAL_STEP"
+    TRANSITION = "TRANSITION"
+    PROPERTY = "PROPERTY"
+    TYPE = "TYPE"
+    VAR = "VAR"
+    CONFIGURATION = "CONFIGURATION"
+    RESOURCE = "RESOURCE"
+    INTERFACE = "INTERFACE"
+    CLASS = "CLASS"
+    NAMESPACE = "NAMESPACE"
+    LOOSE = "loose"
+    """Text that belongs to no part: the statements of a body."""
+
+
+POUS = frozenset({Kind.PROGRAM, Kind.FUNCTION_BLOCK, Kind.FUNCTION})
+VAR_KEYWORDS = frozenset(
+    """VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_EXTERNAL VAR_GLOBAL VAR_ACCESS VAR_CONFIG VAR_STAT
+    VAR_INST""".split()
+)
+_FOREIGN_UNITS = frozenset({Kind.INTERFACE, Kind.CLASS, Kind.NAMESPACE})
+_UNITS = POUS | _FOREIGN_UNITS | {Kind.TYPE, Kind.CONFIGURATION}
+_CONTAINERS = POUS | {Kind.METHOD, Kind.ACTION}
+_NESTED = {
+    "METHOD": Kind.METHOD,
+    "ACTION": Kind.ACTION,
+    "STEP": Kind.STEP,
+    "INITIAL_STEP": Kind.INITIAL_STEP,
+    "TRANSITION": Kind.TRANSITION,
+    "PROPERTY": Kind.PROPERTY,
+}
+_CLOSERS = {f"END_{kind.value}" for kind in Kind if kind not in (Kind.LOOSE, Kind.INITIAL_STEP)}
+KEYWORDS = frozenset({kind.value for kind in Kind if kind is not Kind.LOOSE} | _CLOSERS | VAR_KEYWORDS)
+_MODIFIERS = frozenset({"PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "FINAL", "ABSTRACT", "OVERRIDE"})
+_TYPE_PREFIXES = frozenset({"POINTER", "REFERENCE"})
+_WORD = re.compile(r"[^\W\d]\w*")
+
+
+@dataclass(slots=True)
+class Part:
+    """A part of the text.
+
+    `start` and `end` are offsets from its keyword to behind its END keyword, `inside` those of what stands between,
+    `tokens` the range of tokens between, `head` the range of tokens from the keyword to the end of the header. `name` is
+    empty where there is none, as `return_type` (its offsets) is None.
+    """
+
+    kind: Kind
+    start: int
+    end: int
+    keyword: str = ""
+    name: str = ""
+    head: tuple[int, int] = (0, 0)
+    inside: tuple[int, int] = (0, 0)
+    tokens: tuple[int, int] = (0, 0)
+    parts: list[Part] = field(default_factory=list)
+    return_type: tuple[int, int] | None = None
+    closed: bool = True
+
+
+@dataclass(slots=True)
+class Outline:
+    """The parts of a text, its tokens, and what is wrong with its structure."""
+
+    text: str
+    dialect: Dialect
+    found: Tokens
+    parts: list[Part]
+    problems: list[Problem]
+
+    def comments(self, start: int, end: int) -> list[Comment]:
+        """The comments and pragmas that stand wholly between two offsets."""
+        comments = self.found.comments
+        first = bisect_left(comments, start, key=lambda c: c.span[0])
+        last = bisect_left(comments, end, key=lambda c: c.span[0])
+        return [c for c in comments[first:last] if c.span[1] <= end]
+
+    def tokens(self, span: tuple[int, int]) -> list[Token]:
+        """The tokens of a range."""
+        return self.found.tokens[span[0] : span[1]]
+
+
+def outline(text: str, dialect: Dialect) -> Outline:
+    """Find the parts of a text. Never raises: see `Outline.problems`."""
+    found = tokenize(text, dialect, KEYWORDS)
+    scan = _Scan(text, found.tokens)
+    parts = scan.units()
+    return Outline(text, dialect, found, parts, [*found.problems, *scan.problems])
+
+
+class _Scan:
+    def __init__(self, text: str, tokens: list[Token]) -> None:
+        self.text = text
+        self.tokens = tokens
+        self.at = 0
+        self.inner = 0
+        self.problems: list[Problem] = []
+
+    # -- looking at tokens ----------------------------------------------------------------------------------------
+
+    def type(self, ahead: int = 0) -> str:
+        index = self.at + ahead
+        return self.tokens[index].type if index < len(self.tokens) else ""
+
+    def is_word(self, ahead: int = 0) -> bool:
+        index = self.at + ahead
+        return index < len(self.tokens) and _WORD.fullmatch(self.tokens[index].value) is not None
+
+    def word(self, ahead: int = 0) -> str:
+        index = self.at + ahead
+        return self.tokens[index].value.upper() if index < len(self.tokens) else ""
+
+    def offset(self) -> int:
+        """Where the next token starts, or the text ends."""
+        return self.tokens[self.at].span[0] if self.at < len(self.tokens) else len(self.text)
+
+    def behind(self) -> int:
+        """Where the last token ended."""
+        return self.tokens[self.at - 1].span[1] if self.at else 0
+
+    def starts_line(self) -> bool:
+        return "\n" in self.text[self.behind() : self.offset()] or "\r" in self.text[self.behind() : self.offset()]
+
+    def may_open(self) -> bool:
+        """Whether a part may begin here: at the start of a line, or where a header or a statement ends."""
+        if self.at in (0, self.inner) or self.starts_line():
+            return True
+        before = self.tokens[self.at - 1].type
+        return before == "SEMICOLON" or before.startswith("END_")
+
+    def problem(self, message: str, start: int, end: int) -> None:
+        self.problems.append(Problem(message, (start, max(end, start))))
+
+    # -- units ----------------------------------------------------------------------------------------------------
+
+    def units(self) -> list[Part]:
+        parts: list[Part] = []
+        loose = -1
+        while self.at < len(self.tokens):
+            opener = self.unit_opener()
+            if opener is None:
+                loose = self.at if loose < 0 else loose
+                self.at += 1
+                continue
+            if loose >= 0:
+                parts.append(self.loose(loose))
+                loose = -1
+            parts.append(self.unit(opener))
+        if loose >= 0:
+            parts.append(self.loose(loose))
+        return parts
+
+    def loose(self, first: int) -> Part:
+        start, end = self.tokens[first].span[0], self.behind()
+        return Part(Kind.LOOSE, start, end, inside=(start, end), tokens=(first, self.at))
+
+    def unit_opener(self) -> Kind | None:
+        kind = self.type()
+        if kind in VAR_KEYWORDS:
+            return Kind.VAR if self.may_open() else None
+        if kind not in _UNITS or not self.may_open():
+            return None
+        if kind == Kind.TYPE:
+            return Kind.TYPE
+        # a program instance of a configuration looks like a program: PROGRAM name WITH .., PROGRAM name : ..
+        if not self.is_word(1) or (kind == Kind.PROGRAM and (self.word(2) == "WITH" or self.type(2) == "COLON")):
+            return None
+        return Kind(kind)
+
+    def unit(self, kind: Kind) -> Part:
+        if kind is Kind.VAR:
+            return self.section()
+        if kind is Kind.TYPE or kind in _FOREIGN_UNITS:
+            return self.plain(kind)
+        if kind is Kind.CONFIGURATION:
+            return self.configuration()
+        return self.container(kind)
+
+    def section(self) -> Part:
+        """``VAR .. END_VAR``."""
+        first = self.at
+        keyword = self.type()
+        self.at += 1
+        return self.until_end(Part(Kind.VAR, self.tokens[first].span[0], 0, keyword, head=(first, self.at)))
+
+    def plain(self, kind: Kind) -> Part:
+        """A part whose inside is not looked into."""
+        first = self.at
+        self.at += 1
+        name = self.tokens[self.at].value if kind is not Kind.TYPE and self.is_word() else ""
+        return self.until_end(Part(kind, self.tokens[first].span[0], 0, kind.value, name, (first, self.at)))
+
+    def until_end(self, part: Part) -> Part:
+        """Move behind the END keyword of `part`, or to where its lack shows."""
+        closer = f"END_{part.kind.value}"
+        begin, first = self.behind(), self.at
+        while self.at < len(self.tokens):
+            kind = self.type()
+            if kind == closer:
+                return self.close(part, begin, first)
+            if self.shows_missing_end(part.kind, kind):
+                break
+            self.at += 1
+        return self.unclosed(part, begin, first)
+
+    def shows_missing_end(self, within: Kind, found: str) -> bool:
+        """Whether the token here cannot stand within a part of this kind."""
+        if within in _FOREIGN_UNITS or within is Kind.PROPERTY:
+            return found in _CLOSERS and found in {f"END_{unit}" for unit in POUS} and within is Kind.PROPERTY
+        if found in _CLOSERS:
+            return True
+        if self.unit_opener() is not None and (within is not Kind.TRANSITION or found not in VAR_KEYWORDS):
+            return True
+        return within not in (Kind.TYPE, Kind.VAR) and self.nested_opener() is not None and self.starts_line()
+
+    def close(self, part: Part, begin: int, first: int) -> Part:
+        part.inside, part.tokens = (begin, self.offset()), (first, self.at)
+        self.at += 1
+        part.end = self.behind()
+        return part
+
+    def unclosed(self, part: Part, begin: int, first: int) -> Part:
+        """A part whose END keyword is missing ends before the next token."""
+        part.closed = False
+        part.tokens = (first, self.at)
+        part.end = max(self.behind(), begin) if self.at < len(self.tokens) else len(self.text)
+        part.inside = (begin, part.end)
+        kind = Kind.STEP if part.kind is Kind.INITIAL_STEP else part.kind
+        closer = "END_VAR" if part.kind is Kind.VAR else f"END_{kind.value}"
+        start = self.tokens[part.head[0]].span[0]
+        what = " ".join(filter(None, (part.keyword, part.name)))
+        self.problem(f"{closer} of {what} is missing", start, self.tokens[part.head[1] - 1].span[1])
+        return part
+
+    # -- parts of units -------------------------------------------------------------------------------------------
+
+    def nested_opener(self) -> Kind | None:
+        """The kind of part that begins here inside a POU, if one does."""
+        kind = self.type()
+        if kind in VAR_KEYWORDS:
+            return Kind.VAR if self.may_open() else None
+        nested = _NESTED.get(kind)
+        if nested is None or not self.may_open():
+            return None
+        if nested in (Kind.STEP, Kind.INITIAL_STEP):
+            return nested if self.is_word(1) and self.type(2) == "COLON" else None
+        if nested is Kind.TRANSITION:
+            return nested if self.is_word(1) or self.type(1) == "LPAR" else None
+        return nested if self.is_word(1) else None
+
+    def container(self, kind: Kind) -> Part:
+        """A POU, a method or an action: its header, then parts and statements up to its END."""
+        first = self.at
+        part = Part(kind, self.offset(), 0, self.type())
+        self.at += 1
+        self.header(part)
+        part.head = (first, self.at)
+        begin, inner = self.behind(), self.at
+        self.inner = inner
+        closer = f"END_{kind.value}"
+        loose = -1
+        while self.at < len(self.tokens):
+            found = self.type()
+            nested = None if found == closer else self.nested_opener()
+            ends = found == closer or (nested is None and self.ends_container(kind, found))
+            ends = ends or (nested in (Kind.METHOD, Kind.PROPERTY) and kind not in POUS)
+            if nested is None and not ends:
+                loose = self.at if loose < 0 else loose
+                self.at += 1
+                continue
+            if loose >= 0:
+                part.parts.append(self.loose(loose))
+                loose = -1
+            if found == closer:
+                return self.close(part, begin, inner)
+            if ends:
+                return self.unclosed(part, begin, inner)
+            part.parts.append(self.nested(nested))
+        if loose >= 0:
+            part.parts.append(self.loose(loose))
+        return self.unclosed(part, begin, inner)
+
+    def ends_container(self, kind: Kind, found: str) -> bool:
+        """Whether the token here closes or opens something around a container of this kind."""
+        if self.unit_opener() is not None:
+            return True
+        if found not in _CLOSERS:
+            return False
+        if kind in POUS:
+            return found in {f"END_{unit}" for unit in POUS}
+        return found in {f"END_{unit}" for unit in POUS | {Kind.METHOD, Kind.ACTION}}
+
+    def nested(self, kind: Kind | None) -> Part:
+        if kind is Kind.VAR:
+            return self.section()
+        if kind in _CONTAINERS:
+            return self.container(Kind(kind))
+        first = self.at
+        part = Part(Kind(kind), self.offset(), 0, self.type())
+        self.at += 1
+        if kind in (Kind.STEP, Kind.INITIAL_STEP):
+            part.name = self.tokens[self.at].value
+            part.head = (first, self.at + 2)
+            self.at += 2
+            part.kind = Kind.STEP
+        else:
+            part.head = (first, self.at)
+            if kind is Kind.PROPERTY:
+                part.name = self.tokens[self.at].value
+        return self.until_end(part)
+
+    def header(self, part: Part) -> None:
+        """Move behind ``name``, ``: type``, ``EXTENDS ..`` and the like."""
+        while self.word() in _MODIFIERS and self.is_word(1):
+            self.at += 1
+        if self.is_word():
+            part.name = self.tokens[self.at].value
+            self.at += 1
+            while self.type() == "DOT" and self.is_word(1):
+                part.name += "." + self.tokens[self.at + 1].value
+                self.at += 2
+        if part.kind is Kind.ACTION:
+            self.at += self.type() == "COLON"
+            return
+        if self.type() == "COLON" and part.kind in (Kind.FUNCTION, Kind.METHOD):
+            self.at += 1
+            start = self.offset()
+            self.skip_type()
+            part.return_type = (start, self.behind())
+        while self.word() in ("EXTENDS", "IMPLEMENTS"):
+            self.at += 1
+            self.skip_names()
+        self.at += self.type() == "SEMICOLON"
+
+    def skip_names(self) -> None:
+        while self.is_word():
+            self.at += 1
+            if self.type() not in ("COMMA", "DOT"):
+                break
+            self.at += 1
+
+    def skip_type(self) -> None:
+        while self.word() in _TYPE_PREFIXES and self.type(1) == "TO":
+            self.at += 2
+        if self.word() == "REF_TO":
+            self.at += 1
+        is_array = self.word() == "ARRAY"
+        self.at += self.is_word()
+        while self.type() == "DOT" and self.is_word(1):
+            self.at += 2
+        if self.type() in ("LSQB", "LPAR"):
+            self.skip_brackets()
+        if is_array and self.type() == "OF":
+            self.at += 1
+            self.skip_type()
+
+    def skip_brackets(self) -> None:
+        depth = 0
+        while self.at < len(self.tokens):
+            kind = self.type()
+            depth += (kind in ("LSQB", "LPAR")) - (kind in ("RSQB", "RPAR"))
+            self.at += 1
+            if depth == 0:
+                return
+
+    # -- configurations -------------------------------------------------------------------------------------------
+
+    def configuration(self, kind: Kind = Kind.CONFIGURATION) -> Part:
+        """A configuration or a resource: its resources and sections are parts, the rest is looked at by the reader."""
+        first = self.at
+        part = Part(kind, self.offset(), 0, kind.value)
+        self.at += 1
+        part.name = self.tokens[self.at].value if self.is_word() else ""
+        self.at += self.is_word()
+        if kind is Kind.RESOURCE and self.word() == "ON" and self.is_word(1):
+            self.at += 2
+        part.head = (first, self.at)
+        begin, inner = self.behind(), self.at
+        loose = -1
+        while self.at < len(self.tokens):
+            found = self.type()
+            opens = found in VAR_KEYWORDS or (found == "RESOURCE" and self.is_word(1))
+            closes = found in _CLOSERS or (not opens and self.unit_opener() is not None and self.starts_line())
+            if not opens and not closes:
+                loose = self.at if loose < 0 else loose
+                self.at += 1
+                continue
+            if loose >= 0:
+                part.parts.append(self.loose(loose))
+                loose = -1
+            if found == f"END_{kind.value}":
+                return self.close(part, begin, inner)
+            if closes or (opens and found == "RESOURCE" and kind is Kind.RESOURCE):
+                return self.unclosed(part, begin, inner)
+            part.parts.append(self.section() if found in VAR_KEYWORDS else self.configuration(Kind.RESOURCE))
+        if loose >= 0:
+            part.parts.append(self.loose(loose))
+        return self.unclosed(part, begin, inner)

@@ -1,0 +1,122 @@
+"""What all readers of a text share: the text, its outline, its pragmas and comments, and what is said about it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from xml.sax.saxutils import escape, unescape
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.iectext.layout import taken_comment
+from plcopen_sfc.formats.iectext.outline import Outline
+from plcopen_sfc.languages.pragmas import Change, Fields, NotationError, parse_change
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+
+OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
+TEXT_DATA = "urn:plcopen-sfc:iec-text"
+"""The name of foreign data that holds a piece of text which the model has no place for."""
+_WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
+
+
+def wrapped(place: str, text: str) -> Fields:
+    """Foreign data that holds `text`, which stood at `place`: ``pragma``, ``from``, ``property`` ..."""
+    content = f'<text xmlns="{TEXT_DATA}" place="{escape(place)}">{escape(text)}</text>'
+    return {"name": TEXT_DATA, "content": content}
+
+
+def unwrapped(content: str) -> tuple[str, str] | None:
+    """The place and the text of foreign data that `wrapped` made; None for any other."""
+    found = _WRAPPED.fullmatch(content)
+    return (unescape(found.group(1)), unescape(found.group(2))) if found is not None else None
+
+
+@dataclass(slots=True)
+class Remark:
+    """What stands beside the code: changes that our pragmas make, comments, and pragmas of other tools."""
+
+    changes: list[tuple[Change, int]] = field(default_factory=list)
+    comments: list[str] = field(default_factory=list)
+    pragmas: list[str] = field(default_factory=list)
+
+    def extend(self, other: Remark) -> None:
+        """Add what `other` holds."""
+        self.changes += other.changes
+        self.comments += other.comments
+        self.pragmas += other.pragmas
+
+    def put_into(self, fields: Fields) -> None:
+        """Say in `fields` what the comments and the pragmas of other tools say."""
+        if self.comments:
+            fields["comment"] = "\n".join(self.comments)
+        for pragma in self.pragmas:
+            carried = fields.setdefault("carried", {})
+            carried.setdefault("data", []).append(wrapped("pragma", pragma))
+
+
+@dataclass(slots=True)
+class Source:
+    """A text that is being read. `ignored` are the offsets of pragmas that do not fit and are left out."""
+
+    outline: Outline
+    file: str | None = None
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    ignored: set[int] = field(default_factory=set)
+    _lines: Lines | None = None
+
+    @property
+    def text(self) -> str:
+        """The whole text."""
+        return self.outline.text
+
+    def location(self, offset: int, path: str = "") -> Location:
+        """The place of an offset."""
+        if self._lines is None:
+            self._lines = Lines(self.text)
+        line, column = self._lines.place(offset)
+        return Location(self.file, line, column, path or None)
+
+    def note(self, code: str, message: str, offset: int, path: str = "", severity: Severity = Severity.ERROR) -> None:
+        """Add a finding; the same one only once."""
+        finding = Diagnostic(code, severity, message, self.location(offset, path))
+        if finding not in self.diagnostics:
+            self.diagnostics.append(finding)
+
+    def remark(self, start: int, end: int, path: str = "") -> Remark:
+        """What stands in the comments and pragmas between two offsets."""
+        found = Remark()
+        for comment in self.outline.comments(start, end):
+            self._sort(comment, found, path)
+        return found
+
+    def _sort(self, comment: Comment, into: Remark, path: str) -> None:
+        if is_own(comment):
+            offset = comment.span[0]
+            if offset not in self.ignored:
+                try:
+                    change = parse_change(comment.text[:-1], comment.text.index("plcopen_sfc") + len("plcopen_sfc"))
+                    into.changes.append((change, offset))
+                except NotationError as error:
+                    self.note("IEC210", f"this pragma cannot be read: {error}", offset + error.position, path)
+        elif comment.kind is CommentKind.PRAGMA:
+            into.pragmas.append(comment.text)
+        else:
+            into.comments.append(taken_comment(comment.text))
+
+    def attached(self, start: int, end: int) -> int:
+        """Where the comments and pragmas begin that stand directly above the part at `end`, not before `start`."""
+        begin = end
+        for comment in reversed(self.outline.comments(start, end)):
+            between = self.text[comment.span[1] : begin]
+            line_start = max(self.text.rfind("\n", 0, comment.span[0]), self.text.rfind("\r", 0, comment.span[0])) + 1
+            own_line = not self.text[max(line_start, start) : comment.span[0]].strip() and line_start >= start
+            if between.strip() or len(re.findall(r"\r\n|\r|\n", between)) > 1 or not own_line:
+                break
+            begin = comment.span[0]
+        return begin
+
+
+def is_own(comment: Comment) -> bool:
+    """Whether a comment is a pragma of ours."""
+    return comment.kind is CommentKind.PRAGMA and OWN_PRAGMA.match(comment.text) is not None

@@ -1,0 +1,246 @@
+"""What a text leaves unsaid: the difference between what a reader takes from the text and what the model holds.
+
+Plain data on both sides: dictionaries of fields that are not at their default. A writer prints an object, knows what the
+reader will take from the print, and writes the remainder as pragmas; so nothing is forgotten, whatever the object holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from pydantic import BaseModel
+
+from plcopen_sfc.languages.pragmas.notation import DEFAULT, NotationError, Scanner, format_key, format_value
+
+Fields: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A path segment: the item of a list that has this name."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Numbered:
+    """A path segment: the item of a list that has this id."""
+
+    id: int
+
+
+@dataclass(frozen=True, slots=True)
+class Append:
+    """A path segment: a new item at the end of a list."""
+
+
+Segment: TypeAlias = str | int | Named | Numbered | Append
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The value at `path` is `value`; `DEFAULT`: nothing is said there."""
+
+    path: tuple[Segment, ...]
+    value: Any
+
+    def __str__(self) -> str:
+        return f"{format_path(self.path)} := {format_value(self.value)}"
+
+
+# -- from the model to plain data -----------------------------------------------------------------------------------
+
+_TAGS = ("kind", "language")
+Substitute: TypeAlias = Callable[[BaseModel], Any]
+
+
+def plain_fields(thing: BaseModel, substitute: Substitute | None = None, leave: frozenset[str] = frozenset()) -> Fields:
+    """The fields of `thing` that are not at their default, those named in `leave` left out.
+
+    `substitute` may give other data for an object inside it; None: none.
+    """
+    fields: Fields = {}
+    for name, info in type(thing).model_fields.items():
+        if name in leave:
+            continue
+        value = getattr(thing, name)
+        if info.is_required() or name in _TAGS or value != info.get_default(call_default_factory=True):
+            fields[name] = plain_value(value, substitute)
+    return fields
+
+
+def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
+    """`value` as plain data."""
+    if isinstance(value, BaseModel):
+        replaced = substitute(value) if substitute is not None else None
+        return plain_fields(value, substitute) if replaced is None else replaced
+    if isinstance(value, list | tuple):
+        return [plain_value(item, substitute) for item in value]
+    if isinstance(value, dict):
+        return {str(key): plain_value(item, substitute) for key, item in value.items()}
+    return str(value) if isinstance(value, str) else value
+
+
+# -- differences ------------------------------------------------------------------------------------------------------
+
+
+def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[Change]:
+    """What must be said beside a text that says `said` so that it says `meant`."""
+    if isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
+        for key in sorted(said.keys() | meant.keys()):
+            if key not in meant:
+                yield Change((*path, key), DEFAULT)
+            elif key not in said:
+                yield from additions(meant[key], (*path, key))
+            else:
+                yield from changes(said[key], meant[key], (*path, key))
+    elif isinstance(said, list) and isinstance(meant, list) and _same_items(said, meant):
+        segments = _segments(meant)
+        for one, other, segment in zip(said, meant, segments, strict=True):
+            yield from changes(one, other, (*path, segment))
+    elif said != meant or type(said) is not type(meant):
+        if isinstance(said, list) and isinstance(meant, list) and said and meant:
+            yield Change(path, [])
+            yield from additions(meant, path)
+        else:
+            yield Change(path, meant)
+
+
+def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
+    """What must be said where the text says nothing: one line for each field and each item of a list."""
+    if isinstance(meant, dict) and meant:
+        for key in sorted(meant):
+            yield from additions(meant[key], (*path, key))
+    elif isinstance(meant, list) and any(isinstance(item, dict | list) for item in meant):
+        for item in meant:
+            yield Change((*path, Append()), item)
+    else:
+        yield Change(path, meant)
+
+
+def _same_kind(said: Fields, meant: Fields) -> bool:
+    return all(said.get(tag) == meant.get(tag) for tag in _TAGS)
+
+
+def _same_items(said: list[Any], meant: list[Any]) -> bool:
+    if len(said) != len(meant) or not said:
+        return False
+    return all(
+        type(one) is type(other) and (not isinstance(one, dict) or one.get("name") == other.get("name"))
+        for one, other in zip(said, meant, strict=True)
+    )
+
+
+def _segments(items: list[Any]) -> list[Segment]:
+    """How to point at each item: by its name, if it is the only one of that name."""
+    names = [item.get("name") if isinstance(item, dict) else None for item in items]
+    folded = [name.casefold() if isinstance(name, str) else None for name in names]
+    return [
+        Named(name) if isinstance(name, str) and folded.count(name.casefold()) == 1 else index
+        for index, name in enumerate(names)
+    ]
+
+
+# -- applying ---------------------------------------------------------------------------------------------------------
+
+
+class PathError(ValueError):
+    """A path that leads nowhere."""
+
+
+def apply(fields: Fields, change: Change) -> None:
+    """Make `change` in `fields`. Raises `PathError`."""
+    holder: Any = fields
+    for segment, following in zip(change.path, change.path[1:], strict=False):
+        holder = _enter(holder, segment, following)
+    last = change.path[-1]
+    if isinstance(last, str):
+        if not isinstance(holder, dict):
+            raise PathError(f"{format_path(change.path)}: there are no fields")
+        if change.value is DEFAULT:
+            holder.pop(last, None)
+        else:
+            holder[last] = change.value
+    elif isinstance(last, Append):
+        holder.append(change.value)
+    else:
+        holder[_index(holder, last)] = change.value
+
+
+def _enter(holder: Any, segment: Segment, following: Segment) -> Any:
+    if not isinstance(segment, str):
+        inner = holder[_index(holder, segment)]
+    elif isinstance(holder, dict):
+        inner = holder.setdefault(segment, {} if isinstance(following, str) else [])
+    else:
+        raise PathError(f"{segment}: there are no fields here")
+    if not isinstance(inner, dict if isinstance(following, str) else list):
+        raise PathError(f"{format_path((segment,))} holds {'no fields' if isinstance(following, str) else 'no list'}")
+    return inner
+
+
+def _index(items: Any, segment: Segment) -> int:
+    if isinstance(items, list):
+        for index, item in enumerate(items):
+            if segment == index and not isinstance(segment, bool):
+                return index
+            if isinstance(item, dict) and (
+                (isinstance(segment, Named) and str(item.get("name", "")).casefold() == segment.name.casefold())
+                or (isinstance(segment, Numbered) and item.get("id") == segment.id)
+            ):
+                return index
+    raise PathError(f"there is no {format_path((segment,))} here")
+
+
+# -- paths as text ----------------------------------------------------------------------------------------------------
+
+
+def format_path(path: tuple[Segment, ...]) -> str:
+    """``supervision.condition``, ``variables[Start].comment``, ``symbols[]``, ``steps[#4].carried``."""
+    text = ""
+    for segment in path:
+        if isinstance(segment, str):
+            text += ("." if text else "") + format_key(segment)
+        elif isinstance(segment, Named):
+            text += f"[{format_key(segment.name)}]"
+        elif isinstance(segment, Numbered):
+            text += f"[#{segment.id}]"
+        else:
+            text += "[]" if isinstance(segment, Append) else f"[{segment}]"
+    return text
+
+
+def parse_change(text: str, position: int = 0) -> Change:
+    """The change that ``path := value`` says; ``path`` alone means TRUE. Raises `NotationError`."""
+    scanner = Scanner(text, position)
+    path: list[Segment] = [scanner.key()]
+    while (mark := scanner.next_mark()) in (".", "["):
+        scanner.take(mark)
+        if mark == ".":
+            path.append(scanner.key())
+        else:
+            path.append(_bracketed(scanner))
+            scanner.take("]")
+    value: Any = True
+    if not scanner.at_end():
+        scanner.take(":=")
+        value = scanner.value()
+    if not scanner.at_end():
+        raise NotationError("nothing may follow the value", scanner.position)
+    return Change(tuple(path), value)
+
+
+def _bracketed(scanner: Scanner) -> Segment:
+    if scanner.next_mark() == "]":
+        return Append()
+    if scanner.next_mark() == "#":
+        scanner.take("#")
+        return Numbered(scanner.number())
+    start = scanner.position
+    try:
+        return Named(scanner.key())
+    except NotationError:
+        scanner.position = start
+        return scanner.number()
