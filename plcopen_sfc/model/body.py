@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, SerializationInfo, SerializerFunctionWrapHandler, model_serializer
@@ -115,6 +115,16 @@ class SfcBody(BodyBase):
         """What is pickled: the chart, not the file it may still stand in."""
         self.read()
         return super().__getstate__()
+
+    def charts_read(self) -> Iterator[SfcNetwork]:
+        """The chart and those of macro-steps and partial charts in it, but for charts that nobody has looked at."""
+        waiting = [self.__dict__["chart"]] if "chart" in self.__dict__ else []
+        while waiting:
+            chart: SfcNetwork = waiting.pop()
+            yield chart
+            waiting += [partial.network for partial in chart.partial_charts]
+            macros = [step.macro.body for step in chart.steps if step.macro is not None]
+            waiting += [macro.__dict__["chart"] for macro in macros if macro and "chart" in macro.__dict__]
 
     def read(self) -> SfcNetwork:
         """The chart, read now if it was not yet."""

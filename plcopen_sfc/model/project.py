@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from weakref import WeakValueDictionary
 
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
@@ -20,6 +22,7 @@ from plcopen_sfc.model.variables import AccessSection, ConfigSection, VariableSe
 
 if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
+    from plcopen_sfc.refactor.rename import RenameResult
 
 
 class FileHeader(Model):
@@ -204,6 +207,27 @@ class Project(Element):
 
     __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
 
+    def model_post_init(self, context: Any, /) -> None:
+        """Remember that the project exists: see `projects_with`."""
+        super().model_post_init(context)
+        _remember(self)
+
+    def __copy__(self) -> Self:
+        """A copy that has the same POUs."""
+        copy = super().__copy__()
+        _remember(copy)
+        return copy
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """A copy with POUs of its own."""
+        copy = super().__deepcopy__(memo)
+        _remember(copy)
+        return copy
+
+    def __setstate__(self, state: dict[Any, Any]) -> None:
+        super().__setstate__(state)
+        _remember(self)
+
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """What the reader had to say about the file: charts that are wrong but could be loaded. Reads every chart."""
@@ -227,6 +251,15 @@ class Project(Element):
             f"the project has no POU {name!r}", hint="It has: " + ", ".join(p.name for p in self.pous[:20])
         )
 
+    def rename(self, path: str, new: str) -> RenameResult:
+        """Give a thing another name; every use of it in every body and declaration follows.
+
+        `path` is ``Main``, ``Main.Step3``, ``GVL.x``, ``Type.member`` ..; case does not matter. Raises `ModelError`
+        where there is no such thing, or the new name is no name or would mean something else somewhere. See
+        `plcopen_sfc.refactor.rename`.
+        """
+        return operations.rename(self, path, new)
+
     def bodies(self) -> Iterator[tuple[str, Pou, Body]]:
         """Every body in the project with its name (``Main.Fill``) and POU."""
         for pou in self.pous:
@@ -238,3 +271,20 @@ class Project(Element):
         for name, pou, body in self.bodies():
             if isinstance(body, SfcBody):
                 yield Chart(name, pou, body.chart)
+
+
+_ALIVE: WeakValueDictionary[int, Project] = WeakValueDictionary()
+"""Every project in this process, by its `id()`."""
+
+
+def _remember(project: Project) -> None:
+    _ALIVE[id(project)] = project
+
+
+def projects_with(chart: SfcNetwork) -> Iterator[Project]:
+    """The projects that have this very chart: in a body, or inside another chart. Charts stay unread."""
+    for project in list(_ALIVE.values()):
+        for _, _, body in project.bodies():
+            if isinstance(body, SfcBody) and any(found is chart for found in body.charts_read()):
+                yield project
+                break

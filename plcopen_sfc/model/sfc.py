@@ -7,7 +7,6 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from enum import StrEnum
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 from pydantic import Field
 
 from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.model import operations
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
 from plcopen_sfc.model.conditions import Condition
@@ -24,6 +24,7 @@ from plcopen_sfc.model.text import Text
 
 if TYPE_CHECKING:
     from plcopen_sfc.model.body import Body
+    from plcopen_sfc.refactor.rename import RenameResult
 
 
 class Macro(Model):
@@ -306,29 +307,14 @@ class SfcNetwork(Element):
         self.transitions.append(transition)
         return transition
 
-    def rename_step(self, old: str, new: str) -> Step:
-        """Give a step another name. Transitions and jumps follow, since they refer to the step and not to its name.
+    def rename_step(self, old: str, new: str) -> RenameResult:
+        """Give a step another name. Every reference follows, in every body of the project that the chart is in.
 
-        Program text that names the step (``S3.x``) does not follow: `mentions` finds it. Raises `ModelError` where
-        there is no such step or the name is taken.
+        A chart that is in no project is renamed in itself. Raises `ModelError` where there is no such step, or the new
+        name is no name or would mean something else somewhere. The result lists what was changed, and places of which
+        nobody can tell what they mean: these stay as they are. See `plcopen_sfc.refactor.rename`.
         """
-        step = self.step(old)
-        if new.casefold() != step.name.casefold():
-            self._claim(new)
-        step.name = new
-        return step
-
-    def mentions(self, name: str) -> list[Transition | ActionAssociation]:
-        """The transitions and associations of this chart whose text names `name`: what to look at after a rename."""
-        word = re.compile(rf"(?<![\w.]){re.escape(name)}(?!\w)", re.IGNORECASE)
-        texts: list[tuple[Transition | ActionAssociation, str]] = [
-            (t, getattr(t.condition, "text", "") or getattr(getattr(t.condition, "body", None), "text", ""))
-            for t in self.transitions
-        ]
-        texts += [
-            (a, f"{a.target or ''} {a.duration or ''} {getattr(a.body, 'text', '')}") for _, a in self.associations()
-        ]
-        return [thing for thing, text in texts if word.search(text)]
+        return operations.rename_step(self, old, new)
 
     def _claim(self, name: str) -> None:
         if any(step.name.casefold() == name.casefold() for step in self.steps):

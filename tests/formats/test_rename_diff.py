@@ -11,6 +11,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.drawing import fits
+from plcopen_sfc.languages.names import Use
 from plcopen_sfc.model import (
     ActionAssociation,
     BodyCondition,
@@ -66,16 +67,20 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
     for chart, number in chosen(len(data), steps):
         step = charts[chart].steps[number]
         old = step.name
+        uses: tuple[Use, ...] = ()
         if charts[chart].step(old) is step:
-            charts[chart].rename_step(old, NEW)
+            uses = charts[chart].rename_step(old, NEW).changed
         else:  # a second step of this name
             step.name = NEW
         edited = sfc.dumps(project)
-        assert_only_names_changed(data, edited, old, name_places(spans[chart], number), note=f"{old} in chart {chart}")
+        note = f"{old} in chart {chart}"
+        assert_only_names_changed(data, edited, old, name_places(spans[chart], number), uses=len(uses), note=note)
         again = sfc.loads(edited)
         # a reformatted file keeps the blanks around the name: what is carried for that says the new name now
         assert again == project or (step.carried is not None and step.carried.data)
         assert [net(c.network) for c in again.charts()] == [net(c) for c in charts]
+        if uses:
+            charts[chart].rename_step(NEW, old)
         step.name = old
     assert sfc.dumps(project) == data
 

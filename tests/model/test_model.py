@@ -70,7 +70,8 @@ def test_rivals_are_tried_by_priority_and_then_from_left_to_right() -> None:
 
 def test_renaming() -> None:
     chart = small()
-    assert chart.rename_step("eins", "EINS").name == "EINS"
+    assert chart.rename_step("eins", "EINS").new == "EINS"
+    assert chart.steps[0].name == "EINS"
     with pytest.raises(ModelError, match="already"):
         chart.rename_step("EINS", "zwei")
     with pytest.raises(ModelError):

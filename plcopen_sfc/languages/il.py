@@ -1,0 +1,121 @@
+"""Instruction list, line by line: ``label: OPERATOR operand, operand`` (IEC 61131-3 ed. 3, 7.2).
+
+Operands are expressions of structured text. Calls may go on over several lines, up to the closing parenthesis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.lexer import Token, tokenize
+from plcopen_sfc.languages.st.nodes import Span
+from plcopen_sfc.languages.st.parsing import Parsed, parse_expression
+
+JUMPS = frozenset({"JMP", "JMPC", "JMPCN"})
+"""Operators whose operand is a label."""
+
+OPERATORS = JUMPS | frozenset(
+    """
+    LD LDN ST STN STQ S R AND ANDN OR ORN XOR XORN NOT ADD SUB MUL DIV MOD GT GE EQ NE LE LT CAL CALC CALCN RET RETC
+    RETCN
+    """.split()
+)
+"""The operators of IEC 61131-3 (table 68) and CODESYS. Any other word at their place is the name of a function."""
+
+_CALLS = frozenset({"CAL", "CALC", "CALCN"})
+_SYMBOLS = frozenset({"OPERATOR", "NOT", "RPAR"})
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """An operand: its tree, whose spans count from `start` in the text of the body."""
+
+    parsed: Parsed[object]
+    start: int
+
+
+@dataclass(frozen=True, slots=True)
+class Instruction:
+    """One instruction. `operator` is as written and may be empty: a label can stand alone."""
+
+    operator: str
+    operator_span: Span
+    operands: tuple[Operand, ...] = ()
+    label: str = ""
+
+    @property
+    def is_function(self) -> bool:
+        """Whether `operator` names a function."""
+        word = self.operator.upper()
+        return bool(word) and (word[0].isalpha() or word[0] == "_") and word not in OPERATORS
+
+
+def instructions(text: str, dialect: Dialect = Dialect.IEC) -> Iterator[Instruction]:
+    """The instructions of a body. Never raises: what is no instruction becomes operands with problems."""
+    for line in _lines(text, tokenize(text, dialect).tokens):
+        yield _instruction(text, line, dialect)
+
+
+def _lines(text: str, tokens: list[Token]) -> Iterator[list[Token]]:
+    """The tokens of each instruction: those of a line, and further lines inside the parentheses of a call."""
+    place = Lines(text).place
+    line: list[Token] = []
+    number = depth = 0
+    for token in tokens:
+        own, _ = place(token.span[0])
+        if line and own != number and depth <= 0:
+            yield line
+            line, depth = [], 0
+        number = own
+        line.append(token)
+        if _is_call(line):
+            depth += (token.type == "LPAR") - (token.type == "RPAR")
+    if line:
+        yield line
+
+
+def _is_call(line: list[Token]) -> bool:
+    words = [token.value.upper() for token in line[:3]]
+    return words[0] in _CALLS or (len(words) == 3 and words[1] == ":" and words[2] in _CALLS)
+
+
+def _instruction(text: str, line: list[Token], dialect: Dialect) -> Instruction:
+    label = ""
+    if len(line) > 1 and line[0].type == "NAME" and line[1].type == "COLON":
+        label = line[0].value
+        line = line[2:]
+    if not line:
+        return Instruction("", (0, 0), label=label)
+    first, rest = line[0], line[1:]
+    span = first.span
+    if first.type not in _SYMBOLS and first.type != "NAME":
+        return Instruction("", first.span, tuple(_operands(text, line, dialect)), label)
+    if rest and first.value == "&" and rest[0].value.upper() == "N" and rest[0].span[0] == first.span[1]:
+        span = (first.span[0], rest[0].span[1])
+        rest = rest[1:]
+    if rest and rest[0].type == "LPAR" and not _closes(rest):
+        rest = rest[1:]  # AND( .. up to a line with the closing parenthesis
+    return Instruction(text[span[0] : span[1]], span, tuple(_operands(text, rest, dialect)), label)
+
+
+def _closes(tokens: list[Token]) -> bool:
+    return sum((token.type == "LPAR") - (token.type == "RPAR") for token in tokens) == 0
+
+
+def _operands(text: str, tokens: list[Token], dialect: Dialect) -> Iterator[Operand]:
+    """The operands between commas that stand in no parentheses."""
+    depth = 0
+    commas = [-1]
+    for index, token in enumerate(tokens):
+        depth += (token.type in ("LPAR", "LSQB")) - (token.type in ("RPAR", "RSQB"))
+        if token.type == "COMMA" and depth == 0:
+            commas.append(index)
+    for before, comma in pairwise([*commas, len(tokens)]):
+        own = [token for token in tokens[before + 1 : comma] if token.type != "SEMICOLON"]
+        if own:
+            start, end = own[0].span[0], own[-1].span[1]
+            yield Operand(parse_expression(text[start:end], dialect), start)

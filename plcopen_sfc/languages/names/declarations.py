@@ -1,0 +1,137 @@
+"""What a project declares: everything that has a name which program text can use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import ArrayType, DataType, EnumType, PointerType, StructType, Variable
+from plcopen_sfc.model.variables import Interface
+
+
+class Kind(StrEnum):
+    """The kinds of things that have names."""
+
+    POU = "POU"
+    METHOD = "method"
+    ACTION = "action"
+    TRANSITION = "transition"
+    STEP = "step"
+    VARIABLE = "variable"
+    MEMBER = "member"
+    ENUM_VALUE = "enumeration value"
+    DATA_TYPE = "data type"
+    GLOBAL_LIST = "list of global variables"
+    INSTANCE = "program instance"
+    NAMESPACE = "application"
+
+
+class Named(Protocol):
+    """An object of the model that has a name."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Declaration:
+    """A thing that is declared: a step, a variable, a POU ..
+
+    `path` is its name with those of what it stands in (``Main.S3``). `pou` is the POU that it belongs to, None for what
+    is global. `holders` are the objects of the model that have the name: more than one where a list of global variables
+    is in several parts. Two declarations are equal when they are of the same object.
+    """
+
+    kind: Kind
+    path: str
+    holders: tuple[Named, ...]
+    pou: Pou | None = None
+
+    @property
+    def holder(self) -> Named:
+        """The object of the model that has the name."""
+        return self.holders[0]
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self.holder.name
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Declaration) and self.holder is other.holder
+
+    def __hash__(self) -> int:
+        return id(self.holder)
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.path}"
+
+
+class Level:
+    """Names that are visible together: those of one scope, or the members of one type."""
+
+    def __init__(self) -> None:
+        self._by_name: dict[str, list[Declaration]] = {}
+
+    def add(self, declaration: Declaration) -> None:
+        """Put a declaration in; a list of global variables joins the parts of it that are in already."""
+        if not declaration.name:
+            return
+        there = self._by_name.setdefault(declaration.name.casefold(), [])
+        if declaration.kind is Kind.GLOBAL_LIST:
+            for index, other in enumerate(there):
+                if other.kind is Kind.GLOBAL_LIST and other.path == declaration.path:
+                    holders = (*other.holders, *declaration.holders)
+                    there[index] = Declaration(other.kind, other.path, holders)
+                    return
+        if declaration not in there:
+            there.append(declaration)
+
+    def named(self, name: str) -> list[Declaration]:
+        """The declarations of this name; case does not matter."""
+        return self._by_name.get(name.casefold(), [])
+
+    def __iter__(self) -> Iterator[Declaration]:
+        return (declaration for declarations in self._by_name.values() for declaration in declarations)
+
+    def __contains__(self, declaration: object) -> bool:
+        return isinstance(declaration, Declaration) and declaration in self.named(declaration.name)
+
+
+def members_of(type_: StructType, path: str, pou: Pou | None) -> Level:
+    """The members of a structure."""
+    level = Level()
+    for member in type_.members:
+        level.add(Declaration(Kind.MEMBER, f"{path}.{member.name}", (member,), pou))
+    return level
+
+
+def values_of(type_: EnumType, path: str, pou: Pou | None) -> Level:
+    """The values of an enumeration."""
+    level = Level()
+    for value in type_.values:
+        level.add(Declaration(Kind.ENUM_VALUE, f"{path}.{value.name}", (value,), pou))
+    return level
+
+
+def variables_of(interface: Interface | None, path: str, pou: Pou | None) -> Iterator[Declaration]:
+    """The variables of an interface, and the values of enumerations that are declared in place."""
+    for variable in interface.variables() if interface is not None else ():
+        yield variable_of(variable, path, pou)
+        for type_ in inside(variable.type):
+            if isinstance(type_, EnumType):
+                yield from values_of(type_, path, pou)
+
+
+def variable_of(variable: Variable, path: str, pou: Pou | None) -> Declaration:
+    """A variable that is declared in `path`, which is empty for a global one that no list holds."""
+    return Declaration(Kind.VARIABLE, f"{path}.{variable.name}" if path else variable.name, (variable,), pou)
+
+
+def inside(type_: DataType) -> Iterator[DataType]:
+    """A type and the types that are declared in it, but for those of the members of structures."""
+    yield type_
+    if isinstance(type_, ArrayType | PointerType):
+        yield from inside(type_.base)

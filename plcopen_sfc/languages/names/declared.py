@@ -1,0 +1,79 @@
+"""The names in declarations that are kept as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.pieces import Role
+from plcopen_sfc.languages.names.references import Reference, in_tree, named
+from plcopen_sfc.languages.st import declaration_nodes as d
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.parsing import parse_declarations
+from plcopen_sfc.languages.st.walking import children
+
+
+def in_declarations(text: str, dialect: Dialect) -> Iterator[Reference]:
+    """Every name in a text of declarations, those that it declares too."""
+    yield from _in(parse_declarations(text, dialect).tree, dialect, "")
+
+
+def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None = None) -> Iterator[Reference]:
+    """The names in `node`, which declares what belongs to the type `within`; `type_` is that of initial values."""
+    if isinstance(node, d.PouHead):
+        yield from _types(node.name, dialect)
+        for base in (*node.extends, *node.implements):
+            yield from _types(base, dialect)
+        if node.type is not None:
+            yield from _in(node.type, dialect, within)
+    elif isinstance(node, d.TypeDeclaration):
+        yield replace(named(node.name), role=Role.TYPE)
+        if node.extends is not None:
+            yield from _types(node.extends, dialect)
+        yield from _in(node.type, dialect, node.name.identifier)
+        if node.initial is not None:
+            yield from _in(node.initial, dialect, within, _innermost(node.type))
+    elif isinstance(node, d.NamedType):
+        yield from _types(node.name, dialect)
+        for argument in node.arguments or ():
+            yield from in_tree(argument, dialect)
+    elif isinstance(node, d.VariableDeclaration):
+        for name in node.names:
+            yield named(name, declares=True, within=within)
+        if node.address is not None:
+            yield from in_tree(node.address, dialect)
+        yield from _in(node.type, dialect, within)
+        if node.initial is not None:
+            yield from _in(node.initial, dialect, within, _innermost(node.type))
+    elif isinstance(node, d.EnumValue):
+        yield named(node.name, declares=True, within=within)
+        if node.value is not None:
+            yield from in_tree(node.value, dialect)
+    elif isinstance(node, d.MemberValue):
+        yield named(node.member, base=type_, unread="" if type_ is not None else "what it is a member of has no name")
+        of = None if type_ is None else n.Member(type_, node.member, span=type_.span)
+        yield from _in(node.value, dialect, within, of)
+    elif isinstance(node, d.StringType):
+        if node.length is not None:
+            yield from in_tree(node.length, dialect)
+    elif isinstance(node, d.AccessPath):
+        yield from in_tree(node.path, dialect)
+        yield from _in(node.type, dialect, within)
+    elif type(node).__module__ == d.__name__:
+        for child in children(node):
+            yield from _in(child, dialect, within, type_)
+    else:
+        yield from in_tree(node, dialect)
+
+
+def _types(name: n.Expression, dialect: Dialect) -> Iterator[Reference]:
+    for reference in in_tree(name, dialect):
+        yield replace(reference, role=Role.TYPE)
+
+
+def _innermost(type_: d.TypeNode) -> n.Expression | None:
+    """The name of a type, or of that which it is an array of."""
+    while isinstance(type_, d.ArrayType | d.PointerType):
+        type_ = type_.base
+    return type_.name if isinstance(type_, d.NamedType) else None

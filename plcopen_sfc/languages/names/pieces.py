@@ -1,0 +1,372 @@
+"""Every place of a project in which program text can name something.
+
+The walk knows no format and no grammar: a table says of each field of the model how it is read. Fields that are not in
+it hold no names; a test holds that every text of the model is in one of the two tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from plcopen_sfc.model import body as b
+from plcopen_sfc.model import network as n
+from plcopen_sfc.model import sfc as s
+from plcopen_sfc.model import types as t
+from plcopen_sfc.model.actions import ActionAssociation, ForcingOrder
+from plcopen_sfc.model.base import Carried, ForeignData, Model
+from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, Task, TaskSettings, TreeNode
+from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interface, VariableSection
+
+
+class Reading(StrEnum):
+    """How a text is read."""
+
+    STATEMENTS = "statements"
+    EXPRESSION = "expression"
+    INSTRUCTIONS = "instructions"
+    DECLARATIONS = "declarations"
+    NAME = "name"
+    FOREIGN = "foreign"
+
+
+class Role(StrEnum):
+    """What a name is used for, where that decides which of several things it means.
+
+    PARAMETER: a parameter of the block `Piece.owner`; MEMBER: a member of the type that it is; STEP: a step of the
+    chart that it is; OBJECT: the object of the project tree that has its id.
+    """
+
+    VALUE = "value"
+    TYPE = "type"
+    ACTION = "action"
+    TRANSITION = "transition"
+    PARAMETER = "parameter"
+    MEMBER = "member"
+    STEP = "step"
+    OBJECT = "object"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Site:
+    """Where a text stands, as far as it decides what is visible there: the innermost chart is the first."""
+
+    pou: Pou | None = None
+    method: Method | None = None
+    charts: tuple[s.SfcNetwork, ...] = ()
+    place: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ValueOf:
+    """The type of an initial value: of a variable, or of the member below it that `members` lead to."""
+
+    type: t.DataType
+    members: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A text of the model: field or item `key` of `holder`.
+
+    `path` says where it stands, the way a person would; `language` is that of the body or ``declaration``.
+    """
+
+    holder: Any
+    key: str | int
+    reading: Reading
+    role: Role
+    site: Site
+    path: str
+    language: str
+    owner: Any = None
+
+    @property
+    def text(self) -> str:
+        """The text as it is now."""
+        text: str = self.holder[self.key] if isinstance(self.key, int) else getattr(self.holder, self.key)
+        return text
+
+    def put(self, text: str) -> None:
+        """Put another text in its place."""
+        if isinstance(self.key, int):
+            self.holder[self.key] = text
+        else:
+            setattr(self.holder, self.key, text)
+
+
+_STATEMENTS = (Reading.STATEMENTS, Role.VALUE)
+_EXPRESSION = (Reading.EXPRESSION, Role.VALUE)
+_ACTION = (Reading.EXPRESSION, Role.ACTION)
+_TYPE = (Reading.EXPRESSION, Role.TYPE)
+_DECLARATIONS = (Reading.DECLARATIONS, Role.VALUE)
+_FOREIGN = (Reading.FOREIGN, Role.VALUE)
+_STEP = (Reading.NAME, Role.STEP)
+
+NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
+    b.StBody: {"text": _STATEMENTS},
+    b.IlBody: {"text": (Reading.INSTRUCTIONS, Role.VALUE)},
+    b.OpaqueBody: {"content": _FOREIGN},
+    Carried: {"elements": _FOREIGN},
+    ForeignData: {"content": _FOREIGN},
+    Expression: {"text": _EXPRESSION},
+    NamedCondition: {"name": (Reading.EXPRESSION, Role.TRANSITION)},
+    ActionAssociation: {"target": _ACTION, "value": _EXPRESSION, "duration": _EXPRESSION, "indicator": _EXPRESSION},
+    s.Step: {
+        "entry_action": _ACTION,
+        "main_action": _ACTION,
+        "exit_action": _ACTION,
+        "min_time": _EXPRESSION,
+        "max_time": _EXPRESSION,
+        "warning_time": _EXPRESSION,
+    },
+    s.Enclosure: {"activated_steps": _STEP},
+    s.PartialChart: {"entry_step": _STEP, "exit_step": _STEP},
+    ForcingOrder: {"steps": _STEP},
+    n.Block: {"type_name": (Reading.EXPRESSION, Role.ACTION), "instance": _EXPRESSION, "code": _STATEMENTS},
+    n.BlockVariable: {"name": (Reading.NAME, Role.PARAMETER)},
+    n.Connection: {"pin": (Reading.NAME, Role.PARAMETER)},
+    n.InputPin: {"expression": _EXPRESSION},
+    n.OutputPin: {"expression": _EXPRESSION},
+    n.InputVariable: {"expression": _EXPRESSION},
+    n.OutputVariable: {"expression": _EXPRESSION},
+    n.InOutVariable: {"expression": _EXPRESSION},
+    n.Contact: {"variable": _EXPRESSION},
+    n.Coil: {"variable": _EXPRESSION},
+    t.DerivedType: {"name": _TYPE},
+    t.Dimension: {"lower": _EXPRESSION, "upper": _EXPRESSION},
+    t.StringType: {"length": _EXPRESSION},
+    t.EnumValue: {"value": _EXPRESSION},
+    t.SimpleValue: {"text": _EXPRESSION},
+    t.RepeatedValue: {"repetitions": _EXPRESSION},
+    t.MemberValue: {"member": (Reading.NAME, Role.MEMBER)},
+    t.DataTypeDeclaration: {"declaration": _DECLARATIONS},
+    Interface: {"declaration": _DECLARATIONS},
+    VariableSection: {"declaration": _DECLARATIONS},
+    ConfigVariable: {"path": _EXPRESSION},
+    AccessVariable: {"path": _EXPRESSION},
+    Tag: {"type": _TYPE},
+    Task: {"interval": _EXPRESSION, "single": _EXPRESSION},
+    TaskSettings: {"interval": _EXPRESSION, "event": _EXPRESSION},
+    PouInstance: {"name": _TYPE, "type_name": _TYPE},
+    TreeNode: {"name": (Reading.NAME, Role.OBJECT)},
+}
+"""The fields that hold names, and how they are read."""
+
+NAMELESS: dict[str, frozenset[str]] = {
+    "names of the objects themselves": frozenset(
+        """
+        Action.name Configuration.name DataTypeDeclaration.name EnumValue.name Method.name NamedTransition.name
+        PartialChart.name Pou.name Project.name Resource.name Step.name Tag.name TagTable.name Task.name
+        Transition.name Variable.name VariableSection.name AccessVariable.alias BodyCondition.name
+        """.split()
+    ),
+    "names within a drawing or a body, which nothing else uses": frozenset(
+        """
+        Connector.name Continuation.name Jump.label Label.label OutputPin.name Symbol.name SfcSettings.other_flags
+        Enclosure.chart ForcingOrder.chart Macro.expansion
+        """.split()
+    ),
+    "texts for people": frozenset(
+        """
+        AlarmCategory.name AlarmCategory.text CommentBox.content ErrorBox.content LogicNetwork.title
+        PermanentOperation.title Sequence.title Step.title Supervised.title Supervised.alarm Transition.title
+        VendorElement.alternative_text ForeignDataInfo.description Project.content_comment StructType.comment
+        """.split()
+    ),
+    "the same text with its markup": frozenset({"StBody.markup", "IlBody.markup"}),
+    "about the file and the tool": frozenset(
+        """
+        BodyBase.worksheet StBody.worksheet IlBody.worksheet FbdBody.worksheet LdBody.worksheet SfcBody.worksheet
+        OpaqueBody.worksheet OpaqueBody.source FileHeader.company FileHeader.company_url FileHeader.product
+        FileHeader.version FileHeader.release FileHeader.created FileHeader.description ForeignData.name
+        ForeignDataInfo.name ForeignDataInfo.vendor ForeignDataInfo.version Carried.attributes
+        GraphSettings.version GraphSettings.initial_values_acquisition GraphSettings.network_language Project.version
+        Project.modified Project.organization Project.author Project.language RuntimeLibrary.title
+        RuntimeLibrary.company RuntimeLibrary.version RuntimeLibrary.namespace TaskSettings.interval_unit
+        TaskWatchdog.time TaskWatchdog.time_unit TaskWatchdog.sensitivity VendorElement.element_type
+        VendorElement.attributes DataTypeDeclaration.place Pou.place
+        """.split()
+    ),
+    "addresses": frozenset({"ConfigVariable.address", "Tag.address", "Variable.address"}),
+}
+"""The fields that hold texts without names that a rename concerns, by reason. ``object_id`` and the like go without."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Where:
+    """What the walk knows of the objects around the one it is at."""
+
+    site: Site
+    path: str
+    language: str
+    owner: Any = None
+    nodes: dict[int, Any] | None = None
+
+    def at(self, label: str) -> _Where:
+        return replace(self, path=f"{self.path} / {label}" if self.path else label)
+
+
+def pieces(project: Project) -> Iterator[Piece]:
+    """Every text of `project` that may name something."""
+    project.read_all()
+    yield from _fields(project, _Where(Site(), "", "project"))
+
+
+def _walk(thing: Any, where: _Where) -> Iterator[Piece]:
+    entering = _ENTERING.get(type(thing))
+    if entering is not None:
+        where = entering(thing, where)
+    yield from _fields(thing, where)
+
+
+def _fields(thing: Model, where: _Where) -> Iterator[Piece]:
+    naming = NAMING.get(type(thing), {})
+    if isinstance(thing, b.SfcBody):
+        thing.read()
+    for key, value in thing.__dict__.items():
+        if isinstance(value, str):
+            if key in naming and value:
+                yield from _named(thing, key, naming[key], where)
+        elif isinstance(value, Model):
+            yield from _walk(value, _below(thing, key, where))
+        elif isinstance(value, list) and value:
+            if isinstance(value[0], Model):
+                below = _below(thing, key, where)
+                for item in value:
+                    yield from _walk(item, below)
+            elif key in naming:
+                for index in range(len(value)):
+                    yield from _named(value, index, naming[key], where)
+
+
+def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where) -> Iterator[Piece]:
+    reading, role = how
+    owner = where.owner
+    if isinstance(holder, n.Connection):
+        owner = (where.nodes or {}).get(holder.source)
+        if not isinstance(owner, n.Block | n.VendorElement):
+            return
+    elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
+        return  # a name of its own
+    elif isinstance(holder, TreeNode):
+        owner = holder
+        if holder.folder:
+            return
+    elif isinstance(holder, n.Block) and key == "type_name" and holder.instance:
+        role = Role.TYPE
+    path = where.path if isinstance(key, int) or key in _UNSAID else f"{where.path} / {key.replace('_', ' ')}"
+    yield Piece(holder, key, reading, role, where.site, path, where.language, owner)
+
+
+_UNSAID = frozenset(
+    "text name content elements variable expression declaration pin path type_name member value".split()
+)
+"""Fields that go without saying in a path."""
+
+
+def _below(thing: Model, key: str, where: _Where) -> _Where:
+    """What changes for the objects in a field."""
+    if key == "initial" and isinstance(thing, t.Variable | t.DataTypeDeclaration):
+        return replace(where, owner=ValueOf(thing.type))
+    if key == "carried":
+        return replace(where, language="foreign data")
+    if key == "value" and isinstance(thing, t.MemberValue) and isinstance(where.owner, ValueOf):
+        return replace(where, owner=ValueOf(where.owner.type, (*where.owner.members, thing.member)))
+    return where
+
+
+def _pou(pou: Pou, where: _Where) -> _Where:
+    return replace(where, site=Site(pou=pou, place=pou.place), path=pou.name)
+
+
+def _part(part: Action | NamedTransition, where: _Where) -> _Where:
+    return replace(where, path=f"{where.path}.{part.name}")
+
+
+def _method(method: Method, where: _Where) -> _Where:
+    return replace(where, path=f"{where.path}.{method.name}", site=replace(where.site, method=method))
+
+
+def _body(body: b.BodyBase, where: _Where) -> _Where:
+    return replace(where, language=getattr(body, "language", where.language))
+
+
+def _chart(chart: s.SfcNetwork, where: _Where) -> _Where:
+    site = replace(where.site, charts=(chart, *where.site.charts))
+    return replace(where, site=site, nodes={node.id: node for node in chart.logic}, owner=chart)
+
+
+def _network(network: n.LogicNetwork, where: _Where) -> _Where:
+    return replace(where, nodes={node.id: node for node in network.nodes})
+
+
+def _transition(transition: s.Transition, where: _Where) -> _Where:
+    chart = where.site.charts[0] if where.site.charts else None
+    return where.at(f"transition {chart.label(transition) if chart is not None else transition.name}")
+
+
+def _section(section: VariableSection, where: _Where) -> _Where:
+    site = where.site if where.site.pou is not None else replace(where.site, charts=())
+    where = replace(where, site=site, language="declaration")
+    return where.at(section.name) if section.name else where
+
+
+def _resource(resource: Resource, where: _Where) -> _Where:
+    place = f"{where.site.place}/resource/{resource.name}" if where.site.place else f"application/{resource.name}"
+    return replace(where.at(resource.name), site=Site(place=place))
+
+
+def _configuration(configuration: Configuration, where: _Where) -> _Where:
+    return replace(where.at(configuration.name), site=Site(place=f"configuration/{configuration.name}"))
+
+
+def _forcing(order: ForcingOrder, where: _Where) -> _Where:
+    return replace(where, owner=_partial(order.chart, where))
+
+
+def _enclosure(enclosure: s.Enclosure, where: _Where) -> _Where:
+    return replace(where, owner=_partial(enclosure.chart, where))
+
+
+def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
+    """The partial chart of this name in the charts around."""
+    waiting = list(where.site.charts)
+    while waiting:
+        for partial in waiting.pop().partial_charts:
+            if partial.name == name:
+                return partial.network
+            waiting.append(partial.network)
+    return None
+
+
+_Entering = Callable[[Any, _Where], _Where]
+_ENTERING: dict[type[Model], _Entering] = {
+    Pou: _pou,
+    Action: _part,
+    NamedTransition: _part,
+    Method: _method,
+    Interface: lambda _, where: replace(where, language="declaration"),
+    VariableSection: _section,
+    t.Variable: lambda v, where: replace(where.at(v.name), language="declaration"),
+    t.DataTypeDeclaration: lambda d, w: replace(w, site=Site(place=d.place), path=d.name, language="declaration"),
+    **dict.fromkeys((b.StBody, b.IlBody, b.FbdBody, b.LdBody, b.SfcBody, b.OpaqueBody), _body),
+    s.SfcNetwork: _chart,
+    s.Step: lambda step, where: where.at(f"step {step.name}"),
+    s.Transition: _transition,
+    s.PartialChart: lambda partial, where: replace(where.at(partial.name), owner=partial.network),
+    s.Enclosure: _enclosure,
+    ForcingOrder: _forcing,
+    ActionAssociation: lambda a, where: where.at(f"action {a.target}" if a.target else "action"),
+    n.LogicNetwork: _network,
+    n.Block: lambda block, where: replace(where.at(f"block {block.instance or block.type_name}"), owner=block),
+    n.VendorElement: lambda element, where: replace(where, owner=element),
+    Resource: _resource,
+    Configuration: _configuration,
+    Task: lambda task, where: where.at(task.name),
+    TreeNode: lambda _, where: replace(where, path="project tree"),
+}

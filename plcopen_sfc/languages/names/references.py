@@ -1,0 +1,153 @@
+"""The names in a text, and what each of them is there: a name on its own, a member, a parameter of a call."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il import JUMPS, instructions
+from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.st.nodes import Quoting, Span
+from plcopen_sfc.languages.st.walking import children
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A name in a text.
+
+    `span` is that of the bare word, without quotes. `base`: it is a member of this (``base.name``); `callee`: it is a
+    parameter in a call of this; `access`: the member of it that is meant (``name.access``). `unread`: why nobody can
+    read the text that it stands in. `declares`: it is declared here; `within` is the name of the type around it.
+    """
+
+    name: str
+    span: Span
+    role: Role = Role.VALUE
+    quoting: Quoting = Quoting.NONE
+    base: n.Expression | None = None
+    callee: n.Expression | None = None
+    access: str = ""
+    unread: str = ""
+    declares: bool = False
+    within: str = ""
+
+
+def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
+    """Every name in the text of a piece."""
+    text = piece.text
+    if piece.reading is Reading.STATEMENTS:
+        yield from in_tree(parse_statements(text, dialect).tree, dialect)
+    elif piece.reading is Reading.EXPRESSION:
+        yield from _in_expression(text, piece.role, dialect)
+    elif piece.reading is Reading.INSTRUCTIONS:
+        yield from _in_instructions(text, dialect)
+    elif piece.reading is Reading.DECLARATIONS:
+        from plcopen_sfc.languages.names.declared import in_declarations  # noqa: PLC0415  # stands on this module
+
+        yield from in_declarations(text, dialect)
+    elif piece.reading is Reading.NAME:
+        yield Reference(text, (0, len(text)), piece.role)
+    else:
+        yield from unread(text, 0, "it stands in data that only another tool reads")
+
+
+def in_tree(node: n.Node, dialect: Dialect) -> Iterator[Reference]:
+    """Every name in a tree. Labels and what GOTO names are none: they belong to their body alone."""
+    if isinstance(node, n.Name):
+        yield named(node)
+    elif isinstance(node, n.Member):
+        if node.name.identifier[:1] not in "%0123456789":
+            yield named(node.name, base=node.base)
+        if isinstance(node.base, n.Name):
+            yield named(node.base, access=node.name.identifier)
+        else:
+            yield from in_tree(node.base, dialect)
+    elif isinstance(node, n.CallStatement) and isinstance(node.call, n.Name):
+        yield named(node.call, role=Role.ACTION)
+    elif isinstance(node, n.Call):
+        if isinstance(node.callee, n.Name):
+            yield named(node.callee, role=Role.ACTION)
+        else:
+            yield from in_tree(node.callee, dialect)
+        for argument in node.arguments:
+            if argument.name is not None:
+                yield named(argument.name, callee=node.callee)
+            if argument.value is not None:
+                yield from in_tree(argument.value, dialect)
+    elif isinstance(node, n.Literal):
+        yield from _in_literal(node)
+    elif isinstance(node, n.Unreadable):
+        start = node.span[0] if node.span is not None else 0
+        yield from unread(node.text, start, "the text around it cannot be read", dialect)
+    elif not isinstance(node, n.Goto | n.Label):
+        for child in children(node):
+            yield from in_tree(child, dialect)
+
+
+def named(name: n.Name, **what: Any) -> Reference:
+    """The reference that a name is."""
+    start, end = name.span or (0, 0)
+    return Reference(
+        name.identifier,
+        (start + len(name.quoting), end - name.quoting.count('"')),
+        quoting=name.quoting,
+        **what,
+    )
+
+
+_ENUMERATED = re.compile(r"([^\W\d]\w*)#([^\W\d]\w*)")
+_TIME_PREFIX = frozenset("T TIME LT LTIME S5T S5TIME D DATE TOD DT".split())
+
+
+def _in_literal(literal: n.Literal) -> Iterator[Reference]:
+    """``Color#red`` names a type and one of its values."""
+    found = _ENUMERATED.fullmatch(literal.text)
+    if found is None or literal.span is None or found[1].upper() in _TIME_PREFIX:
+        return
+    start = literal.span[0]
+    type_ = n.Name(found[1], span=(start, start + found.end(1)))
+    yield named(type_, access=found[2])
+    yield named(n.Name(found[2], span=(start + found.start(2), start + found.end(2))), base=type_)
+
+
+def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
+    tree = parse_expression(text, dialect).tree
+    outermost = tree.name if isinstance(tree, n.Member) else tree
+    for reference in in_tree(tree, dialect):
+        whole = isinstance(outermost, n.Name) and outermost.span is not None and reference.span[0] >= outermost.span[0]
+        yield replace(reference, role=role) if whole and role is not Role.VALUE else reference
+
+
+def _in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
+    for instruction in instructions(text, dialect):
+        if instruction.is_function:
+            yield Reference(instruction.operator, instruction.operator_span, Role.ACTION)
+        if instruction.operator.upper() in JUMPS:
+            continue
+        for operand in instruction.operands:
+            tree = operand.parsed.tree
+            if isinstance(tree, n.Node):
+                for found in in_tree(tree, dialect):
+                    start, end = found.span
+                    yield replace(found, span=(start + operand.start, end + operand.start))
+
+
+def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -> Iterator[Reference]:
+    """The words of a text that cannot be read; in program text those that stand in no comment and no string."""
+    if dialect is None:
+        for word in re.finditer(r"[^\W\d]\w*", text):
+            yield Reference(word.group(), (start + word.start(), start + word.end()), unread=reason)
+        return
+    for token in tokenize(text, dialect).tokens:
+        if token.type == "NAME":
+            bare = token.value.strip('#"')
+            begin = start + token.span[0] + token.value.index(bare)
+            yield Reference(bare, (begin, begin + len(bare)), unread=reason)
+        elif token.type == "BAD":
+            yield from unread(token.value, start + token.span[0], reason)

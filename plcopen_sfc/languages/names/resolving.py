@@ -1,0 +1,424 @@
+"""What a name means: the declaration that it refers to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level, Named
+from plcopen_sfc.languages.names.pieces import Piece, Role, Site, ValueOf
+from plcopen_sfc.languages.names.references import Reference, named
+from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variables_in
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.st.nodes import Quoting
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model import types as t
+from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.pou import Method, Pou, PouKind
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, TreeNode
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.variables import VariableSection
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What a name refers to. Without declaration: nothing of the project, or, with `doubt`, nobody can tell.
+
+    `candidates` are the declarations that are in doubt; None: it can be any that has members or parameters.
+    """
+
+    declaration: Declaration | None = None
+    doubt: str = ""
+    candidates: tuple[Declaration, ...] | None = None
+
+
+NOTHING = Meaning()
+"""Nothing of the project: a standard function, a library, a name that is declared nowhere."""
+
+
+class Untyped(Enum):
+    """Types without members that the project declares, and those that it does not know."""
+
+    FOREIGN = "foreign"
+    UNKNOWN = "unknown"
+
+
+Type = t.DataType | Pou | Level | Untyped
+"""The type of a value, as far as names need it. A `Level` is a thing with members that is no value."""
+
+
+class Resolver:
+    """Tells what names of a project mean. Edits of the project make it wrong."""
+
+    def __init__(self, project: Project, dialect: Dialect) -> None:
+        self.project = project
+        self.dialect = dialect
+        self.scopes = Scopes(project)
+
+    def meaning(self, reference: Reference, piece: Piece) -> Meaning:
+        """What a name in a piece refers to."""
+        site = piece.site
+        if reference.unread:
+            return Meaning(doubt=reference.unread)
+        if reference.role is Role.PARAMETER:
+            return self._parameter_of_block(piece.owner, reference.name, site)
+        if reference.role is Role.MEMBER:
+            return self._member_of_value(piece.owner, reference.name, site)
+        if reference.role is Role.STEP:
+            return self._step_of(piece.owner, reference.name, site)
+        if reference.role is Role.OBJECT:
+            return self._object(piece.owner)
+        if reference.declares:
+            return self._declared(reference, piece)
+        if reference.base is not None:
+            return self.member(self.type_of(reference.base, site), reference.name)
+        if reference.callee is not None:
+            return self._parameter(self._callable(reference.callee, site), reference.name)
+        return self.lookup(reference, site)
+
+    def levels(self, reference: Reference, piece: Piece) -> Sequence[Level]:
+        """The scopes in which a name in a piece is looked for, the first one first; () where that is not known."""
+        site = piece.site
+        if reference.unread or reference.declares or reference.role in (Role.STEP, Role.OBJECT):
+            return ()
+        if reference.role is Role.PARAMETER:
+            return self._parameters(self._called_by_block(piece.owner, site))
+        if reference.role is Role.MEMBER:
+            return self._members(self._type_of_value(piece.owner, site))
+        if reference.base is not None:
+            return self._members(self.type_of(reference.base, site))
+        if reference.callee is not None:
+            return self._parameters(self._callable(reference.callee, site))
+        return self._visible(reference, site)
+
+    # -- names on their own
+
+    def lookup(self, reference: Reference, site: Site) -> Meaning:
+        """What a name on its own refers to."""
+        levels = self._visible(reference, site)
+        charts = len(site.charts)
+        for index, level in enumerate(levels):
+            found = fitting(level.named(reference.name), reference.role)
+            if not found:
+                continue
+            if index < charts and reference.quoting is not Quoting.GLOBAL:
+                # steps are variables of the POU: they have no scope of their own in which they hide its names
+                for outer in levels[charts : len(self.scopes.local(site))]:
+                    found += [
+                        d for d in fitting(outer.named(reference.name), reference.role) if d.kind is not Kind.STEP
+                    ]
+            return self._choose(found, reference, site)
+        return NOTHING
+
+    def _visible(self, reference: Reference, site: Site) -> Sequence[Level]:
+        if reference.role is Role.TYPE or reference.quoting is Quoting.GLOBAL:
+            return self.scopes.outer(site.place)
+        if reference.quoting is not Quoting.NONE:
+            return self.scopes.local(site)
+        return self.scopes.levels(site)
+
+    def _choose(self, found: list[Declaration], reference: Reference, site: Site) -> Meaning:
+        if len(found) > 1 and reference.access:
+            having = [d for d in found if self._may_have(d, reference.access)]
+            found = having or found
+        ranks = _RANKS.get(reference.role, _VALUE_RANKS)
+        if reference.role is Role.VALUE and reference.access.casefold() in _STEP_VARIABLES:
+            certain = [d for d in found if d.kind is not Kind.STEP and self._has(d, reference.access)]
+            steps = [d for d in found if d.kind is Kind.STEP]
+            if not certain and steps and len(found) > len(steps):
+                return Meaning(doubt="a step and a variable have this name", candidates=tuple(found))
+            found = certain or found
+        best = min(ranks.get(d.kind, _LAST) for d in found)
+        found = [d for d in found if ranks.get(d.kind, _LAST) == best]
+        if len(found) > 1:
+            return Meaning(doubt="several things have this name", candidates=tuple(found))
+        return self._of_external(found[0], site)
+
+    def _may_have(self, declaration: Declaration, member: str) -> bool:
+        if declaration.kind is Kind.STEP:
+            return member.casefold() in _STEP_VARIABLES
+        return self._has(declaration, member) or self.type_of_declaration(declaration) is Untyped.UNKNOWN
+
+    def _has(self, declaration: Declaration, member: str) -> bool:
+        return self.member(self.type_of_declaration(declaration), member).declaration is not None
+
+    def _of_external(self, declaration: Declaration, site: Site) -> Meaning:
+        """The global variable that a variable in VAR_EXTERNAL is."""
+        if not self.scopes.is_external(declaration):
+            return Meaning(declaration)
+        for level in self.scopes.outer(site.place):
+            found = [d for d in level.named(declaration.name) if d.kind is Kind.VARIABLE]
+            if len(found) > 1:
+                return Meaning(doubt="several global variables have this name", candidates=(declaration, *found))
+            if found:
+                return Meaning(found[0])
+        return Meaning(declaration)
+
+    def externals(self, declaration: Declaration, site: Site) -> Iterator[Named]:
+        """The variables in VAR_EXTERNAL of a POU or method that are this global variable."""
+        for level in self.scopes.local(site)[:1]:
+            for own in level.named(declaration.name):
+                if self.scopes.is_external(own) and self._of_external(own, site).declaration == declaration != own:
+                    yield own.holder
+
+    # -- members
+
+    def member(self, type_: Type, name: str) -> Meaning:
+        """The member `name` of a value or a thing of this type."""
+        if type_ is Untyped.UNKNOWN:
+            return Meaning(doubt="the type of what stands before the dot is not known")
+        for level in self._members(type_):
+            found = [d for d in level.named(name) if d.kind is not Kind.TRANSITION]
+            if found:
+                best = min(_VALUE_RANKS.get(d.kind, _LAST) for d in found)
+                found = [d for d in found if _VALUE_RANKS.get(d.kind, _LAST) == best]
+                if len(found) > 1:
+                    return Meaning(doubt="several things have this name", candidates=tuple(found))
+                return self._of_external(found[0], Site(place=found[0].pou.place if found[0].pou is not None else ""))
+        return NOTHING
+
+    def _members(self, type_: Type) -> Sequence[Level]:
+        if isinstance(type_, Level):
+            return (type_,)
+        if isinstance(type_, Pou):
+            return self.scopes.pou_levels(type_)
+        if isinstance(type_, t.StructType):
+            return (self.scopes.structure(type_),)
+        if isinstance(type_, t.ArrayType | t.PointerType):  # references are followed without a sign
+            return self._members(self.settled(type_.base, ""))
+        return ()
+
+    def type_of(self, expression: n.Expression | n.Node, site: Site) -> Type:
+        """The type of an expression, or the thing that it names."""
+        if isinstance(expression, n.Parenthesized):
+            return self.type_of(expression.inner, site)
+        if isinstance(expression, n.Peripheral):
+            return self.type_of(expression.base, site)
+        if isinstance(expression, n.Index | n.Dereference):
+            base = self.type_of(expression.base, site)
+            return self.settled(base.base, site.place) if isinstance(base, t.ArrayType | t.PointerType) else base
+        if isinstance(expression, n.Call):
+            return self._result(expression.callee, site)
+        if isinstance(expression, n.Name):
+            own = self._own(expression.identifier, site)
+            if own is not None:
+                return own
+            meaning = self.lookup(named(expression), site)
+        elif isinstance(expression, n.Member):
+            meaning = self.member(self.type_of(expression.base, site), expression.name.identifier)
+        else:
+            return Untyped.FOREIGN
+        if meaning.declaration is None:
+            return Untyped.UNKNOWN
+        return self.type_of_declaration(meaning.declaration)
+
+    def _own(self, word: str, site: Site) -> Type | None:
+        """What THIS and SUPER of CODESYS are."""
+        if site.pou is None or word.upper() not in ("THIS", "SUPER"):
+            return None
+        if word.upper() == "THIS":
+            return site.pou
+        return self.scopes.base(site.pou) or Untyped.FOREIGN
+
+    def type_of_declaration(self, declaration: Declaration) -> Type:
+        """The type of a variable; what other things are that have members."""
+        holder: Any = declaration.holder
+        place = declaration.pou.place if declaration.pou is not None else ""
+        if isinstance(holder, t.Variable):
+            return self.settled(holder.type, place)
+        if isinstance(holder, Pou):
+            return holder
+        if isinstance(holder, t.DataTypeDeclaration):
+            if isinstance(holder.type, t.EnumType):
+                return self.scopes.enumeration(holder.type)
+            return self.settled(holder.type, place)
+        if isinstance(holder, VariableSection):
+            level = Level()
+            for section in declaration.holders:
+                for variable in variables_in(section):  # type: ignore[arg-type]  # only sections are lists
+                    level.add(variable)
+            return level
+        if isinstance(holder, Tag):
+            return self.settled(_named_type(holder.type), "")
+        if isinstance(holder, PouInstance):
+            return self.settled(_named_type(holder.type_name), "")
+        if isinstance(holder, Resource | Configuration):
+            return self.scopes.place(namespace_place(self.project, holder))
+        return Untyped.FOREIGN
+
+    def settled(self, type_: t.DataType, place: str) -> Type:
+        """A type, or what the name of one stands for."""
+        for _ in range(_MOST_ALIASES):
+            if not isinstance(type_, t.DerivedType):
+                return type_
+            tree = parse_expression(type_.name, self.dialect).tree
+            if not isinstance(tree, n.Name):
+                return Untyped.UNKNOWN
+            meaning = self.lookup(named(tree, role=Role.TYPE), Site(place=place))
+            if meaning.declaration is None:
+                known = standard_block(tree.identifier) is not None or tree.identifier.upper() in _FOREIGN_TYPES
+                return Untyped.FOREIGN if known else Untyped.UNKNOWN
+            holder: Any = meaning.declaration.holder
+            if isinstance(holder, Pou):
+                return holder
+            type_ = holder.type
+        return Untyped.UNKNOWN
+
+    # -- calls
+
+    def _result(self, callee: n.Expression, site: Site) -> Type:
+        """The type of what a call gives back."""
+        called = self._callable(callee, site)
+        if isinstance(called, Untyped):
+            return called
+        interface = called.interface if isinstance(called, Pou | Method) else None
+        if interface is not None and interface.return_type is not None:
+            return self.settled(interface.return_type, site.place)
+        return Untyped.FOREIGN
+
+    def _callable(self, callee: n.Expression | n.Node, site: Site) -> Pou | Method | Type:
+        """What is called."""
+        if isinstance(callee, n.Name):
+            meaning = self.lookup(named(callee, role=Role.ACTION), site)
+            if meaning.declaration is None and not meaning.doubt and standard_block(callee.identifier) is not None:
+                return Untyped.FOREIGN
+        elif isinstance(callee, n.Member):
+            meaning = self.member(self.type_of(callee.base, site), callee.name.identifier)
+        else:
+            return self.type_of(callee, site)
+        declaration = meaning.declaration
+        if declaration is None:
+            return Untyped.UNKNOWN
+        if isinstance(declaration.holder, Method):
+            return declaration.holder
+        if declaration.kind is Kind.ACTION and declaration.pou is not None:
+            return declaration.pou
+        return self.type_of_declaration(declaration)
+
+    def _parameter(self, called: Pou | Method | Type, name: str) -> Meaning:
+        if called is Untyped.UNKNOWN:
+            return Meaning(doubt="what is called is not known")
+        if isinstance(called, Pou) and called.kind is PouKind.FUNCTION and called.name.casefold() == name.casefold():
+            return Meaning(Declaration(Kind.POU, called.name, (called,)))  # its result
+        for level in self._parameters(called):
+            found = [d for d in level.named(name) if d.kind in (Kind.VARIABLE, Kind.MEMBER)]
+            if found:
+                return Meaning(found[0])
+        return NOTHING
+
+    def _parameters(self, called: Pou | Method | Type) -> Sequence[Level]:
+        if isinstance(called, Method):
+            owner = next(pou for pou in self.project.pous if any(m is called for m in pou.methods))
+            return (self.scopes.method(owner, called),)
+        return self._members(called)
+
+    def _parameter_of_block(self, block: object, name: str, site: Site) -> Meaning:
+        if not isinstance(block, Block):
+            return Meaning(doubt="only its tool knows the element that it is a pin of")
+        return self._parameter(self._called_by_block(block, site), name)
+
+    def _called_by_block(self, block: object, site: Site) -> Pou | Method | Type:
+        if not isinstance(block, Block):
+            return Untyped.UNKNOWN
+        if block.instance:
+            called = self.type_of(parse_expression(block.instance, self.dialect).tree, site)
+            return called if called is not Untyped.UNKNOWN else self.settled(_named_type(block.type_name), site.place)
+        type_ = self._callable(parse_expression(block.type_name, self.dialect).tree, site)
+        known = type_ is Untyped.UNKNOWN and standard_block(block.type_name) is not None
+        return Untyped.FOREIGN if known else type_
+
+    # -- names with a place of their own
+
+    def _member_of_value(self, value: object, name: str, site: Site) -> Meaning:
+        if not isinstance(value, ValueOf):
+            return Meaning(doubt="the type of the value is not known")
+        return self._parameter(self._type_of_value(value, site), name)
+
+    def _type_of_value(self, value: object, site: Site) -> Type:
+        if not isinstance(value, ValueOf):
+            return Untyped.UNKNOWN
+        type_ = self.settled(value.type, site.place)
+        for member in value.members:
+            inner = self.member(type_, member).declaration
+            type_ = self.type_of_declaration(inner) if inner is not None else Untyped.UNKNOWN
+        return type_
+
+    def _step_of(self, chart: object, name: str, site: Site) -> Meaning:
+        if not isinstance(chart, SfcNetwork):
+            return Meaning(doubt="there is no chart of this name")
+        found = [d for d in self.scopes.chart(chart, site.pou).named(name) if d.kind is Kind.STEP]
+        return Meaning(found[0]) if found else NOTHING
+
+    def _object(self, node: TreeNode) -> Meaning:
+        if node.object_id is None:
+            return Meaning(doubt="this node of the project tree has no id")
+        declaration = self.scopes.by_object_id().get(node.object_id)
+        return Meaning(declaration) if declaration is not None else NOTHING
+
+    def _declared(self, reference: Reference, piece: Piece) -> Meaning:
+        """What a text of declarations declares with this name."""
+        holder = piece.holder
+        levels: list[Level] = []
+        if isinstance(holder, t.DataTypeDeclaration):
+            levels += self._values_and_members(holder.type)
+        elif isinstance(holder, VariableSection):
+            level = Level()
+            for variable in variables_in(holder):
+                level.add(variable)
+            levels.append(level)
+        else:
+            levels += self.scopes.local(piece.site)[len(piece.site.charts) :][:1]
+        for level in levels:
+            kinds = (Kind.VARIABLE, Kind.MEMBER, Kind.ENUM_VALUE)
+            found = [d for d in level.named(reference.name) if d.kind in kinds]
+            if found:
+                return self._of_external(found[0], piece.site)
+        return NOTHING
+
+    def _values_and_members(self, type_: t.DataType) -> Iterator[Level]:
+        if isinstance(type_, t.EnumType):
+            yield self.scopes.enumeration(type_)
+        elif isinstance(type_, t.StructType):
+            yield self.scopes.structure(type_)
+            for member in type_.members:
+                yield from self._values_and_members(member.type)
+        elif isinstance(type_, t.ArrayType | t.PointerType):
+            yield from self._values_and_members(type_.base)
+
+
+def _named_type(name: str) -> t.DataType:
+    return t.DerivedType(name=name)
+
+
+def fitting(found: Sequence[Declaration], role: Role) -> list[Declaration]:
+    """Those of the declarations that a name in this role can mean."""
+    if role is Role.TYPE:
+        return [d for d in found if d.kind in (Kind.POU, Kind.DATA_TYPE)]
+    if role is Role.TRANSITION:
+        return list(found)
+    return [d for d in found if d.kind is not Kind.TRANSITION]
+
+
+_STEP_VARIABLES = frozenset({"x", "t"})
+"""The members of a step (IEC 61131-3: ``S.X``, ``S.T``; CODESYS: ``S.x``, ``S.t``)."""
+_MOST_ALIASES = 20
+_FOREIGN_TYPES = frozenset({"SFCSTEPTYPE", "SFCACTIONTYPE", "S5TIME", "BIT", "LTIME"})
+_LAST = 9
+_VALUE_RANKS = {
+    Kind.VARIABLE: 0,
+    Kind.MEMBER: 0,
+    Kind.ENUM_VALUE: 1,
+    Kind.INSTANCE: 1,
+    Kind.STEP: 2,
+    Kind.METHOD: 3,
+    Kind.ACTION: 3,
+}
+_RANKS = {
+    Role.ACTION: {Kind.ACTION: 0, Kind.METHOD: 0, Kind.VARIABLE: 1, Kind.INSTANCE: 2, Kind.POU: 3, Kind.STEP: 4},
+    Role.TRANSITION: {Kind.TRANSITION: 0, Kind.VARIABLE: 1},
+    Role.TYPE: {Kind.POU: 0, Kind.DATA_TYPE: 0},
+}

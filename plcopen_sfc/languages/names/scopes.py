@@ -1,0 +1,346 @@
+"""What is visible where: the declarations of a project by the scopes that they are in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.declarations import (
+    Declaration,
+    Kind,
+    Level,
+    inside,
+    members_of,
+    values_of,
+    variable_of,
+    variables_of,
+)
+from plcopen_sfc.languages.names.pieces import Site
+from plcopen_sfc.languages.st.declaration_nodes import PouHead
+from plcopen_sfc.languages.st.nodes import Name
+from plcopen_sfc.languages.st.parsing import parse_declarations
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
+from plcopen_sfc.model.project import Configuration, Project, Resource
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import DataType, EnumType, StructType
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+
+class Scopes:
+    """The scopes of a project, each made when it is first asked for. Edits of the project make them wrong."""
+
+    def __init__(self, project: Project) -> None:
+        self._project = project
+        self._levels: dict[tuple[int, ...], Level] = {}
+        self._sites: dict[tuple[object, ...], tuple[Level, ...]] = {}
+        self._places: dict[str, Level] | None = None
+        self._everywhere = Level()
+        self._values = Level()
+        self._externals: set[int] = set()
+        self._owners: dict[int, tuple[str, Pou | None]] | None = None
+
+    def levels(self, site: Site) -> tuple[Level, ...]:
+        """The scopes that are visible at `site`, the innermost first."""
+        key = (id(site.pou), id(site.method), tuple(map(id, site.charts)), site.place)
+        found = self._sites.get(key)
+        if found is None:
+            found = self._sites[key] = (*self.local(site), *self.outer(site.place))
+        return found
+
+    def local(self, site: Site) -> tuple[Level, ...]:
+        """The scopes within the POU: of the charts, the method, the POU."""
+        levels = [self.chart(chart, site.pou) for chart in site.charts]
+        if site.method is not None and site.pou is not None:
+            levels.append(self.method(site.pou, site.method))
+        if site.pou is not None:
+            levels += self.pou_levels(site.pou)
+        return tuple(levels)
+
+    def outer(self, place: str) -> tuple[Level, ...]:
+        """The scopes around POUs: of the application, of the project, and of enumeration values without their type."""
+        places = self._by_place()
+        near = [places[p] for p in _outward(place) if p in places]
+        return (*near, self._everywhere, self._values)
+
+    @property
+    def enumeration_values(self) -> Level:
+        """The values of all enumerations that can be named without their type."""
+        self._by_place()
+        return self._values
+
+    def place(self, place: str) -> Level:
+        """What an application, a resource or a configuration declares."""
+        return self._by_place().get(place) or Level()
+
+    def pou(self, pou: Pou) -> Level:
+        """What a POU declares: variables, actions, transitions, methods, and the steps of all its charts."""
+        level = self._levels.get((id(pou),))
+        if level is None:
+            level = self._levels[id(pou),] = Level()
+            for declaration in self._of_pou(pou):
+                level.add(declaration)
+        return level
+
+    def pou_levels(self, pou: Pou) -> tuple[Level, ...]:
+        """The scope of a POU and those of what it extends."""
+        levels: list[Level] = []
+        derived: Pou | None = pou
+        while derived is not None and self.pou(derived) not in levels:
+            levels.append(self.pou(derived))
+            derived = self.base(derived)
+        return tuple(levels)
+
+    def base(self, pou: Pou) -> Pou | None:
+        """The POU that this one extends, as the text of its declaration says."""
+        text = (pou.interface.declaration if pou.interface is not None else None) or ""
+        if "extends" not in text.casefold():
+            return None
+        heads = [item for item in parse_declarations(text, Dialect.CODESYS).tree.items if isinstance(item, PouHead)]
+        names = [base.identifier for head in heads[:1] for base in head.extends if isinstance(base, Name)]
+        found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
+        return next((holder for holder in found if isinstance(holder, Pou)), None)
+
+    def method(self, pou: Pou, method: Method) -> Level:
+        """What a method declares."""
+        level = self._levels.get((id(method),))
+        if level is None:
+            level = self._levels[id(method),] = Level()
+            path = f"{pou.name}.{method.name}"
+            for declaration in (*self._variables(method.interface, path, pou), *_steps(method.body, path, pou)):
+                level.add(declaration)
+        return level
+
+    def chart(self, chart: SfcNetwork, pou: Pou | None) -> Level:
+        """The steps of a chart, without those of charts in it."""
+        level = self._levels.get((id(chart),))
+        if level is None:
+            level = self._levels[id(chart),] = Level()
+            for declaration in steps_of(chart, pou.name if pou is not None else "", pou):
+                level.add(declaration)
+        return level
+
+    def structure(self, type_: StructType) -> Level:
+        """The members of a structure."""
+        level = self._levels.get((id(type_),))
+        if level is None:
+            level = self._levels[id(type_),] = members_of(type_, *self._owner_of(type_))
+        return level
+
+    def enumeration(self, type_: EnumType) -> Level:
+        """The values of an enumeration."""
+        level = self._levels.get((id(type_),))
+        if level is None:
+            level = self._levels[id(type_),] = values_of(type_, *self._owner_of(type_))
+        return level
+
+    def _owner_of(self, type_: StructType | EnumType) -> tuple[str, Pou | None]:
+        """The path of what a type is declared in, and the POU that this belongs to."""
+        if self._owners is None:
+            self._owners = {id(inner): (path, pou) for inner, path, pou in _types(self._project)}
+        return self._owners.get(id(type_), ("", None))
+
+    def every_place(self) -> Iterator[Level]:
+        """The scopes of everything global."""
+        self._by_place()
+        yield self._everywhere
+        for section in sections_of(self._project):
+            level = Level()
+            for variable in variables_in(section):
+                level.add(variable)
+            yield level
+
+    def every_type(self) -> Iterator[Level]:
+        """The members of every type that is declared in place."""
+        for type_, _, _ in _types(self._project):
+            if isinstance(type_, StructType):
+                yield self.structure(type_)
+            elif isinstance(type_, EnumType):
+                yield self.enumeration(type_)
+
+    def by_object_id(self) -> dict[str, Declaration]:
+        """The declarations that have a node in the project tree of the tool, by its id."""
+        found: dict[str, Declaration] = {}
+        waiting = [declaration for _, declaration in self._global()]
+        waiting += [declaration for pou in self._project.pous for declaration in self.pou(pou)]
+        for declaration in waiting:
+            object_id = getattr(declaration.holder, "object_id", None)
+            if object_id is not None:
+                found.setdefault(object_id, declaration)
+        return found
+
+    def is_external(self, declaration: Declaration) -> bool:
+        """Whether a variable stands in VAR_EXTERNAL: it is the global variable of its name."""
+        return id(declaration.holder) in self._externals
+
+    def _of_pou(self, pou: Pou) -> Iterator[Declaration]:
+        yield from self._variables(pou.interface, pou.name, pou)
+        for action in pou.actions:
+            yield Declaration(Kind.ACTION, f"{pou.name}.{action.name}", (action,), pou)
+        for transition in pou.transitions:
+            yield Declaration(Kind.TRANSITION, f"{pou.name}.{transition.name}", (transition,), pou)
+        for method in pou.methods:
+            yield Declaration(Kind.METHOD, f"{pou.name}.{method.name}", (method,), pou)
+        for body in pou.bodies:
+            yield from _steps(body, pou.name, pou)
+        parts: list[Action | NamedTransition] = [*pou.actions, *pou.transitions]
+        for part in parts:
+            yield from _steps(part.body, f"{pou.name}.{part.name}", pou)
+
+    def _variables(self, interface: Interface | None, path: str, pou: Pou) -> Iterator[Declaration]:
+        for section in interface.sections if interface is not None else ():
+            if section.kind is SectionKind.EXTERNAL:
+                self._externals.update(id(variable) for variable in section.variables)
+        yield from variables_of(interface, path, pou)
+
+    # -- global
+
+    def _by_place(self) -> dict[str, Level]:
+        if self._places is None:
+            self._places = {}
+            for place, declaration in self._global():
+                self._everywhere.add(declaration)
+                if place:
+                    self._places.setdefault(place, Level()).add(declaration)
+            for type_declaration in self._project.data_types:
+                type_ = type_declaration.type
+                if isinstance(type_, EnumType) and not qualified_only(type_declaration):
+                    for value in values_of(type_, type_declaration.name, None):
+                        self._values.add(value)
+        return self._places
+
+    def _global(self) -> Iterator[tuple[str, Declaration]]:
+        project = self._project
+        for pou in project.pous:
+            yield pou.place, Declaration(Kind.POU, pou.name, (pou,))
+        for type_ in project.data_types:
+            yield type_.place, Declaration(Kind.DATA_TYPE, type_.name, (type_,))
+        for section in project.global_variables:
+            yield from (("", d) for d in _listed(section))
+        for table in project.tag_tables:
+            yield from (("", Declaration(Kind.VARIABLE, tag.name, (tag,))) for tag in table.tags)
+            yield from (("", variable_of(constant, "", None)) for constant in table.constants)
+        for resource in project.applications:
+            yield from _of_resource(resource, f"application/{resource.name}")
+        for configuration in project.configurations:
+            place = f"configuration/{configuration.name}"
+            yield "", Declaration(Kind.NAMESPACE, configuration.name, (configuration,))
+            for section in configuration.global_variables:
+                yield from ((place, d) for d in _listed(section))
+            for resource in configuration.resources:
+                yield place, Declaration(Kind.NAMESPACE, resource.name, (resource,))
+                yield from _of_resource(resource, f"{place}/resource/{resource.name}")
+
+
+def namespace_place(project: Project, namespace: Resource | Configuration) -> str:
+    """The place that things in an application, a resource or a configuration have."""
+    if isinstance(namespace, Configuration):
+        return f"configuration/{namespace.name}"
+    for configuration in project.configurations:
+        if any(resource is namespace for resource in configuration.resources):
+            return f"configuration/{configuration.name}/resource/{namespace.name}"
+    return f"application/{namespace.name}"
+
+
+def _outward(place: str) -> Iterator[str]:
+    """A place and those around it."""
+    yield place
+    if "/resource/" in place:
+        yield place.partition("/resource/")[0]
+
+
+def _of_resource(resource: Resource, place: str) -> Iterator[tuple[str, Declaration]]:
+    yield place, Declaration(Kind.NAMESPACE, resource.name, (resource,))
+    for section in resource.global_variables:
+        yield from ((place, declaration) for declaration in _listed(section))
+    for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
+        if instance.type_name:
+            yield place, Declaration(Kind.INSTANCE, f"{resource.name}.{instance.name}", (instance,))
+
+
+def _listed(section: VariableSection) -> Iterator[Declaration]:
+    """A list of global variables, and those of its variables that can be named without it."""
+    if section.name:
+        yield Declaration(Kind.GLOBAL_LIST, section.name, (section,))  # type: ignore[arg-type]
+    if section.name and qualified_only(section):
+        return
+    yield from variables_in(section)
+
+
+def variables_in(section: VariableSection) -> Iterator[Declaration]:
+    """The variables of a section of global variables, and the values of enumerations that are declared in place."""
+    for variable in section.variables:
+        yield variable_of(variable, section.name or "", None)
+        for type_ in inside(variable.type):
+            if isinstance(type_, EnumType):
+                yield from values_of(type_, section.name or "", None)
+
+
+def qualified_only(thing: VariableSection | object) -> bool:
+    """Whether a list or an enumeration must be named with what it holds (CODESYS ``attribute 'qualified_only'``)."""
+    texts = [getattr(thing, "declaration", None) or ""]
+    if isinstance(thing, Element) and thing.carried is not None:
+        texts += [data.content for data in thing.carried.data if data.name.endswith("/attributes")]
+    return any("qualified_only" in text for text in texts)
+
+
+def steps_of(chart: SfcNetwork, path: str, pou: Pou | None) -> Iterator[Declaration]:
+    """The steps of a chart, and the names of its transitions."""
+    for step in chart.steps:
+        yield Declaration(Kind.STEP, f"{path}.{step.name}" if path else step.name, (step,), pou)
+    for transition in chart.transitions:
+        if transition.name:
+            name = f"{path}.{transition.name}" if path else transition.name
+            yield Declaration(Kind.TRANSITION, name, (transition,), pou)
+
+
+def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
+    """The chart of a body and those of macro-steps and partial charts in it."""
+    if isinstance(body, SfcBody):
+        waiting = [body.read()]
+        while waiting:
+            chart = waiting.pop()
+            yield chart
+            waiting += [partial.network for partial in chart.partial_charts]
+            macros = [step.macro.body for step in chart.steps if step.macro is not None]
+            waiting += [macro.read() for macro in macros if isinstance(macro, SfcBody)]
+
+
+def _steps(body: Body | None, path: str, pou: Pou) -> Iterator[Declaration]:
+    for chart in charts_inside(body):
+        yield from steps_of(chart, path, pou)
+
+
+def _types(project: Project) -> Iterator[tuple[DataType, str, Pou | None]]:
+    """Every type that is declared in place, with the path and the POU of what it is declared in."""
+    for declaration in project.data_types:
+        yield from _inner(declaration.type, declaration.name, None)
+    for pou in project.pous:
+        interfaces = [(pou.interface, pou.name), *((m.interface, f"{pou.name}.{m.name}") for m in pou.methods)]
+        for interface, path in interfaces:
+            for variable in interface.variables() if interface is not None else ():
+                yield from _inner(variable.type, f"{path}.{variable.name}", pou)
+    for section in sections_of(project):
+        for variable in section.variables:
+            path = f"{section.name}.{variable.name}" if section.name else variable.name
+            yield from _inner(variable.type, path, None)
+
+
+def _inner(type_: DataType, path: str, pou: Pou | None) -> Iterator[tuple[DataType, str, Pou | None]]:
+    for inner in inside(type_):
+        yield inner, path, pou
+        if isinstance(inner, StructType):
+            for member in inner.members:
+                yield from _inner(member.type, f"{path}.{member.name}", pou)
+
+
+def sections_of(project: Project) -> Iterator[VariableSection]:
+    """Every section of global variables."""
+    yield from project.global_variables
+    for resource in project.applications:
+        yield from resource.global_variables
+    for configuration in project.configurations:
+        yield from configuration.global_variables
+        for resource in configuration.resources:
+            yield from resource.global_variables

@@ -1,0 +1,177 @@
+"""Where the things that a project declares are used: in bodies of every language, in charts and in declarations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level, Named
+from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.names.references import Reference, references
+from plcopen_sfc.languages.names.resolving import Meaning, Resolver
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.nodes import Span
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.project import Project
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """A place that names something.
+
+    `path` says where it is (``Main / step S3 / action Valve``), `language` in what: a language, or ``declaration``.
+    `span` is that of the name in its text, `line` and `column` count from 1, `text` is the line.
+    """
+
+    path: str
+    language: str
+    span: Span
+    line: int
+    column: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}:{self.column}: {self.text}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Occurrence:
+    """A name in a text of the project, and what it means there."""
+
+    piece: Piece
+    reference: Reference
+    meaning: Meaning
+
+    @property
+    def use(self) -> Use:
+        """The place, for people."""
+        text, start = self.piece.text, self.reference.span[0]
+        line, column = Lines(text).place(start)
+        return Use(
+            self.piece.path,
+            self.piece.language,
+            self.reference.span,
+            line,
+            column,
+            text.splitlines()[line - 1].strip(),
+        )
+
+    def refers_to(self, declaration: Declaration) -> bool:
+        """Whether it means this declaration."""
+        return self.meaning.declaration == declaration
+
+    def may_refer_to(self, declaration: Declaration) -> bool:
+        """Whether nobody can tell, and it could be this declaration."""
+        meaning = self.meaning
+        if not meaning.doubt:
+            return False
+        if meaning.candidates is not None:
+            return declaration in meaning.candidates
+        if self.reference.callee is not None:
+            return declaration.kind in (Kind.VARIABLE, Kind.MEMBER)
+        return declaration.kind is not Kind.TRANSITION or self.piece.reading is Reading.FOREIGN
+
+
+class Names:
+    """The names of a project: what is declared, and where it is used. Edits of the project make it wrong."""
+
+    def __init__(self, project: Project) -> None:
+        self.project = project
+        self.dialect = dialect_of(project)
+        self.resolver = Resolver(project, self.dialect)
+        self._pieces: list[Piece] | None = None
+
+    def occurrences(self, word: str) -> Iterator[Occurrence]:
+        """Every place where `word` stands as a name, in upper or lower case, with what it means there."""
+        key = word.casefold()
+        if self._pieces is None:
+            self._pieces = list(pieces(self.project))
+        for piece in self._pieces:
+            if key not in piece.text.casefold():
+                continue
+            for reference in references(piece, self.dialect):
+                if reference.name.casefold() == key:
+                    yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+
+    def uses(self, declaration: Declaration) -> list[Occurrence]:
+        """Every use of a declaration."""
+        return [found for found in self.occurrences(declaration.name) if found.refers_to(declaration)]
+
+    def externals(self, declaration: Declaration) -> list[Named]:
+        """The variables in VAR_EXTERNAL that are this global variable."""
+        found: list[Named] = []
+        for pou in self.project.pous:
+            for site in (Site(pou, place=pou.place), *(Site(pou, method, place=pou.place) for method in pou.methods)):
+                found += self.resolver.externals(declaration, site)
+        return found
+
+    def declarations(self) -> Iterator[Declaration]:
+        """Everything that is declared and that a name can mean."""
+        seen: set[Declaration] = set()
+        for level in self.levels():
+            for declaration in level:
+                if declaration not in seen:
+                    seen.add(declaration)
+                    yield declaration
+
+    def levels(self) -> Iterator[Level]:
+        """Every scope of the project."""
+        scopes = self.resolver.scopes
+        yield from scopes.every_place()
+        for pou in self.project.pous:
+            yield scopes.pou(pou)
+            for method in pou.methods:
+                yield scopes.method(pou, method)
+        yield from scopes.every_type()
+
+    def declaration_of(self, thing: Model) -> Declaration:
+        """The declaration of an object of the model: a step, a variable, a POU .. Raises `ModelError`."""
+        for declaration in self.declarations():
+            if id(thing) in map(id, declaration.holders):
+                return declaration
+        raise ModelError(f"the project declares no such {type(thing).__name__}")
+
+    def find(self, path: str) -> list[Declaration]:
+        """The declarations of this path (``Main.S3``); case does not matter."""
+        key = path.casefold()
+        return [d for d in self.declarations() if d.path.casefold() == key]
+
+
+def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
+    """Every place of `project` that names `what`: a declaration, an object of the model, or a path such as ``Main.S3``.
+
+    The place of the declaration itself is not among them. Raises `ModelError` where the project declares no such thing,
+    or several.
+    """
+    names = Names(project)
+    if isinstance(what, str):
+        what = the_one(names, what)
+    elif isinstance(what, Model):
+        what = names.declaration_of(what)
+    return [occurrence.use for occurrence in names.uses(what)]
+
+
+def the_one(names: Names, path: str) -> Declaration:
+    """The declaration of this path. Raises `ModelError` where there is none, or more than one."""
+    found = names.find(path)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        kinds = ", ".join(declaration.kind for declaration in found)
+        raise ModelError(
+            f"several things are called {path!r}: {kinds}", hint="Give the object itself instead of its path."
+        )
+    last = path.rpartition(".")[2].casefold()
+    alike = sorted({d.path for d in names.declarations() if d.name.casefold() == last})
+    raise ModelError(f"the project declares no {path!r}", hint=f"There is: {', '.join(alike[:10])}" if alike else "")
+
+
+def dialect_of(project: Project) -> Dialect:
+    """The dialect in which the texts of a project are written.
+
+    That of CODESYS says all that IEC 61131-3 does, and more; only SCL reads the same signs in another way.
+    """
+    origin = project._origin.format if project._origin is not None else ""
+    return Dialect.SCL if origin in ("scl", "simaticml") else Dialect.CODESYS
