@@ -1,0 +1,49 @@
+"""Direct addresses (``%IX0.0``) and bits of words of one dialect in another."""
+
+from __future__ import annotations
+
+import re
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.translation.notes import Outcome
+
+_ADDRESS = re.compile(r"%([IQMEA])([XBWD]?)(\d+(?:\.\d+)*)", re.IGNORECASE)
+_ENGLISH = {"E": "I", "A": "Q"}
+_COUNTING = "S7 counts bytes, other tools count words or double words: check which memory it names"
+
+
+def translated_address(text: str, source: Dialect, target: Dialect) -> Outcome:
+    """A direct address of `source` in `target`, both families.
+
+    IEC 61131-3 (6.5.5) leaves to the tool what the numbers mean; they stay. S7 has no letter for bits, and its German
+    mnemonics have E for inputs and A for outputs.
+    """
+    if Dialect.SCL not in (source, target) or source is target:
+        return Outcome(text)
+    found = _ADDRESS.fullmatch(text)
+    if found is None or (target is Dialect.SCL and found[1].upper() in _ENGLISH):
+        return Outcome(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+    area = _ENGLISH.get(found[1].upper(), found[1])
+    size, place = found[2], found[3]
+    if size.upper() in ("", "X"):
+        if not re.fullmatch(r"\d+\.[0-7]", place):
+            return Outcome(text, Severity.ERROR, f"{text} has no counterpart: S7 names bits by byte and bit")
+        return Outcome(f"%{area}{place}" if target is Dialect.SCL else f"%{area}X{place}")
+    if "." in place:
+        return Outcome(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
+    counted = size.upper() in ("W", "D")
+    return Outcome(f"%{area}{size}{place}", Severity.WARNING if counted else None, _COUNTING if counted else "")
+
+
+def translated_part(name: str, target: Dialect) -> Outcome | None:
+    """The name of a bit or another part of a word: ``3`` and ``%X3`` (6.5.4.4). None: it names no part."""
+    if name.isdigit():
+        return Outcome(f"%X{name}" if target is Dialect.SCL else name)
+    if not name.startswith("%"):
+        return None
+    if target is not Dialect.SCL and name[1] in "Xx":
+        return Outcome(name[2:])
+    if target is Dialect.CODESYS:
+        return Outcome(name, Severity.WARNING, f"only newer versions of CODESYS read .{name}")
+    return Outcome(name)

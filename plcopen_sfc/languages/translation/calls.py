@@ -1,0 +1,307 @@
+"""Calls: standard functions and what replaces them, instances and their pins, and how arguments are written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Argument, Expression, Operator
+from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
+from plcopen_sfc.languages.translation.families import TITLES
+from plcopen_sfc.languages.translation.functions import (
+    ONLY_CODESYS,
+    S7_TIMERS_AND_COUNTERS,
+    block_of_type,
+    is_lacking,
+    operator_of,
+    translated_truncation,
+)
+from plcopen_sfc.languages.translation.names import NameTranslator
+from plcopen_sfc.languages.translation.notes import Notes
+
+_COMPARISONS = frozenset({"GT", "GE", "EQ", "LE", "LT"})
+_CODESYS_PINS = frozenset({"SET", "SET1", "RESET", "RESET1", "LOAD"})
+_IEC_PINS = frozenset({"S", "S1", "R", "R1", "LD"})
+_BOUNDS = frozenset({"LOWER_BOUND", "UPPER_BOUND"})
+_ENABLING = frozenset({"EN", "ENO"})
+
+
+class CallTranslator:
+    """Translates calls. `translated` does so with the expressions inside them."""
+
+    def __init__(
+        self,
+        source: Dialect,
+        target: Dialect,
+        names: NameTranslator,
+        notes: Notes,
+        translated: Callable[[Expression], Expression],
+    ) -> None:
+        self._source, self._target = source, target
+        self._names = names
+        self._notes = notes
+        self._translated = translated
+
+    def call(self, node: n.Call) -> Expression:
+        """A call in the target dialect; where that has an operator instead, an expression with it."""
+        callee = node.callee
+        if isinstance(callee, n.Name) and self._is_function(callee):
+            return self._function(node, callee)
+        if isinstance(callee, n.Member) and self._names_timer(callee.name):
+            block = standard_block(callee.name.identifier)
+            return self._with(node, self._translated(callee.base), self._instance_arguments(node, block))
+        block = block_of_type(self._names.type_of(callee))
+        arguments = self._instance_arguments(node, block)
+        return self._with(node, self._instance(callee, block), arguments)
+
+    def action(self, callee: Expression) -> Expression:
+        """What is called without parentheses, as CODESYS calls actions."""
+        if self._target is Dialect.SCL:
+            self._notes.add(Severity.ERROR, "SCL has no actions to call", callee)
+        return n.Call(self._callee(callee), span=callee.span)
+
+    # -- instances ----------------------------------------------------------------------------------------------------
+
+    def _names_timer(self, name: n.Name) -> bool:
+        """Whether this is the TON of ``"DB".TON(..)`` of SCL, which calls the instance and not a part of it."""
+        leaves_scl = self._source is Dialect.SCL and self._target is not Dialect.SCL
+        return leaves_scl and name.identifier.upper() in S7_TIMERS_AND_COUNTERS
+
+    def _instance(self, callee: Expression, block: StandardBlock | None) -> Expression:
+        if block is None or self._target is not Dialect.SCL:
+            return self._callee(callee)
+        if is_lacking(block.name, self._target):
+            reason = f"SCL has no function block {block.name}: LAD and FBD have it as a box with an operand"
+            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", callee)
+        elif block.name in S7_TIMERS_AND_COUNTERS and self._is_global(callee):
+            return n.Member(self._callee(callee), n.Name(block.name), span=callee.span)
+        return self._callee(callee)
+
+    def _is_global(self, callee: Expression) -> bool:
+        return isinstance(callee, n.Name) and self._names.is_local(callee) is False
+
+    def _callee(self, callee: Expression) -> Expression:
+        return self._names.block(callee) if isinstance(callee, n.Name) else self._translated(callee)
+
+    def _instance_arguments(self, node: n.Call, block: StandardBlock | None) -> tuple[Argument, ...]:
+        if block is None:
+            self._note_unknown_pins(node)
+        return self._arguments(node.arguments, block)
+
+    def _note_unknown_pins(self, node: n.Call) -> None:
+        """CODESYS has other pins at flip-flops and counters: whose type is not known, those cannot be translated."""
+        if Dialect.CODESYS not in (self._source, self._target):
+            return
+        pins = _CODESYS_PINS if self._source is Dialect.CODESYS else _IEC_PINS
+        used = [a.name.identifier for a in node.arguments if a.name and a.name.identifier.upper() in pins]
+        if used and not self._names.type_of(node.callee):
+            reason = f"the type of this instance is not known: {', '.join(used)} may have another name in the target"
+            self._notes.add(Severity.WARNING, reason, node.callee)
+
+    def pin(self, base: Expression, name: n.Name) -> n.Name | None:
+        """The name of a pin of a standard block behind its instance (``counter.RESET``); None: it is none."""
+        block = block_of_type(self._names.type_of(base))
+        return None if block is None else self._pin(name, block)
+
+    def _pin(self, name: n.Name, block: StandardBlock) -> n.Name | None:
+        found = block.input_name(name.identifier) or block.output_name(name.identifier)
+        if found is None:
+            return None
+        new = block.tool_pin(found, Tool.CODESYS) if self._target is Dialect.CODESYS else found
+        return name if new.casefold() == name.identifier.casefold() else n.Name(new, span=name.span)
+
+    # -- functions ----------------------------------------------------------------------------------------------------
+
+    def _is_function(self, callee: n.Name) -> bool:
+        """Whether a name is that of a function which the language brings along."""
+        if callee.quoting is not n.Quoting.NONE or self._names.is_local(callee) is True:
+            return False
+        block = standard_block(callee.identifier)
+        if block is not None:
+            return not block.stateful
+        word = callee.identifier.upper()
+        if self._source is Dialect.SCL:  # others are in quotes, but local instances of a source file may be without
+            return self._names.is_local(callee) is False or not self._names.type_of(callee)
+        if self._source is Dialect.CODESYS and (word in ONLY_CODESYS or word.startswith("__")):
+            return True
+        return word in _BOUNDS or translated_truncation(word, self._target, "REAL") is not None
+
+    def _function(self, node: n.Call, callee: n.Name) -> Expression:
+        name = callee.identifier.upper()
+        arguments = self._arguments(node.arguments, standard_block(name))
+        truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
+        if truncated is not None:
+            return self._with(node, self._named(callee, truncated), arguments)
+        if re.fullmatch(r"TO_\w+", name) and self._target is Dialect.SCL:
+            return self._converted(node, callee, name, arguments)
+        block = standard_block(name)
+        if block is None:
+            return self._unknown(node, callee, name, arguments)
+        values = self._in_order(block, arguments)
+        operator = operator_of(block, self._target)
+        if values is not None and operator is not None and (len(values) == 2 or name not in _COMPARISONS):
+            return _operation(operator, values, node)
+        if name == "MOVE" and self._target is Dialect.SCL and values is not None and len(values) == 1:
+            return values[0]
+        if operator is not None or is_lacking(name, self._target) or (name == "MOVE" and self._target is Dialect.SCL):
+            self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no function {name}; left as it stands", callee)
+            return self._with(node, callee, arguments)
+        if name == "CONCAT" and self._target is not Dialect.IEC and values is not None and len(values) > 2:
+            return self._nested(node, callee, block, values)
+        return self._with(node, callee, self._in_style(node, block, arguments, values))
+
+    def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
+        """A function that is none of IEC 61131-3."""
+        target = TITLES[self._target]
+        if name in _BOUNDS:
+            return self._with(node, callee, self._bound_arguments(arguments))
+        if self._source is Dialect.SCL and len(arguments) == 1 and arguments[0].value is not None:
+            if name == "SQR":
+                return self._square(node, arguments[0].value)
+            if name == "ROUND":
+                type = self._type_of_first(node)
+                severity = Severity.WARNING if self._target is Dialect.CODESYS else Severity.INFO
+                reason = "ROUND became a conversion: halves are rounded to even numbers by S7 and IEC 61131-3"
+                self._notes.add(severity, reason, node)
+                return self._with(node, self._named(callee, f"{type}_TO_DINT" if type else "TO_DINT"), arguments)
+        if self._source is not Dialect.SCL:
+            self._notes.add(Severity.ERROR, f"{target} has no counterpart of {name}; left as it stands", callee)
+        else:
+            reason = f"{name} is no function of IEC 61131-3: {target} needs one of this name"
+            self._notes.add(Severity.ERROR, f"{reason}; left as it stands", callee)
+        return self._with(node, callee, arguments)
+
+    def _square(self, node: n.Call, value: Expression) -> Expression:
+        if isinstance(n.bare(value), n.Name | n.Member | n.Literal):
+            return _operation(Operator.MULTIPLY, [value, value], node)
+        self._notes.add(Severity.WARNING, "SQR became a power, which is REAL", node)
+        if self._target is Dialect.IEC:
+            return _operation(Operator.POWER, [value, n.Literal("2")], node)
+        return n.Call(n.Name("EXPT"), (Argument(value), Argument(n.Literal("2"))), span=node.span)
+
+    def _converted(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
+        type = self._type_of_first(node)
+        if type:
+            return self._with(node, self._named(callee, f"{type}_{name}"), arguments)
+        reason = f"SCL has no {callee.identifier}: there the name of a conversion tells the source type too"
+        self._notes.add(Severity.ERROR, f"{reason}, which is not known; left as it stands", callee)
+        return self._with(node, callee, arguments)
+
+    def _type_of_first(self, node: n.Call) -> str:
+        value = node.arguments[0].value if node.arguments else None
+        type = self._names.type_of(n.bare(value)).upper() if value is not None else ""
+        return type if type.isalpha() else ""
+
+    # -- arguments ----------------------------------------------------------------------------------------------------
+
+    def _arguments(self, arguments: tuple[Argument, ...], block: StandardBlock | None) -> tuple[Argument, ...]:
+        found = [self._argument(argument, block) for argument in arguments if not self._says_nothing(argument)]
+        same = len(found) == len(arguments) and all(a is b for a, b in zip(found, arguments, strict=True))
+        return arguments if same else tuple(found)
+
+    def _says_nothing(self, argument: Argument) -> bool:
+        """``IN := ,`` keeps the value that IN has: only CODESYS writes that."""
+        return argument.value is None and self._source is Dialect.CODESYS and self._target is not Dialect.CODESYS
+
+    def _argument(self, argument: Argument, block: StandardBlock | None) -> Argument:
+        value = None if argument.value is None else self._translated(argument.value)
+        name = argument.name
+        if name is not None and self._source is not self._target:
+            name = self._parameter(argument, name, block)
+        if argument.negated and self._target is not Dialect.IEC and self._source is not self._target:
+            self._notes.add(
+                Severity.ERROR, f"{TITLES[self._target]} has no negated outputs; left as it stands", argument
+            )
+        if value is argument.value and name is argument.name:
+            return argument
+        return replace(argument, value=value, name=name)
+
+    def _parameter(self, argument: Argument, name: n.Name, block: StandardBlock | None) -> n.Name:
+        if name.identifier.upper() in _ENABLING:
+            if self._target is Dialect.CODESYS:
+                reason = f"CODESYS has no {name.identifier.upper()} in structured text; left as it stands"
+                self._notes.add(Severity.ERROR, reason, argument)
+            return name
+        if block is None:
+            return self._names.member(name)
+        found = self._pin(name, block)
+        if found is None:
+            reason = f"{block.name} of {TITLES[self._target]} has no parameter {name.identifier}; left as it stands"
+            self._notes.add(Severity.ERROR, reason, argument)
+        return found or name
+
+    def _in_order(self, block: StandardBlock, arguments: tuple[Argument, ...]) -> list[Expression] | None:
+        """The values of all inputs in their order; None: some are missing, or there is more than inputs."""
+        count = len(arguments)
+        pins = block.input_pins(count)[:count]
+        values: dict[str, Expression] = {}
+        for argument, position in zip(arguments, pins, strict=False):
+            if argument.value is None or argument.output:
+                return None
+            name = position.name if argument.name is None else block.input_name(argument.name.identifier)
+            if name is None:
+                return None
+            values[name] = argument.value
+        ordered = [values[pin.name] for pin in pins if pin.name in values]
+        return ordered if len(ordered) == count and count >= len(block.inputs) else None
+
+    def _in_style(
+        self, node: n.Call, block: StandardBlock, arguments: tuple[Argument, ...], values: list[Expression] | None
+    ) -> tuple[Argument, ...]:
+        """Arguments as the target takes them: CODESYS by position, SCL by name where there are several."""
+        if self._source is self._target or self._target is Dialect.IEC:
+            return arguments
+        named = any(argument.name is not None for argument in arguments)
+        if values is None:
+            if named and self._target is Dialect.CODESYS:
+                reason = f"CODESYS takes the arguments of {block.name} by position, here that cannot be done"
+                self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+            return arguments
+        if self._target is Dialect.CODESYS:
+            return tuple(n.Argument(value, span=value.span) for value in values) if named else arguments
+        if len(arguments) < 2 or named:
+            return arguments
+        pins = block.input_pins(len(arguments))
+        pairs = zip(arguments, pins, strict=True)
+        return tuple(replace(argument, name=n.Name(pin.name)) for argument, pin in pairs)
+
+    def _bound_arguments(self, arguments: tuple[Argument, ...]) -> tuple[Argument, ...]:
+        if self._target is Dialect.SCL and len(arguments) == 2 and all(a.name is None for a in arguments):
+            pairs = zip(arguments, ("ARR", "DIM"), strict=True)
+            return tuple(replace(argument, name=n.Name(name)) for argument, name in pairs)
+        if self._source is Dialect.SCL and [a.name and a.name.identifier.upper() for a in arguments] == ["ARR", "DIM"]:
+            return tuple(replace(argument, name=None) for argument in arguments)
+        return arguments
+
+    def _nested(self, node: n.Call, callee: n.Name, block: StandardBlock, values: list[Expression]) -> Expression:
+        """CONCAT of two at a time, where the target takes no more."""
+        joined = values[0]
+        for value in values[1:]:
+            pair = (Argument(joined), Argument(value))
+            joined = n.Call(callee, self._in_style(node, block, pair, [joined, value]), span=node.span)
+        return joined
+
+    def _named(self, callee: n.Name, name: str) -> n.Name:
+        return callee if name == callee.identifier.upper() else n.Name(name, span=callee.span)
+
+    def _with(self, node: n.Call, callee: Expression, arguments: tuple[Argument, ...]) -> n.Call:
+        if callee is node.callee and arguments is node.arguments:
+            return node
+        return replace(node, callee=callee, arguments=arguments)
+
+
+def _operation(operator: Operator, values: list[Expression], node: n.Call) -> Expression:
+    """An operation in place of a call: its operands bind as tightly as arguments did."""
+    enclosed = tuple(_enclosed(value, operator) for value in values)
+    if len(enclosed) == 1:
+        return n.Unary(operator, enclosed[0], span=node.span)
+    return n.Operation(operator, enclosed, span=node.span)
+
+
+def _enclosed(value: Expression, operator: Operator) -> Expression:
+    loose = isinstance(value, n.Operation | n.AssignmentExpression)
+    return n.Parenthesized(value) if loose or (isinstance(value, n.Unary) and operator is Operator.POWER) else value

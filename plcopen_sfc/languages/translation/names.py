@@ -1,0 +1,132 @@
+"""Names of variables, members and blocks: quotes and prefixes, and what is legal."""
+
+from __future__ import annotations
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Quoting
+from plcopen_sfc.languages.st.walking import walk
+from plcopen_sfc.languages.translation.context import TranslationContext
+from plcopen_sfc.languages.translation.families import TITLES
+from plcopen_sfc.languages.translation.notes import Notes
+from plcopen_sfc.languages.translation.renames import NameScope, is_word
+
+_OF_THE_LANGUAGE = frozenset({"EN", "ENO"})
+_OF_OBJECTS = frozenset({"THIS", "SUPER"})
+_QUOTED = (Quoting.GLOBAL, Quoting.LOCAL_QUOTED)
+_LOCAL = (Quoting.LOCAL, Quoting.LOCAL_QUOTED)
+
+
+class NameTranslator:
+    """Writes the names of a text as the target does."""
+
+    def __init__(
+        self, tree: n.Node, source: Dialect, target: Dialect, context: TranslationContext, notes: Notes
+    ) -> None:
+        self._source, self._target = source, target
+        self._context = context
+        self._notes = notes
+        self._locals = None if context.locals is None else {name.casefold() for name in context.locals}
+        self._types = {path.casefold(): type for path, type in context.types.items()}
+        self._local_names = set(self._locals or ())
+        self._member_names: set[str] = set()
+        if source is Dialect.SCL:
+            self._collect(tree)
+
+    def _collect(self, tree: n.Node) -> None:
+        # names that stay, so that none of those that change gets theirs
+        for node in walk(tree):
+            if isinstance(node, n.Member):
+                self._member_names.add(node.name.identifier.casefold())
+            elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL:
+                self._local_names.add(node.identifier.casefold())
+
+    def is_local(self, name: n.Name) -> bool | None:
+        """Whether the POU declares `name`; None: that is not known."""
+        if name.quoting is not Quoting.NONE:
+            return name.quoting in _LOCAL
+        return None if self._locals is None else name.identifier.casefold() in self._locals
+
+    def type_of(self, expression: Expression) -> str:
+        """The declared type of a variable, an element of an array or a member; "" where it is not known."""
+        type = self._types.get(self._path(expression), "")
+        if not type and isinstance(expression, n.Index):
+            head, of, element = self.type_of(expression.base).upper().partition(" OF ")
+            return element.strip() if of and head.startswith("ARRAY") else ""
+        return type
+
+    def _path(self, expression: Expression) -> str:
+        match expression:
+            case n.Name(identifier):
+                return identifier.casefold()
+            case n.Member(base, name):
+                return f"{self._path(base)}.{name.identifier.casefold()}"
+            case _:
+                return ""
+
+    def variable(self, name: n.Name) -> n.Name:
+        """A name on its own."""
+        if self._source is self._target:
+            return name
+        if self._target is Dialect.SCL:
+            return self._for_scl(name)
+        if self._source is not Dialect.SCL or name.identifier.upper() in _OF_THE_LANGUAGE:
+            return name
+        if name.quoting is Quoting.GLOBAL:
+            return self._legal(name, NameScope.GLOBAL, self._local_names)
+        return self._legal(name, NameScope.LOCAL, self._local_names - {name.identifier.casefold()})
+
+    def member(self, name: n.Name) -> n.Name:
+        """A name behind a dot, or of a parameter in a call."""
+        if self._source is self._target:
+            return name
+        if self._target is Dialect.SCL:
+            old = self._context.renames.old_name(NameScope.MEMBER, name.identifier) or name.identifier
+            quoting = Quoting.NONE if is_word(old) or old.upper() in _OF_THE_LANGUAGE else Quoting.GLOBAL
+            return self._changed(name, old, quoting)
+        if self._source is not Dialect.SCL or name.identifier.upper() in _OF_THE_LANGUAGE:
+            return name
+        return self._legal(name, NameScope.MEMBER, self._member_names - {name.identifier.casefold()})
+
+    def block(self, name: n.Name) -> n.Name:
+        """The name of what is called, if it is no standard function: an instance, a function or a function block."""
+        if self._target is Dialect.SCL and self._source is not Dialect.SCL and self.is_local(name) is not True:
+            return self._global(name)
+        return self.variable(name)
+
+    def _for_scl(self, name: n.Name) -> n.Name:
+        word = name.identifier.upper()
+        if word in _OF_THE_LANGUAGE:
+            return name
+        if word in _OF_OBJECTS:
+            self._notes.add(Severity.ERROR, f"{word} has no counterpart in SCL; left as it stands", name)
+            return name
+        local = self.is_local(name)
+        if local is False:
+            return self._global(name)
+        old = self._context.renames.old_name(NameScope.LOCAL, name.identifier) or name.identifier
+        if local is None:
+            self._notes.add(
+                Severity.WARNING, "it is not known which names are local: names got no # and no quotes", (0, 0)
+            )
+            return self._changed(name, old, Quoting.NONE if is_word(old) else Quoting.LOCAL_QUOTED)
+        return self._changed(name, old, Quoting.LOCAL if is_word(old) else Quoting.LOCAL_QUOTED)
+
+    def _global(self, name: n.Name) -> n.Name:
+        old = self._context.renames.old_name(NameScope.GLOBAL, name.identifier) or name.identifier
+        return self._changed(name, old, Quoting.GLOBAL)
+
+    def _legal(self, name: n.Name, scope: NameScope, taken: set[str]) -> n.Name:
+        new = self._context.renames.legal_name(scope, name.identifier, taken)
+        if new != name.identifier:
+            reason = f"{name.identifier} is called {new}: {TITLES[self._target]} takes no such name"
+            if name.identifier.casefold() in taken:
+                reason = f"{name.identifier} is called {new}: the global name is hidden by a local one"
+            self._notes.add(Severity.INFO, reason, name)
+        return self._changed(name, new, Quoting.NONE)
+
+    def _changed(self, name: n.Name, identifier: str, quoting: Quoting) -> n.Name:
+        if identifier == name.identifier and quoting is name.quoting:
+            return name
+        return n.Name(identifier, quoting, span=name.span)

@@ -1,0 +1,131 @@
+"""Names that are legal in one dialect only, and what they are called in the others."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+
+from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
+from plcopen_sfc.languages.standard_blocks import standard_blocks
+
+
+class NameScope(StrEnum):
+    """Where a name is declared.
+
+    LOCAL: in the interface of the POU (``#name`` in SCL). GLOBAL: outside (``"name"``). MEMBER: in a structure, a
+    block or an instance: what stands behind a dot or before ``:=`` in a call.
+    """
+
+    LOCAL = "local"
+    GLOBAL = "global"
+    MEMBER = "member"
+
+
+@dataclass(frozen=True, slots=True)
+class Rename:
+    """`old`, a name that only SCL can write, is called `new` in the other dialects."""
+
+    scope: NameScope
+    old: str
+    new: str
+
+
+class Renames:
+    """The renames of a project, in both directions: one name gets one new name, in whatever text it occurs.
+
+    Grows while texts are translated to other dialects than SCL. Where bodies of a project share one, translate them
+    until it no longer grows: a global name may have to be changed because a later body has a local one like it.
+    """
+
+    def __init__(self, renames: Iterable[Rename] = ()) -> None:
+        self._new: dict[tuple[NameScope, str], Rename] = {}
+        self._old: dict[tuple[NameScope, str], Rename] = {}
+        for rename in renames:
+            self._add(rename)
+
+    def __iter__(self) -> Iterator[Rename]:
+        return iter(self._new.values())
+
+    def __len__(self) -> int:
+        return len(self._new)
+
+    def new_name(self, scope: NameScope, old: str) -> str | None:
+        """What `old` is called outside of SCL; None: no rename is known."""
+        found = self._new.get((scope, old.casefold()))
+        return found.new if found is not None else None
+
+    def old_name(self, scope: NameScope, new: str) -> str | None:
+        """What `new` is called in SCL; None: no rename is known."""
+        found = self._old.get((scope, new.casefold()))
+        return found.old if found is not None else None
+
+    def legal_name(self, scope: NameScope, name: str, taken: Collection[str]) -> str:
+        """What `name` is called outside of SCL: itself, if it is legal and not `taken` (in lower case, see `taken`).
+
+        `taken`: names that mean something else there, casefolded.
+        """
+        known = self.new_name(scope, name)
+        if known is not None:
+            return known
+        if is_identifier(name) and not is_reserved(name, scope) and name.casefold() not in taken:
+            return name
+        stem = identifier(name)
+        new, number = stem, 1
+        while self._is_used(new, scope) or new.casefold() in taken or is_reserved(new, scope):
+            number += 1
+            new = f"{stem}_{number}"
+        self._add(Rename(scope, name, new))
+        return new
+
+    def _is_used(self, new: str, scope: NameScope) -> bool:
+        members = scope is NameScope.MEMBER
+        key = new.casefold()
+        return any((used is NameScope.MEMBER) == members and name == key for used, name in self._old)
+
+    def _add(self, rename: Rename) -> None:
+        self._new[rename.scope, rename.old.casefold()] = rename
+        self._old[rename.scope, rename.new.casefold()] = rename
+
+
+def is_identifier(name: str) -> bool:
+    """Whether a name is an identifier of IEC 61131-3 (6.1.2): letters, digits, and underscores that stand alone."""
+    return re.fullmatch(r"(?!.*__)[A-Za-z_][A-Za-z0-9_]*", name) is not None
+
+
+def is_word(name: str) -> bool:
+    """Whether SCL writes a name without quotes, behind ``#`` or a dot."""
+    return re.fullmatch(r"[^\W\d]\w*", name) is not None and name.upper() not in KEYWORDS
+
+
+def identifier(name: str) -> str:
+    """An identifier like `name`: ``Füllstand 1`` is ``Fuellstand_1``."""
+    text = unicodedata.normalize("NFC", name).translate(_UMLAUTS)
+    text = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")
+    if not text:  # nothing left, as of a name in another script
+        text = "_".join(f"u{ord(character):04X}" for character in name)
+    return f"_{text}" if text[0].isdigit() else text
+
+
+def is_reserved(name: str, scope: NameScope) -> bool:
+    """Whether IEC 61131-3 or CODESYS read a name as something else."""
+    word = name.upper()
+    return word in KEYWORDS or (scope is not NameScope.MEMBER and word in _STANDARD_NAMES)
+
+
+_UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
+KEYWORDS = STATEMENT_KEYWORDS | frozenset(
+    """
+    AND OR XOR MOD AND_THEN OR_ELSE TRUE FALSE NULL GOTO JMP REGION END_REGION THIS SUPER
+    BOOL BYTE WORD DWORD LWORD SINT INT DINT LINT USINT UINT UDINT ULINT REAL LREAL TIME LTIME DATE LDATE TOD LTOD DT
+    LDT TIME_OF_DAY DATE_AND_TIME STRING WSTRING CHAR WCHAR ARRAY STRUCT END_STRUCT TYPE END_TYPE POINTER REF_TO
+    VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_GLOBAL VAR_EXTERNAL VAR_STAT END_VAR CONSTANT RETAIN AT
+    PROGRAM FUNCTION FUNCTION_BLOCK METHOD INTERFACE STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION
+    END_ACTION FROM WITH EN ENO
+    """.split()
+)
+"""Words that are no names of variables in some dialect."""
+_STANDARD_NAMES = frozenset(block.name for block in standard_blocks()) | {"ADR", "SIZEOF", "SQR", "INI"}

@@ -1,0 +1,117 @@
+"""Structured text of one dialect in another, with its comments and its layout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import apply_edits
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Node, Statements
+from plcopen_sfc.languages.st.parsing import Parsed, parse_expression, parse_statements
+from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.st.rendering import render, tree_edits
+from plcopen_sfc.languages.st.walking import transform
+from plcopen_sfc.languages.translation.comments import region_edits, translated_comment, with_translated_comments
+from plcopen_sfc.languages.translation.context import TranslationContext
+from plcopen_sfc.languages.translation.families import TITLES, family
+from plcopen_sfc.languages.translation.notes import Note, Notes
+from plcopen_sfc.languages.translation.trees import TreeTranslator, split_chains
+
+
+@dataclass(frozen=True, slots=True)
+class Translated:
+    """A text in the target dialect. `parsed` is its tree, `notes` are about places in the source text."""
+
+    text: str
+    parsed: Parsed[Any]
+    notes: tuple[Note, ...]
+
+    @property
+    def exact(self) -> bool:
+        """Whether it surely means the same: no note is more than an information."""
+        return all(note.severity is Severity.INFO for note in self.notes)
+
+
+def translate_text(
+    text: str,
+    kind: Literal["statements", "expression"],
+    source: Dialect,
+    target: Dialect,
+    context: TranslationContext | None = None,
+) -> Translated:
+    """A text in another dialect. Never raises: text that does not parse is left as it stands, with a note for why."""
+    parsed: Parsed[Any] = parse_statements(text, source) if kind == "statements" else parse_expression(text, source)
+    return translate(parsed, target, context)
+
+
+def translate_tree(
+    tree: Expression | Statements, source: Dialect, target: Dialect, context: TranslationContext | None = None
+) -> Translated:
+    """A tree that has no text in another dialect; the notes are about the text that `source` prints of it."""
+    kind: Literal["statements", "expression"] = "statements" if isinstance(tree, Statements) else "expression"
+    return translate_text(print_node(tree, source), kind, source, target, context)
+
+
+def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext | None = None) -> Translated:
+    """A parsed text in another dialect.
+
+    What has no counterpart is left as it stands and noted; so is all of a text that does not parse. Within a dialect,
+    and between CODESYS and TwinCAT, nothing but references to steps changes. See `TranslationContext` for what the
+    translation has to know of names.
+    """
+    context = context or TranslationContext()
+    source, into = family(parsed.dialect), family(target)
+    notes = Notes(parsed.text)
+    if parsed.problems:
+        for problem in parsed.problems:
+            notes.add(Severity.ERROR, f"left as it stands, because it cannot be read: {problem.message}", problem.span)
+        return Translated(parsed.text, parsed, notes.in_order())
+    if source is into and context.steps is None:
+        return Translated(parsed.text, parsed if parsed.dialect is target else _parse(parsed, parsed.text, target), ())
+    tree = TreeTranslator(parsed.tree, source, into, context, notes).translated()
+    edits = tree_edits(parsed, tree)
+    if source is Dialect.SCL and into is not Dialect.SCL:
+        edits += region_edits(parsed.text, parsed.tree)
+    text = apply_edits(parsed.text, edits)
+    regions = _regions_fit(parsed, text, source, into)
+    for comment in parsed.comments:
+        notes.take(translated_comment(comment.kind, comment.text, source, into, regions=regions), comment.span)
+    text = with_translated_comments(text, source, into, regions=regions)
+    result = _parse(parsed, text, target)
+    if into is Dialect.IEC and source is not into and not result.problems:
+        text = render(result, transform(result.tree, _without_chains))
+        result = _parse(parsed, text, target)
+    if result.problems and not notes.has_errors:
+        why = result.problems[0].message
+        notes.add(Severity.ERROR, f"{TITLES[target]} does not read the translation: {why}", (0, len(parsed.text)))
+    return Translated(text, result, notes.in_order())
+
+
+def _parse(like: Parsed[Any], text: str, dialect: Dialect) -> Parsed[Any]:
+    if isinstance(like.tree, Statements):
+        return parse_statements(text, dialect)
+    return parse_expression(text, dialect)
+
+
+def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialect) -> bool:
+    """Whether the pragmas of regions make whole regions, which SCL demands and others do not."""
+    if target is not Dialect.SCL or not isinstance(parsed.tree, Statements):
+        return False
+    plain = with_translated_comments(text, source, target, regions=False)
+    marked = with_translated_comments(text, source, target, regions=True)
+    return not parse_statements(marked, target).problems or bool(parse_statements(plain, target).problems)
+
+
+def _without_chains(node: Node) -> Node:
+    """A node whose statements hold no chains of assignments."""
+    new: dict[str, Any] = {}
+    for name in ("statements", "otherwise"):
+        statements = getattr(node, name, None)
+        if isinstance(statements, tuple) and any(isinstance(s, n.Assignment) for s in statements):
+            split = split_chains(statements)
+            if len(split) != len(statements):
+                new[name] = split
+    return replace(node, **new) if new else node

@@ -1,0 +1,290 @@
+"""Translates the syntax tree: what a dialect writes otherwise, it writes in another way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any, TypeVar, cast
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Statement
+from plcopen_sfc.languages.st.walking import parts, walk
+from plcopen_sfc.languages.translation.addresses import translated_address, translated_part
+from plcopen_sfc.languages.translation.calls import CallTranslator
+from plcopen_sfc.languages.translation.context import TranslationContext
+from plcopen_sfc.languages.translation.families import TITLES
+from plcopen_sfc.languages.translation.literals import translated_literal
+from plcopen_sfc.languages.translation.names import NameTranslator
+from plcopen_sfc.languages.translation.notes import Notes
+from plcopen_sfc.languages.translation.steps import StepTranslator
+
+AnyNode = TypeVar("AnyNode", bound=Node)
+
+_BOTH_SIDES = {Operator.AND_THEN: Operator.AND, Operator.OR_ELSE: Operator.OR}
+_ARITHMETIC = {
+    AssignmentKind.ADD: Operator.ADD,
+    AssignmentKind.SUBTRACT: Operator.SUBTRACT,
+    AssignmentKind.MULTIPLY: Operator.MULTIPLY,
+    AssignmentKind.DIVIDE: Operator.DIVIDE,
+}
+_SETTING = {AssignmentKind.SET: "TRUE", AssignmentKind.RESET: "FALSE"}
+_JUMPS = {Dialect.SCL: "GOTO", Dialect.CODESYS: "JMP"}
+
+
+class TreeTranslator:
+    """Makes the tree of the target dialect. `source` and `target` are families; nodes that say the same stay."""
+
+    def __init__(self, tree: Node, source: Dialect, target: Dialect, context: TranslationContext, notes: Notes) -> None:
+        self._tree = tree
+        self._source, self._target = source, target
+        self._notes = notes
+        self._names = NameTranslator(tree, source, target, context, notes)
+        self._calls = CallTranslator(source, target, self._names, notes, self._expression)
+        self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
+        self._enumerations = {name.casefold() for name in context.enumerations}
+
+    def translated(self) -> Node:
+        """The whole tree."""
+        return self._node(self._tree)
+
+    def _expression(self, node: Expression) -> Expression:
+        return cast(Expression, self._node(node))
+
+    def _node(self, node: Node) -> Node:
+        match node:
+            case n.Name():
+                return self._step(node) or self._names.variable(node)
+            case n.Member():
+                return self._step(node) or self._member(node)
+            case n.Literal():
+                return self._literal(node)
+            case n.Address(text):
+                new = self._notes.take(translated_address(text, self._source, self._target), node)
+                return node if new == text else replace(node, text=new)
+            case n.Dereference():
+                return self._dereference(node)
+            case n.Peripheral() if self._target is not self._source:
+                self._lacks("direct access to the periphery (:P)", node)
+                return self._inside(node)
+            case n.Call():
+                return self._calls.call(node)
+            case n.Unary():
+                return self._unary(self._within(node))
+            case n.Operation():
+                return self._operation(self._within(node))
+            case n.AssignmentExpression() if self._target is Dialect.IEC and self._source is not Dialect.IEC:
+                self._lacks("assignments inside expressions", node)
+                return self._inside(node)
+            case _:
+                return self._statement(node)
+
+    def _statement(self, node: Node) -> Node:
+        changes = self._target is not self._source
+        match node:
+            case n.Assignment():
+                return self._assignment(node)
+            case n.CallStatement(call) if changes and self._source is Dialect.CODESYS and not isinstance(call, n.Call):
+                return replace(node, call=self._calls.action(call))
+            case n.Goto(_, keyword) if changes:
+                if self._target not in _JUMPS:
+                    self._lacks("jumps", node)
+                    return node
+                return replace(node, keyword=_JUMPS.get(self._target, keyword))
+            case n.Label() if changes:
+                if self._target not in _JUMPS:
+                    self._lacks("labels to jump to", node)
+                return node
+            case n.Try() if changes:
+                self._lacks("__TRY", node)
+                return self._inside(node)
+            case n.Return(value) if changes and value is not None:
+                self._lacks("RETURN with a value", node)
+                return self._inside(node)
+            case _:
+                return self._inside(node)
+
+    # -- going down ---------------------------------------------------------------------------------------------------
+
+    def _inside(self, node: AnyNode) -> AnyNode:
+        """The node with all that it consists of translated; itself where that is all the same."""
+        new: dict[str, Any] = {}
+        for name in parts(type(node)):
+            value = getattr(node, name)
+            if isinstance(value, Node):
+                changed = self._node(value)
+                if changed is not value:
+                    new[name] = changed
+            elif isinstance(value, tuple):
+                members = tuple(self._node(item) for item in value)
+                if any(a is not b for a, b in zip(members, value, strict=True)):
+                    new[name] = members
+        return replace(node, **new) if new else node
+
+    def _within(self, node: AnyNode) -> AnyNode:
+        """As `_inside`, for what holds operands: operations that are new among them get parentheses."""
+        new = self._inside(node)
+        if isinstance(new, n.Unary) and isinstance(node, n.Unary):
+            operand = _enclosed(new.operand, node.operand)
+            return new if operand is new.operand else cast(AnyNode, replace(new, operand=operand))
+        if isinstance(new, n.Operation) and isinstance(node, n.Operation):
+            operands = tuple(_enclosed(a, b) for a, b in zip(new.operands, node.operands, strict=True))
+            return new if operands == new.operands else cast(AnyNode, replace(new, operands=operands))
+        return new
+
+    def _lacks(self, what: str, node: Node) -> None:
+        self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no {what}; left as it stands", node)
+
+    # -- expressions --------------------------------------------------------------------------------------------------
+
+    def _step(self, node: n.Name | n.Member) -> Expression | None:
+        return None if self._steps is None else self._steps.translated(node)
+
+    def _literal(self, node: n.Literal) -> Expression:
+        type, mark, value = node.text.partition("#")
+        if mark and self._target is not self._source and type.casefold() in self._enumerations:
+            if self._target is Dialect.CODESYS:
+                return n.Member(n.Name(type), n.Name(value), span=node.span)
+            if self._target is Dialect.SCL:
+                self._lacks("enumerations", node)
+            return node
+        if self._target is self._source:
+            return node
+        new = self._notes.take(translated_literal(node.text, self._source, self._target), node)
+        return node if new == node.text else replace(node, text=new)
+
+    def _member(self, node: n.Member) -> Expression:
+        if self._target is self._source:
+            return self._inside(node)
+        base = node.base
+        if isinstance(base, n.Name) and base.identifier.casefold() in self._enumerations:
+            if self._target is Dialect.IEC:
+                return n.Literal(f"{base.identifier}#{node.name.identifier}", span=node.span)
+            self._lacks("enumerations", node)
+            return node
+        if (
+            isinstance(base, n.Name)
+            and base.identifier.upper() in ("THIS", "SUPER")
+            and self._target is Dialect.CODESYS
+        ):
+            new_base: Expression = n.Dereference(base, span=base.span)
+        else:
+            new_base = self._expression(base)
+        name = self._member_name(node)
+        return node if new_base is base and name is node.name else replace(node, base=new_base, name=name)
+
+    def _member_name(self, node: n.Member) -> n.Name:
+        part = translated_part(node.name.identifier, self._target) if not node.name.quoting else None
+        if part is not None:
+            new = self._notes.take(part, node)
+            return node.name if new == node.name.identifier else replace(node.name, identifier=new)
+        return self._calls.pin(node.base, node.name) or self._names.member(node.name)
+
+    def _dereference(self, node: n.Dereference) -> Expression:
+        base = node.base
+        if self._target is Dialect.IEC and self._source is not Dialect.IEC:
+            # 6.6.5.7: THIS and SUPER are no pointers there
+            if isinstance(base, n.Name) and base.identifier.upper() in ("THIS", "SUPER"):
+                return base
+        return self._inside(node)
+
+    def _unary(self, node: n.Unary) -> Expression:
+        inner = node.operand
+        if self._source is Dialect.SCL and self._target is not Dialect.SCL and _is_power(inner):
+            return replace(node, operand=n.Parenthesized(inner, span=inner.span))
+        return node
+
+    def _operation(self, node: n.Operation) -> Expression:
+        if node.operator is Operator.POWER:
+            return self._power(node)
+        if node.operator in _BOTH_SIDES and self._target is not Dialect.CODESYS and self._source is Dialect.CODESYS:
+            if any(_may_fail(operand) for operand in node.operands[1:]):
+                reason = f"{node.operator.value} became {_BOTH_SIDES[node.operator].value}"
+                self._notes.add(Severity.WARNING, f"{reason}, which may evaluate its right side in any case", node)
+            return replace(node, operator=_BOTH_SIDES[node.operator])
+        return node
+
+    def _power(self, node: n.Operation) -> Expression:
+        if self._target is self._source:
+            return node
+        base, exponent = node.operands
+        if self._target is Dialect.CODESYS:
+            arguments = (n.Argument(_without_enclosure(base)), n.Argument(_without_enclosure(exponent)))
+            return n.Call(n.Name("EXPT"), arguments, span=node.span)
+        if self._target is Dialect.SCL and isinstance(base, n.Unary):  # a sign stands before the power there
+            return replace(node, operands=(n.Parenthesized(base, span=base.span), exponent))
+        return node
+
+    # -- assignments --------------------------------------------------------------------------------------------------
+
+    def _assignment(self, node: n.Assignment) -> Statement:
+        if self._target is self._source or node.kind is AssignmentKind.ASSIGN:
+            return self._plain_assignment(node)
+        new = self._inside(node)
+        if node.kind in _SETTING and not isinstance(node.value, n.AssignmentExpression):
+            value = n.Literal(_SETTING[node.kind])
+            branch = n.Branch(new.value, (n.Assignment(new.target, value),))
+            return n.If((branch,), span=node.span)
+        if node.kind in _ARITHMETIC and not isinstance(node.value, n.AssignmentExpression):
+            if any(isinstance(part, n.Call) for part in walk(node.target)):
+                self._notes.add(Severity.WARNING, f"{node.kind.value} was written out: the target is read twice", node)
+            value_part = n.Parenthesized(new.value) if isinstance(new.value, n.Operation | n.Unary) else new.value
+            operation = n.Operation(_ARITHMETIC[node.kind], (new.target, value_part))
+            return n.Assignment(new.target, operation, span=node.span)
+        self._lacks(f"assignments with {node.kind.value}", node)
+        return new
+
+    def _plain_assignment(self, node: n.Assignment) -> Statement:
+        """``a := b := c`` stays for now: see `chains`."""
+        target, value = self._expression(node.target), self._chained(node.value)
+        return node if target is node.target and value is node.value else replace(node, target=target, value=value)
+
+    def _chained(self, node: Expression) -> Expression:
+        if not isinstance(node, n.AssignmentExpression):
+            return self._expression(node)
+        target, value = self._expression(node.target), self._chained(node.value)
+        return node if target is node.target and value is node.value else replace(node, target=target, value=value)
+
+
+def _enclosed(new: Expression, old: Expression) -> Expression:
+    """A translated operand, in parentheses where it binds less tightly than the one before."""
+    if new is not old and isinstance(new, n.Operation | n.Unary) and not isinstance(old, n.Operation | n.Unary):
+        return n.Parenthesized(new, span=new.span)
+    return new
+
+
+def _without_enclosure(operand: Expression) -> Expression:
+    return operand.inner if isinstance(operand, n.Parenthesized) else operand
+
+
+def _is_power(node: Expression) -> bool:
+    return isinstance(node, n.Operation) and node.operator is Operator.POWER
+
+
+def _may_fail(node: Expression) -> bool:
+    """Whether an expression can have an effect or stop the program, so that it matters whether it is evaluated."""
+    risky = (n.Call, n.Dereference, n.Index, n.AssignmentExpression)
+    return any(
+        isinstance(part, risky)
+        or (isinstance(part, n.Operation) and part.operator in (Operator.DIVIDE, Operator.MODULO, Operator.POWER))
+        for part in walk(node)
+    )
+
+
+def split_chains(statements: Iterable[Statement]) -> tuple[Statement, ...]:
+    """``a := b := c`` as ``b := c; a := b``, which says the same (IEC 61131-3 has no chains)."""
+    found: list[Statement] = []
+    for statement in statements:
+        links = [statement.target] if isinstance(statement, n.Assignment) else []
+        value = statement.value if isinstance(statement, n.Assignment) else None
+        while isinstance(value, n.AssignmentExpression):
+            links.append(value.target)
+            value = value.value
+        if len(links) < 2 or value is None:
+            found.append(statement)
+            continue
+        for link in reversed(links):
+            found.append(n.Assignment(link, value))
+            value = link
+    return tuple(found)
