@@ -81,6 +81,9 @@ class Builder(Transformer[Token, Any]):
     def only(self, items: Items) -> Any:
         return items[0]
 
+    def second(self, items: Items) -> Any:
+        return items[1]
+
     def first(self, items: Items) -> Any:
         return [items[0]]
 

@@ -101,7 +101,7 @@ def _pattern(dialect: Dialect) -> re.Pattern[str]:
         r"(\(\*)",
         # 3 LITERAL
         r"((?i:(?:L?TIME|L?T|S5T|S5TIME)\#[-+]?(?:\w|\.(?=\d))+"
-        r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d:_-]|\.(?=\d))*)"
+        r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d_-]|[:.](?=\d))*)"
         + (r"|(?i:P\#[\w.]+(?:\s+(?:BOOL|BYTE|WORD|DWORD|INT|DINT|REAL|CHAR)\s+\d+\b)?)" if scl else "")
         + rf"|[^\W\d]\w*\#(?:{_SINGLE_QUOTED}|{_DOUBLE_QUOTED}|[-+]?{_NUMBER}|[^\W\d]\w*)"
         + (r"|\#(?!)" if scl else f"|{_DOUBLE_QUOTED}")
