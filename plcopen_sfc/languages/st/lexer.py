@@ -110,7 +110,9 @@ def _pattern(dialect: Dialect) -> re.Pattern[str]:
         r"((?i:REF|S|R)=)" if codesys else r"((?!))",
         # 5 NAME or keyword, 6 NAME that is none
         r"([^\W\d]\w*)",
-        r'(\#[^\W\d]\w*|\#"[^"\r\n]+"|"[^"\r\n]+"|(?<=\.)%[XBWDxbwd]\d+|(?<=\.)\d+)' if scl else r"((?<=\.)\d+)",
+        r'(\#[^\W\d]\w*|\#"[^"\r\n]+"|"[^"\r\n]+"|(?<=\.)%[XBWDLxbwdl]\d+|(?<=\.)\d+)'
+        if scl
+        else r"((?<=\.)%[XBWDLxbwdl]\d+|(?<=\.)\d+)",
         # 7 ADDRESS
         r"(%(?i:DB\d+\.(?:DB)?)?[A-Za-z*]+[\d.*]*(?<!\.))",
         # 8 OPERATOR, 9 punctuation
