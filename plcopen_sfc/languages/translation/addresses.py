@@ -36,14 +36,17 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> Outcome:
     return Outcome(f"%{area}{size}{place}", Severity.WARNING if counted else None, _COUNTING if counted else "")
 
 
-def translated_part(name: str, target: Dialect) -> Outcome | None:
-    """The name of a bit or another part of a word: ``3`` and ``%X3`` (6.5.4.4). None: it names no part."""
+def translated_part(name: str, source: Dialect, target: Dialect) -> Outcome | None:
+    """The name of a bit or another part of a word: ``3`` and ``%X3`` (6.5.4.4). None: it names no part.
+
+    SCL has only the second form for bits; the first is the one that all versions of other tools know.
+    """
     if name.isdigit():
         return Outcome(f"%X{name}" if target is Dialect.SCL else name)
     if not name.startswith("%"):
         return None
-    if target is not Dialect.SCL and name[1] in "Xx":
+    if source is Dialect.SCL and target is not Dialect.SCL and name[1] in "Xx":
         return Outcome(name[2:])
     if target is Dialect.CODESYS:
-        return Outcome(name, Severity.WARNING, f"only newer versions of CODESYS read .{name}")
+        return Outcome(name, Severity.INFO, f"older versions of CODESYS do not know .{name}")
     return Outcome(name)

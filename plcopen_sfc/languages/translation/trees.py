@@ -163,11 +163,7 @@ class TreeTranslator:
                 return n.Literal(f"{base.identifier}#{node.name.identifier}", span=node.span)
             self._lacks("enumerations", node)
             return node
-        if (
-            isinstance(base, n.Name)
-            and base.identifier.upper() in ("THIS", "SUPER")
-            and self._target is Dialect.CODESYS
-        ):
+        if self._source is Dialect.IEC and self._target is Dialect.CODESYS and _is_object(base):
             new_base: Expression = n.Dereference(base, span=base.span)
         else:
             new_base = self._expression(base)
@@ -175,18 +171,15 @@ class TreeTranslator:
         return node if new_base is base and name is node.name else replace(node, base=new_base, name=name)
 
     def _member_name(self, node: n.Member) -> n.Name:
-        part = translated_part(node.name.identifier, self._target) if not node.name.quoting else None
+        part = translated_part(node.name.identifier, self._source, self._target) if not node.name.quoting else None
         if part is not None:
             new = self._notes.take(part, node)
             return node.name if new == node.name.identifier else replace(node.name, identifier=new)
         return self._calls.pin(node.base, node.name) or self._names.member(node.name)
 
     def _dereference(self, node: n.Dereference) -> Expression:
-        base = node.base
-        if self._target is Dialect.IEC and self._source is not Dialect.IEC:
-            # 6.6.5.7: THIS and SUPER are no pointers there
-            if isinstance(base, n.Name) and base.identifier.upper() in ("THIS", "SUPER"):
-                return base
+        if self._target is Dialect.IEC and self._source is not Dialect.IEC and _is_object(node.base):
+            return node.base  # THIS and SUPER are no pointers there (6.6.5.7)
         return self._inside(node)
 
     def _unary(self, node: n.Unary) -> Expression:
@@ -256,6 +249,10 @@ def _enclosed(new: Expression, old: Expression) -> Expression:
 
 def _without_enclosure(operand: Expression) -> Expression:
     return operand.inner if isinstance(operand, n.Parenthesized) else operand
+
+
+def _is_object(node: Expression) -> bool:
+    return isinstance(node, n.Name) and node.identifier.upper() in ("THIS", "SUPER")
 
 
 def _is_power(node: Expression) -> bool:
