@@ -61,7 +61,8 @@ class _Labels:
         self.span = span
 
 
-def _over(items: Items) -> Span:
+def over(items: Items) -> Span:
+    """From the start of the first item to the end of the last."""
     return (items[0].span[0], items[-1].span[1])
 
 
@@ -130,7 +131,7 @@ class Builder(Transformer[Token, Any]):
     def _join(self, operands: list[Expression], operator: Operator) -> None:
         right = operands.pop()
         left = operands.pop()
-        span = _over([left, right])
+        span = over([left, right])
         joined: Expression
         if self._signs_below_power and operator is Operator.POWER and isinstance(left, n.Unary):
             joined = _power_of_signed(left, right, span)
@@ -145,73 +146,73 @@ class Builder(Transformer[Token, Any]):
         return n.Literal(token.value, span=token.span)
 
     def parenthesized(self, items: Items) -> Any:
-        return n.Parenthesized(items[1], span=_over(items))
+        return n.Parenthesized(items[1], span=over(items))
 
     def unary(self, items: Items) -> Any:
         token: Token = items[0]
         operator = Operator.NOT if token.type == "NOT" else _SIGNS[token.value]
-        return n.Unary(operator, items[1], span=_over(items))
+        return n.Unary(operator, items[1], span=over(items))
 
     def name(self, items: Items) -> Any:
-        return _name(items[0])
+        return name_of(items[0])
 
     def address(self, items: Items) -> Any:
         token: Token = items[0]
         return n.Address(token.value, span=token.span)
 
     def member(self, items: Items) -> Any:
-        return n.Member(items[0], _name(items[2]), span=_over(items))
+        return n.Member(items[0], name_of(items[2]), span=over(items))
 
     def index(self, items: Items) -> Any:
-        return n.Index(items[0], tuple(items[2]), span=_over(items))
+        return n.Index(items[0], tuple(items[2]), span=over(items))
 
     def dereference(self, items: Items) -> Any:
-        return n.Dereference(items[0], span=_over(items))
+        return n.Dereference(items[0], span=over(items))
 
     def peripheral(self, items: Items) -> Any:
-        return n.Peripheral(items[0], span=_over(items))
+        return n.Peripheral(items[0], span=over(items))
 
     def call_without_arguments(self, items: Items) -> Any:
-        return n.Call(items[0], span=_over(items))
+        return n.Call(items[0], span=over(items))
 
     def call(self, items: Items) -> Any:
-        return n.Call(items[0], tuple(items[2]), span=_over(items))
+        return n.Call(items[0], tuple(items[2]), span=over(items))
 
     def operator_call(self, items: Items) -> Any:
         token: Token = items[0]
         if not token.value.isalpha():
             self.problems.append(Problem(f"found '{token.value}', expected an expression", token.span))
-        return n.Call(n.Name(token.value, span=token.span), tuple(items[2]), span=_over(items))
+        return n.Call(n.Name(token.value, span=token.span), tuple(items[2]), span=over(items))
 
     def positional(self, items: Items) -> Any:
         return n.Argument(items[0], span=items[0].span)
 
     def input_argument(self, items: Items) -> Any:
-        return n.Argument(items[2], _name(items[0]), span=_over(items))
+        return n.Argument(items[2], name_of(items[0]), span=over(items))
 
     def empty_input(self, items: Items) -> Any:
-        return n.Argument(None, _name(items[0]), span=_over(items))
+        return n.Argument(None, name_of(items[0]), span=over(items))
 
     def output_argument(self, items: Items) -> Any:
-        return n.Argument(items[2], _name(items[0]), output=True, span=_over(items))
+        return n.Argument(items[2], name_of(items[0]), output=True, span=over(items))
 
     def empty_output(self, items: Items) -> Any:
-        return n.Argument(None, _name(items[0]), output=True, span=_over(items))
+        return n.Argument(None, name_of(items[0]), output=True, span=over(items))
 
     def negated_output(self, items: Items) -> Any:
-        return n.Argument(items[3], _name(items[1]), output=True, negated=True, span=_over(items))
+        return n.Argument(items[3], name_of(items[1]), output=True, negated=True, span=over(items))
 
     def assignment_expression(self, items: Items) -> Any:
-        return n.AssignmentExpression(items[0], items[2], span=_over(items))
+        return n.AssignmentExpression(items[0], items[2], span=over(items))
 
     # -- statements
 
     def assignment(self, items: Items) -> Any:
         kind = n.AssignmentKind(items[1].value.upper())
-        return n.Assignment(items[0], items[2], kind, span=_over(items))
+        return n.Assignment(items[0], items[2], kind, span=over(items))
 
     def call_statement(self, items: Items) -> Any:
-        return n.CallStatement(items[0], span=_over(items))
+        return n.CallStatement(items[0], span=over(items))
 
     def empty(self, items: Items) -> Any:
         span: Span = items[0].span
@@ -220,26 +221,26 @@ class Builder(Transformer[Token, Any]):
     def closed(self, items: Items) -> Any:
         # the semicolon after END_IF belongs to the statement
         statement: n.Node = items[0]
-        object.__setattr__(statement, "span", _over(items))
+        object.__setattr__(statement, "span", over(items))
         return statement
 
     def exit(self, items: Items) -> Any:
-        return n.Exit(span=_over(items))
+        return n.Exit(span=over(items))
 
     def continue_(self, items: Items) -> Any:
-        return n.Continue(span=_over(items))
+        return n.Continue(span=over(items))
 
     def return_(self, items: Items) -> Any:
-        return n.Return(span=_over(items))
+        return n.Return(span=over(items))
 
     def return_value(self, items: Items) -> Any:
-        return n.Return(items[1], span=_over(items))
+        return n.Return(items[1], span=over(items))
 
     def goto(self, items: Items) -> Any:
-        return n.Goto(_name(items[1]), items[0].type, span=_over(items))
+        return n.Goto(name_of(items[1]), items[0].type, span=over(items))
 
     def range(self, items: Items) -> Any:
-        return n.Range(items[0], items[2], span=_over(items))
+        return n.Range(items[0], items[2], span=over(items))
 
     def labels(self, items: Items) -> Any:
         return _Labels(items[0], (items[0][0].span[0], items[1].span[1]))
@@ -253,38 +254,38 @@ class Builder(Transformer[Token, Any]):
     def if_(self, items: Items) -> Any:
         span = (items[0].span[0], _end(items[3], items[2]))
         first = n.Branch(items[1], self._statements(items[3]), span=span)
-        return n.If((first, *items[4]), span=_over(items))
+        return n.If((first, *items[4]), span=over(items))
 
     def if_else(self, items: Items) -> Any:
         span = (items[0].span[0], _end(items[3], items[2]))
         first = n.Branch(items[1], self._statements(items[3]), span=span)
-        return n.If((first, *items[4]), self._statements(items[6]), span=_over(items))
+        return n.If((first, *items[4]), self._statements(items[6]), span=over(items))
 
     def case(self, items: Items) -> Any:
-        return n.Case(items[1], self._branches(items[3]), span=_over(items))
+        return n.Case(items[1], self._branches(items[3]), span=over(items))
 
     def case_else(self, items: Items) -> Any:
-        return n.Case(items[1], self._branches(items[3]), self._statements(items[5]), span=_over(items))
+        return n.Case(items[1], self._branches(items[3]), self._statements(items[5]), span=over(items))
 
     def for_(self, items: Items) -> Any:
         statements = self._statements(items[7])
-        return n.For(items[1], items[3], items[5], None, statements, span=_over(items))
+        return n.For(items[1], items[3], items[5], None, statements, span=over(items))
 
     def for_by(self, items: Items) -> Any:
         statements = self._statements(items[9])
-        return n.For(items[1], items[3], items[5], items[7], statements, span=_over(items))
+        return n.For(items[1], items[3], items[5], items[7], statements, span=over(items))
 
     def while_(self, items: Items) -> Any:
-        return n.While(items[1], self._statements(items[3]), span=_over(items))
+        return n.While(items[1], self._statements(items[3]), span=over(items))
 
     def repeat(self, items: Items) -> Any:
-        return n.Repeat(self._statements(items[1]), items[3], span=_over(items))
+        return n.Repeat(self._statements(items[1]), items[3], span=over(items))
 
     repeat_closed = repeat
 
     def region(self, items: Items) -> Any:
         title: str = items[0].value[len("REGION") :].strip()
-        return n.Region(title, self._statements(items[1]), span=_over(items))
+        return n.Region(title, self._statements(items[1]), span=over(items))
 
     def try_(self, items: Items) -> Any:
         error, handler = next((i for i in items if isinstance(i, tuple)), (None, None))
@@ -295,7 +296,7 @@ class Builder(Transformer[Token, Any]):
             error,
             None if handler is None else self._statements(handler),
             None if final is None else self._statements(final),
-            span=_over(items),
+            span=over(items),
         )
 
     def catch(self, items: Items) -> Any:
@@ -304,9 +305,9 @@ class Builder(Transformer[Token, Any]):
     def finally_(self, items: Items) -> Any:
         return items[1]
 
-    def whole_body(self, statements: StatementList, end: int) -> n.Statements:
-        """The statements of a text of length `end`."""
-        return n.Statements(self._statements(statements), span=(0, end))
+    def whole(self, found: StatementList, end: int) -> n.Node:
+        """The tree of a text of length `end`, of what was found in it."""
+        return n.Statements(self._statements(found), span=(0, end))
 
     def _statements(self, found: StatementList) -> tuple[n.Statement, ...]:
         """`found` outside of CASE, where a label is a place to jump to."""
@@ -349,7 +350,8 @@ def _end(statements: StatementList, token: Token) -> int:
     return end
 
 
-def _name(token: Token) -> n.Name:
+def name_of(token: Token) -> n.Name:
+    """The name that a token is, without its quotes."""
     value = token.value
     if value[0] == '"':
         return n.Name(value[1:-1], n.Quoting.GLOBAL, span=token.span)

@@ -18,13 +18,13 @@ _SHOWN = {
     "RSQB": "']'",
     "ASSIGN": "':='",
     "ARROW": "'=>'",
-    "END": "the end of the text",
+    "$END": "the end of the text",
     "TRY": "__TRY",
     "CATCH": "__CATCH",
     "FINALLY": "__FINALLY",
     "ENDTRY": "__ENDTRY",
     "POU": "the head of a POU",
-    "END": "its end",
+    "END_POU": "the end of a POU",
     "QUALIFIER": "CONSTANT or the like",
     "DIRECTION": "READ_ONLY or READ_WRITE",
     "EDGE": "R_EDGE or F_EDGE",
@@ -40,7 +40,7 @@ _SHOWN_TEXT = 30
 
 def expectation(found: Token, accepted: Iterable[str]) -> str:
     """``found 'THEN', expected ';' or an operator``, of the terminals that the grammar accepts there."""
-    left = {terminal.strip("$") for terminal in accepted}
+    left = set(accepted)
     words: list[str] = []
     if left >= _STATEMENT_STARTS:
         words.append("a statement")

@@ -165,9 +165,12 @@ def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str]
             kind = "NAME"
             if previous != "DOT":
                 kind = known(value) or known(value.upper()) or "NAME"
-                if kind == "REGION":  # its title is free text up to the end of the line
-                    position = _line_end(text, position)
-                    value = text[start:position]
+                if kind in _UP_TO_LINE_END:
+                    if _UP_TO_LINE_END[kind].match(text, position):
+                        position = _line_end(text, position)
+                        value = text[start:position]
+                    else:
+                        kind = "NAME"
         elif group == _PUNCT:
             kind = _PUNCTUATION.get(value, "PERIPHERAL")
             if kind == "PERIPHERAL" and (previous not in _OPERAND_ENDS or tokens[-1].span[1] != start):
@@ -205,6 +208,10 @@ def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str]
         append(Token(kind, value, (start, position)))
         previous = kind
     return Tokens(tokens, comments, problems)
+
+
+_UP_TO_LINE_END = {"REGION": re.compile(r"(?!\s*:)"), "TITLE": re.compile(r"\s*=")}
+"""Words behind which free text stands, and what follows them if they are no names."""
 
 
 def _line_end(text: str, position: int) -> int:

@@ -16,6 +16,9 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.builder import Builder
+from plcopen_sfc.languages.st.builder_declarations import DeclarationBuilder
+from plcopen_sfc.languages.st.declaration_nodes import Declarations
+from plcopen_sfc.languages.st.declaration_words import tokenize_declarations
 from plcopen_sfc.languages.st.depth import may_be_deep, too_deep
 from plcopen_sfc.languages.st.lexer import Comment, tokenize
 from plcopen_sfc.languages.st.recovery import Reading
@@ -51,6 +54,11 @@ def parse_expression(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expr
     return _parse(text, Dialect(dialect), "whole_expression")
 
 
+def parse_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[Declarations]:
+    """Heads of POUs, variable sections and types. Bodies must not be in it. Never raises: see `Parsed.problems`."""
+    return _parse(text, Dialect(dialect), "declarations")
+
+
 def _parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
     # conditions and short actions repeat a lot in real charts; trees cannot be changed, so equal texts share one
     return (_cached_parse if len(text) <= _CACHED else _fresh_parse)(text, dialect, start)
@@ -66,9 +74,10 @@ def _cached_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
 
 def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
     with collector_paused():
-        found = tokenize(text, dialect)
+        declares = start == "declarations"
+        found = tokenize_declarations(text, dialect) if declares else tokenize(text, dialect)
         with _LOCK:
-            lark, builder = _parser(dialect)
+            lark, builder = _parser_for(dialect is Dialect.SCL, declares)
             tree = Reading(lark, builder, start, text, found).run()
             problems = sorted(found.problems + builder.problems, key=lambda problem: problem.span)
         problem = too_deep(tree) if tree is not None and may_be_deep(found.tokens) else None
@@ -76,8 +85,8 @@ def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
         problems = [problem]
     if tree is None or problem is not None:
         tree = n.Unreadable(text, span=(0, len(text)))
-        if start == "statements":
-            tree = n.Statements((tree,), span=tree.span)
+        if start != "whole_expression":
+            tree = Declarations((tree,), span=tree.span) if declares else n.Statements((tree,), span=tree.span)
     return Parsed(text, dialect, tree, tuple(found.comments), tuple(problems))
 
 
@@ -96,20 +105,16 @@ class _GivenTokens(Lexer):
 
 
 @cache
-def _parser_for(scl: bool) -> tuple[Lark, Builder]:
-    builder = Builder(signs_below_power=scl)
-    grammar = files(__package__).joinpath("st.lark").read_text("utf-8")
+def _parser_for(scl: bool, declares: bool) -> tuple[Lark, Builder]:
+    builder = (DeclarationBuilder if declares else Builder)(signs_below_power=scl)
+    names = ["st.lark", "declarations.lark"] if declares else ["st.lark"]
     lark = Lark(
-        grammar,
+        "\n".join(files(__package__).joinpath(name).read_text("utf-8") for name in names),
         parser="lalr",
         lexer=_GivenTokens,
-        start=["statements", "whole_expression"],
+        start=["declarations"] if declares else ["statements", "whole_expression"],
         keep_all_tokens=True,
         maybe_placeholders=False,
         transformer=builder,
     )
     return lark, builder
-
-
-def _parser(dialect: Dialect) -> tuple[Lark, Builder]:
-    return _parser_for(dialect is Dialect.SCL)

@@ -29,10 +29,20 @@ _CLOSED_BY = {
     "REPEAT": "END_REPEAT",
     "REGION": "END_REGION",
     "TRY": "ENDTRY",
+    "VAR": "END_VAR",
+    "VAR_ACCESS": "END_VAR",
+    "VAR_CONFIG": "END_VAR",
+    "TYPE": "END_TYPE",
+    "STRUCT": "END_STRUCT",
+    "UNION": "END_UNION",
 }
 _CLOSING = frozenset(_CLOSED_BY.values())
 _DIVIDING = frozenset({"ELSE", "ELSIF", "UNTIL", "CATCH", "FINALLY"})
-_BEFORE_STATEMENTS = frozenset({"THEN", "ELSE", "DO", "OF", "REPEAT", "REGION", "TRY", "FINALLY"})
+_STARTS = frozenset({"IF", "POU", "END_VAR", "END_TYPE", "END_STRUCT", "END_UNION"})
+"""Where one of these is accepted, a statement or a declaration may start."""
+_HEADS = frozenset({"POU", "END_POU"})
+_BEHIND_SECTIONS = _HEADS | {"VAR", "VAR_ACCESS", "VAR_CONFIG", "TYPE", "$END"}
+_INSIDE_DECLARATIONS = frozenset({"STRUCT", "UNION"})
 
 
 class Reading:
@@ -45,7 +55,7 @@ class Reading:
         # lark's own tokens are strings that remember much more and cost as much
         self._feed = cast(Callable[..., Any], self._parser.parser_state.feed_token)
         self._builder = builder
-        self._has_statements = start == "statements"
+        self._is_list = start in ("statements", "declarations")
         self._text = text
         self._tokens = [*found.tokens, Token("$END", "", (len(text), len(text)))]
         builder.problems = []
@@ -54,7 +64,7 @@ class Reading:
         """What the rule makes; None if an error leaves nothing of it."""
         tokens = self._tokens
         feed = self._feed
-        if self._has_statements:
+        if self._is_list:
             self._feed_semicolon(0)
         position, last = 0, len(tokens) - 1
         while True:
@@ -64,15 +74,15 @@ class Reading:
                     feed(tokens[index])
                 position = last
                 # after an error nothing may be left to reduce, and lark looks for the end when it reduces
-                complete = self._has_statements and len(self._values) == 1
+                complete = self._is_list and len(self._values) == 1
                 result = self._values[0] if complete else feed(tokens[last], is_end=True)
             except UnexpectedToken:
-                if not self._has_statements:
+                if not self._is_list:
                     self._tell(position)
                     return None
                 position = self._recover(position)
             else:
-                return self._builder.whole_body(result, len(self._text)) if self._has_statements else result
+                return self._builder.whole(result, len(self._text)) if self._is_list else result
 
     def _feed_semicolon(self, offset: int) -> None:
         """Feed a semicolon that does not stand in the text; an empty statement that it makes is left out."""
@@ -87,7 +97,7 @@ class Reading:
         opening = self._opening()
         if opening is not None and _CLOSED_BY[opening.type] in accepted and token.type in {"$END", *_CLOSING}:
             line, _ = Lines(self._text).place(opening.span[0])
-            message += f" for the {opening.type} in line {line}"
+            message += f" for the {opening.value.split()[0].upper()} in line {line}"
         self._builder.problems.append(Problem(message, token.span))
 
     def _accepted(self) -> set[str]:
@@ -107,11 +117,15 @@ class Reading:
         if self._semicolon_is_missing(position):
             self._feed_semicolon(self._tokens[position - 1].span[1])
             return position
+        if token.type in _BEHIND_SECTIONS and "END_VAR" in self._accepted():
+            end = self._tokens[position - 1].span[1]
+            self._feed(Token("END_VAR", "", (end, end)))
+            return position
         if token.type == "$END":
             return self._give_up(position)
         if token.type in _CLOSING and self._close_outer_block(token):
             return position
-        if self._values and isinstance(self._values[-1], Token) and self._values[-1].type in _BEFORE_STATEMENTS:
+        if self._accepted() & _STARTS:  # an empty list is made only when something follows that fits
             self._feed_semicolon(token.span[0])
         start, opened = self._unwind(token.span[0])
         position = self._skip(position, opened)
@@ -128,7 +142,7 @@ class Reading:
     def _semicolon_is_missing(self, position: int) -> bool:
         token = self._tokens[position]
         accepted = self._accepted()
-        if "SEMICOLON" not in accepted or "IF" in accepted:  # where a statement may start, none is unfinished
+        if "SEMICOLON" not in accepted or accepted & _STARTS:  # where a statement may start, none is unfinished
             return False
         if token.type == "$END" or token.type in _CLOSED_BY or token.type in _CLOSING or token.type in _DIVIDING:
             return True
@@ -170,10 +184,10 @@ class Reading:
         closing = {_CLOSED_BY[v.type] for v in self._values if isinstance(v, Token) and v.type in _CLOSED_BY}
         for index in range(position, len(self._tokens)):
             kind = self._tokens[index].type
-            if kind == "$END":
+            if kind == "$END" or (kind in _HEADS and index > first):
                 return index
             if kind in _CLOSED_BY:
-                if depth == 0 and index > first:
+                if depth == 0 and index > first and kind not in _INSIDE_DECLARATIONS:
                     return index
                 depth += 1
             elif kind in _CLOSING:

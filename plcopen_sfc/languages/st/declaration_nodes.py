@@ -1,0 +1,280 @@
+"""The syntax tree of declarations: heads of POUs, variable sections and types (IEC 61131-3 ed. 3, 6.4 to 6.8).
+
+What CODESYS and SCL add is here too. Comments, pragmas and the attributes of SCL (``{ S7_HMI := 'x' }``) are not in the
+tree: they are among the comments of the parsed text, and their place tells what they belong to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from plcopen_sfc.languages.st.nodes import Argument, Expression, Name, Node, Range, Unreadable
+
+# -- types
+
+
+@dataclass(frozen=True, slots=True)
+class NamedType(Node):
+    """A type by its name, which may be qualified: ``INT``, ``Library.FB``, ``"UDT"``.
+
+    `arguments` is what stands in parentheses behind it: those of a constructor (CODESYS ``FB(5)``), else None.
+    """
+
+    name: Expression
+    arguments: tuple[Argument, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class StringType(Node):
+    """``STRING``, ``STRING[80]``, ``WSTRING(80)``."""
+
+    name: Name
+    length: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SubrangeType(Node):
+    """``INT(0..10)``."""
+
+    base: NamedType
+    bounds: Range
+
+
+@dataclass(frozen=True, slots=True)
+class OpenDimension(Node):
+    """``*``: an array of any length."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayType(Node):
+    """``ARRAY [1..3, 0..9] OF base``, ``ARRAY [*] OF base``."""
+
+    dimensions: tuple[Range | OpenDimension, ...]
+    base: TypeNode
+
+
+@dataclass(frozen=True, slots=True)
+class PointerType(Node):
+    """``POINTER TO base``, ``REFERENCE TO base``, ``REF_TO base``: `keyword` is the first word, in capitals."""
+
+    keyword: str
+    base: TypeNode
+
+
+@dataclass(frozen=True, slots=True)
+class StructType(Node):
+    """``STRUCT .. END_STRUCT`` or, with `union`, ``UNION .. END_UNION``."""
+
+    members: tuple[VariableDeclaration | Unreadable, ...]
+    union: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class EnumValue(Node):
+    """One name of an enumeration."""
+
+    name: Name
+    value: Expression | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class EnumType(Node):
+    """``(Red, Green := 5) BYTE`` or, with the base before it, ``BYTE (Red, Green := 5)``."""
+
+    values: tuple[EnumValue, ...]
+    base: TypeNode | None = None
+
+
+TypeNode: TypeAlias = "NamedType | StringType | SubrangeType | ArrayType | PointerType | StructType | EnumType"
+"""Any type."""
+
+# -- initial values
+
+
+@dataclass(frozen=True, slots=True)
+class Repetition(Node):
+    """``3(0)`` in the value of an array. `value` None: nothing stands in the parentheses."""
+
+    count: Expression
+    value: InitialValue | None
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayValue(Node):
+    """``[1, 2, 3(0)]``, or without brackets as CoDeSys V2.3 has it."""
+
+    items: tuple[InitialValue | Repetition, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MemberValue(Node):
+    """``member := value``."""
+
+    member: Name
+    value: InitialValue
+
+
+@dataclass(frozen=True, slots=True)
+class StructValue(Node):
+    """``(a := 1, b := [2, 3])`` of a structure or an instance; in SCL also by position, ``(1, (2, 3))``."""
+
+    members: tuple[MemberValue | InitialValue, ...]
+
+
+InitialValue: TypeAlias = "Expression | ArrayValue | StructValue"
+"""Any initial value."""
+
+# -- variables and sections
+
+
+@dataclass(frozen=True, slots=True)
+class VariableDeclaration(Node):
+    """``a, b AT %IX0.0 : INT := 5;`` with its semicolon.
+
+    `names` is empty for a direct address without a name. `address` is a direct address, incomplete ones (``%I*``) too,
+    or the variable that an SCL variable overlays. `edge`: ``R_EDGE`` or ``F_EDGE``.
+    """
+
+    names: tuple[Name, ...]
+    type: TypeNode
+    address: Expression | None = None
+    initial: InitialValue | None = None
+    edge: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Section(Node):
+    """``VAR_INPUT RETAIN .. END_VAR``. `keyword` and `qualifiers` are in capitals."""
+
+    keyword: str
+    qualifiers: tuple[str, ...]
+    variables: tuple[VariableDeclaration | Unreadable, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AccessPath(Node):
+    """``alias : path : type READ_ONLY;``"""
+
+    alias: Name
+    path: Expression
+    type: TypeNode
+    direction: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class AccessSection(Node):
+    """``VAR_ACCESS .. END_VAR``."""
+
+    paths: tuple[AccessPath | Unreadable, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigEntry(Node):
+    """``resource.program.variable AT %IX0.0 : BOOL := TRUE;``"""
+
+    path: Expression
+    type: TypeNode
+    address: Expression | None = None
+    initial: InitialValue | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigSection(Node):
+    """``VAR_CONFIG .. END_VAR``."""
+
+    entries: tuple[ConfigEntry | Unreadable, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Property(Node):
+    """A line of the head of an SCL block: ``VERSION : 0.1``, ``TITLE = text``, ``NON_RETAIN``.
+
+    `name` is in capitals; `value` as written, None where the word stands alone.
+    """
+
+    name: str
+    value: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TypeDeclaration(Node):
+    """``name : type := initial;`` between TYPE and END_TYPE."""
+
+    name: Name
+    type: TypeNode
+    initial: InitialValue | None = None
+    extends: Expression | None = None
+    properties: tuple[Property, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TypeSection(Node):
+    """``TYPE .. END_TYPE``."""
+
+    types: tuple[TypeDeclaration | Unreadable, ...]
+
+
+# -- heads
+
+
+@dataclass(frozen=True, slots=True)
+class PouHead(Node):
+    """What stands before the sections: ``FUNCTION_BLOCK ABSTRACT name EXTENDS base IMPLEMENTS i, j``.
+
+    `keyword` and `qualifiers` are in capitals. `type` is that of the result, of a property, or of what an SCL instance
+    DB belongs to; of a resource the processor that it runs ``ON``.
+    """
+
+    keyword: str
+    name: Expression
+    qualifiers: tuple[str, ...] = ()
+    type: TypeNode | None = None
+    extends: tuple[Expression, ...] = ()
+    implements: tuple[Expression, ...] = ()
+    properties: tuple[Property, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Task(Node):
+    """``TASK name(INTERVAL := T#20ms, PRIORITY := 1);``"""
+
+    name: Name
+    arguments: tuple[Argument, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramInstance(Node):
+    """``PROGRAM name WITH task : type (a := b);``"""
+
+    name: Name
+    task: Name | None
+    type: NamedType
+
+
+@dataclass(frozen=True, slots=True)
+class StructBody(Node):
+    """The ``STRUCT .. END_STRUCT`` that declares a data block (SCL)."""
+
+    type: StructType
+
+
+@dataclass(frozen=True, slots=True)
+class End(Node):
+    """``END_FUNCTION_BLOCK`` and the like. `keyword` is in capitals."""
+
+    keyword: str
+
+
+Declaration: TypeAlias = (
+    "PouHead | Section | AccessSection | ConfigSection | TypeSection | Task | ProgramInstance | StructBody | End"
+    " | Unreadable"
+)
+"""Whatever stands at the outermost level of a declaration."""
+
+
+@dataclass(frozen=True, slots=True)
+class Declarations(Node):
+    """A text of declarations, in its order. Heads and what follows them stand side by side."""
+
+    items: tuple[Declaration, ...]
