@@ -92,7 +92,7 @@ def _instruction(text: str, line: list[Token], dialect: Dialect) -> Instruction:
         return Instruction("", (0, 0), label=label)
     first, rest = line[0], line[1:]
     span = first.span
-    if first.type not in _SYMBOLS and first.type != "NAME":
+    if first.type not in _SYMBOLS and not (first.value[0].isalpha() or first.value[0] == "_"):
         return Instruction("", first.span, tuple(_operands(text, line, dialect)), label)
     if rest and first.value == "&" and rest[0].value.upper() == "N" and rest[0].span[0] == first.span[1]:
         span = (first.span[0], rest[0].span[1])

@@ -22,7 +22,8 @@ def in_declarations(text: str, dialect: Dialect) -> Iterator[Reference]:
 def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None = None) -> Iterator[Reference]:
     """The names in `node`, which declares what belongs to the type `within`; `type_` is that of initial values."""
     if isinstance(node, d.PouHead):
-        yield from _types(node.name, dialect)
+        if isinstance(node.name, n.Name):
+            yield replace(named(node.name), role=Role.HEAD)
         for base in (*node.extends, *node.implements):
             yield from _types(base, dialect)
         if node.type is not None:
@@ -33,7 +34,8 @@ def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None 
             yield from _types(node.extends, dialect)
         yield from _in(node.type, dialect, node.name.identifier)
         if node.initial is not None:
-            yield from _in(node.initial, dialect, within, _innermost(node.type))
+            own = node.name if isinstance(node.type, d.EnumType) else _innermost(node.type)
+            yield from _in(node.initial, dialect, within, own)
     elif isinstance(node, d.NamedType):
         yield from _types(node.name, dialect)
         for argument in node.arguments or ():
@@ -54,6 +56,8 @@ def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None 
         yield named(node.member, base=type_, unread="" if type_ is not None else "what it is a member of has no name")
         of = None if type_ is None else n.Member(type_, node.member, span=type_.span)
         yield from _in(node.value, dialect, within, of)
+    elif isinstance(node, n.Name):
+        yield named(node, expected=type_)
     elif isinstance(node, d.StringType):
         if node.length is not None:
             yield from in_tree(node.length, dialect)

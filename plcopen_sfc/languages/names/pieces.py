@@ -37,8 +37,9 @@ class Reading(StrEnum):
 class Role(StrEnum):
     """What a name is used for, where that decides which of several things it means.
 
-    PARAMETER: a parameter of the block `Piece.owner`; MEMBER: a member of the type that it is; STEP: a step of the
-    chart that it is; OBJECT: the object of the project tree that has its id.
+    PARAMETER: a parameter of the block `Piece.owner`; MEMBER: a member of the value `Piece.owner`; STEP: a step of the
+    chart `Piece.owner`; OBJECT: the last of the nodes of the project tree `Piece.owner`, which stand in each other;
+    HEAD: what a text of declarations declares as a whole.
     """
 
     VALUE = "value"
@@ -49,6 +50,7 @@ class Role(StrEnum):
     MEMBER = "member"
     STEP = "step"
     OBJECT = "object"
+    HEAD = "head"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,6 +59,7 @@ class Site:
 
     pou: Pou | None = None
     method: Method | None = None
+    transition: NamedTransition | None = None
     charts: tuple[s.SfcNetwork, ...] = ()
     place: str = ""
 
@@ -254,7 +257,6 @@ def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own
     elif isinstance(holder, TreeNode):
-        owner = holder
         if holder.folder:
             return
     elif isinstance(holder, n.Block) and key == "type_name" and holder.instance:
@@ -284,8 +286,13 @@ def _pou(pou: Pou, where: _Where) -> _Where:
     return replace(where, site=Site(pou=pou, place=pou.place), path=pou.name)
 
 
-def _part(part: Action | NamedTransition, where: _Where) -> _Where:
-    return replace(where, path=f"{where.path}.{part.name}")
+def _action(action: Action, where: _Where) -> _Where:
+    return replace(where, path=f"{where.path}.{action.name}")
+
+
+def _named_transition(transition: NamedTransition, where: _Where) -> _Where:
+    site = replace(where.site, transition=transition)
+    return replace(where, path=f"{where.path}.{transition.name}", site=site)
 
 
 def _method(method: Method, where: _Where) -> _Where:
@@ -347,8 +354,8 @@ def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
 _Entering = Callable[[Any, _Where], _Where]
 _ENTERING: dict[type[Model], _Entering] = {
     Pou: _pou,
-    Action: _part,
-    NamedTransition: _part,
+    Action: _action,
+    NamedTransition: _named_transition,
     Method: _method,
     Interface: lambda _, where: replace(where, language="declaration"),
     VariableSection: _section,
@@ -368,5 +375,5 @@ _ENTERING: dict[type[Model], _Entering] = {
     Resource: _resource,
     Configuration: _configuration,
     Task: lambda task, where: where.at(task.name),
-    TreeNode: lambda _, where: replace(where, path="project tree"),
+    TreeNode: lambda node, where: replace(where, path="project tree", owner=(*(where.owner or ()), node)),
 }

@@ -22,8 +22,9 @@ class Reference:
     """A name in a text.
 
     `span` is that of the bare word, without quotes. `base`: it is a member of this (``base.name``); `callee`: it is a
-    parameter in a call of this; `access`: the member of it that is meant (``name.access``). `unread`: why nobody can
-    read the text that it stands in. `declares`: it is declared here; `within` is the name of the type around it.
+    parameter in a call of this; `access`: the member of it that is meant (``name.access``); `expected`: it stands where a
+    value of the type of this is expected (``expected := name``), or of the type that this names. `unread`: why nobody
+    can read the text that it stands in. `declares`: it is declared here; `within` is the name of the type around it.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Reference:
     base: n.Expression | None = None
     callee: n.Expression | None = None
     access: str = ""
+    expected: n.Expression | None = None
     unread: str = ""
     declares: bool = False
     within: str = ""
@@ -42,7 +44,7 @@ def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
     """Every name in the text of a piece."""
     text = piece.text
     if piece.reading is Reading.STATEMENTS:
-        yield from in_tree(parse_statements(text, dialect).tree, dialect)
+        yield from _in_statements(text, dialect)
     elif piece.reading is Reading.EXPRESSION:
         yield from _in_expression(text, piece.role, dialect)
     elif piece.reading is Reading.INSTRUCTIONS:
@@ -55,6 +57,27 @@ def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
         yield Reference(text, (0, len(text)), piece.role)
     else:
         yield from unread(text, 0, "it stands in data that only another tool reads")
+
+
+def _in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
+    parsed = parse_statements(text, dialect)
+    condition = _CONDITION.fullmatch(text) if parsed.problems else None
+    if condition is not None:
+        expression = parse_expression(condition[1], dialect)
+        if not expression.problems:
+            yield from moved(in_tree(expression.tree, dialect), condition.start(1))
+            return
+    yield from in_tree(parsed.tree, dialect)
+
+
+_CONDITION = re.compile(r"\s*(?::=)?(.*?)[\s;]*", re.DOTALL)
+"""The body of a transition: as the standard writes it, ``:= condition;``, or the condition alone."""
+
+
+def moved(found: Iterator[Reference], start: int) -> Iterator[Reference]:
+    """References from a text that stands at `start` in another."""
+    for reference in found:
+        yield replace(reference, span=(reference.span[0] + start, reference.span[1] + start))
 
 
 def in_tree(node: n.Node, dialect: Dialect) -> Iterator[Reference]:
@@ -80,6 +103,22 @@ def in_tree(node: n.Node, dialect: Dialect) -> Iterator[Reference]:
                 yield named(argument.name, callee=node.callee)
             if argument.value is not None:
                 yield from in_tree(argument.value, dialect)
+    elif isinstance(node, n.Assignment | n.AssignmentExpression):
+        yield from in_tree(node.target, dialect)
+        yield from _expecting(node.target, node.value, dialect)
+    elif isinstance(node, n.Operation) and node.operator in (n.Operator.EQUAL, n.Operator.UNEQUAL):
+        left, right = node.operands
+        yield from _expecting(right, left, dialect)
+        yield from _expecting(left, right, dialect)
+    elif isinstance(node, n.Case):
+        yield from in_tree(node.selector, dialect)
+        for branch in node.branches:
+            for label in branch.labels:
+                yield from _expecting(node.selector, label, dialect)
+            for statement in branch.statements:
+                yield from in_tree(statement, dialect)
+        for statement in node.otherwise or ():
+            yield from in_tree(statement, dialect)
     elif isinstance(node, n.Literal):
         yield from _in_literal(node)
     elif isinstance(node, n.Unreadable):
@@ -88,6 +127,14 @@ def in_tree(node: n.Node, dialect: Dialect) -> Iterator[Reference]:
     elif not isinstance(node, n.Goto | n.Label):
         for child in children(node):
             yield from in_tree(child, dialect)
+
+
+def _expecting(expected: n.Expression, value: n.Node, dialect: Dialect) -> Iterator[Reference]:
+    """The names in a value; one on its own may be a value of the enumeration that is expected."""
+    if isinstance(value, n.Name):
+        yield named(value, expected=expected)
+    else:
+        yield from in_tree(value, dialect)
 
 
 def named(name: n.Name, **what: Any) -> Reference:
@@ -117,11 +164,17 @@ def _in_literal(literal: n.Literal) -> Iterator[Reference]:
 
 
 def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
-    tree = parse_expression(text, dialect).tree
+    if _DURATION.fullmatch(text):
+        return
+    tree = parse_expression(text.rstrip().rstrip(";"), dialect).tree  # people end conditions as statements
     outermost = tree.name if isinstance(tree, n.Member) else tree
     for reference in in_tree(tree, dialect):
         whole = isinstance(outermost, n.Name) and outermost.span is not None and reference.span[0] >= outermost.span[0]
         yield replace(reference, role=role) if whole and role is not Role.VALUE else reference
+
+
+_DURATION = re.compile(r"\s*(?:P[\dDT.]+[\dHMS.]*|[\d.]+ *(?:d|h|m|s|ms|us|ns))\s*", re.IGNORECASE)
+"""Durations that are no literals of the language: ``PT0.02S`` of CODESYS exports, ``10s``."""
 
 
 def _in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
@@ -133,9 +186,7 @@ def _in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
         for operand in instruction.operands:
             tree = operand.parsed.tree
             if isinstance(tree, n.Node):
-                for found in in_tree(tree, dialect):
-                    start, end = found.span
-                    yield replace(found, span=(start + operand.start, end + operand.start))
+                yield from moved(in_tree(tree, dialect), operand.start)
 
 
 def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -> Iterator[Reference]:

@@ -41,9 +41,14 @@ NOTHING = Meaning()
 
 
 class Untyped(Enum):
-    """Types without members that the project declares, and those that it does not know."""
+    """Types that the project does not declare.
+
+    FOREIGN: elementary types and standard blocks, which hold nothing of the project. ELSEWHERE: their members are not
+    declared in the project, but may be of types that are. UNKNOWN: it can be any type.
+    """
 
     FOREIGN = "foreign"
+    ELSEWHERE = "elsewhere"
     UNKNOWN = "unknown"
 
 
@@ -72,18 +77,35 @@ class Resolver:
             return self._step_of(piece.owner, reference.name, site)
         if reference.role is Role.OBJECT:
             return self._object(piece.owner)
+        if reference.role is Role.HEAD:
+            return self._head(piece)
         if reference.declares:
             return self._declared(reference, piece)
         if reference.base is not None:
             return self.member(self.type_of(reference.base, site), reference.name)
         if reference.callee is not None:
             return self._parameter(self._callable(reference.callee, site), reference.name)
-        return self.lookup(reference, site)
+        meaning = self.lookup(reference, site)
+        if meaning.declaration is None or meaning.declaration.kind is Kind.ENUM_VALUE:
+            return self._expected(reference, piece) or meaning
+        return meaning
+
+    def _expected(self, reference: Reference, piece: Piece) -> Meaning | None:
+        """The value of the enumeration that is expected where the name stands."""
+        if reference.expected is not None:
+            type_ = self.type_of(reference.expected, piece.site)
+        elif isinstance(piece.owner, ValueOf) and not reference.access:
+            type_ = self._type_of_value(piece.owner, piece.site)
+        else:
+            return None
+        level = self.scopes.enumeration(type_) if isinstance(type_, t.EnumType) else type_
+        values = level.named(reference.name) if isinstance(level, Level) else ()
+        return next((Meaning(value) for value in values if value.kind is Kind.ENUM_VALUE), None)
 
     def levels(self, reference: Reference, piece: Piece) -> Sequence[Level]:
         """The scopes in which a name in a piece is looked for, the first one first; () where that is not known."""
         site = piece.site
-        if reference.unread or reference.declares or reference.role in (Role.STEP, Role.OBJECT):
+        if reference.unread or reference.declares or reference.role in (Role.STEP, Role.OBJECT, Role.HEAD):
             return ()
         if reference.role is Role.PARAMETER:
             return self._parameters(self._called_by_block(piece.owner, site))
@@ -99,6 +121,11 @@ class Resolver:
 
     def lookup(self, reference: Reference, site: Site) -> Meaning:
         """What a name on its own refers to."""
+        if site.transition is not None and site.transition.name.casefold() == reference.name.casefold():
+            # its body says in FBD and LD what it is by assigning to it
+            return Meaning(
+                Declaration(Kind.TRANSITION, f"{_name(site.pou)}.{reference.name}", (site.transition,), site.pou)
+            )
         levels = self._visible(reference, site)
         charts = len(site.charts)
         for index, level in enumerate(levels):
@@ -208,8 +235,13 @@ class Resolver:
             if own is not None:
                 return own
             meaning = self.lookup(named(expression), site)
+            if meaning is NOTHING and standard_block(expression.identifier) is not None:
+                return Untyped.FOREIGN
         elif isinstance(expression, n.Member):
-            meaning = self.member(self.type_of(expression.base, site), expression.name.identifier)
+            base = self.type_of(expression.base, site)
+            if base is Untyped.FOREIGN:
+                return base
+            meaning = self.member(base, expression.name.identifier)
         else:
             return Untyped.FOREIGN
         if meaning.declaration is None:
@@ -261,7 +293,7 @@ class Resolver:
             meaning = self.lookup(named(tree, role=Role.TYPE), Site(place=place))
             if meaning.declaration is None:
                 known = standard_block(tree.identifier) is not None or tree.identifier.upper() in _FOREIGN_TYPES
-                return Untyped.FOREIGN if known else Untyped.UNKNOWN
+                return Untyped.FOREIGN if known else Untyped.ELSEWHERE
             holder: Any = meaning.declaration.holder
             if isinstance(holder, Pou):
                 return holder
@@ -327,9 +359,10 @@ class Resolver:
         if block.instance:
             called = self.type_of(parse_expression(block.instance, self.dialect).tree, site)
             return called if called is not Untyped.UNKNOWN else self.settled(_named_type(block.type_name), site.place)
-        type_ = self._callable(parse_expression(block.type_name, self.dialect).tree, site)
-        known = type_ is Untyped.UNKNOWN and standard_block(block.type_name) is not None
-        return Untyped.FOREIGN if known else type_
+        tree = parse_expression(block.type_name, self.dialect).tree
+        type_ = self._callable(tree, site)
+        # of what stands in a block by its name alone, the type is that name
+        return Untyped.ELSEWHERE if type_ is Untyped.UNKNOWN and not isinstance(tree, n.Member) else type_
 
     # -- names with a place of their own
 
@@ -353,11 +386,28 @@ class Resolver:
         found = [d for d in self.scopes.chart(chart, site.pou).named(name) if d.kind is Kind.STEP]
         return Meaning(found[0]) if found else NOTHING
 
-    def _object(self, node: TreeNode) -> Meaning:
-        if node.object_id is None:
-            return Meaning(doubt="this node of the project tree has no id")
-        declaration = self.scopes.by_object_id().get(node.object_id)
-        return Meaning(declaration) if declaration is not None else NOTHING
+    def _object(self, nodes: tuple[TreeNode, ...]) -> Meaning:
+        """What a node of the project tree stands for: what has its id; without ids, what has its name there."""
+        node = nodes[-1]
+        around = {outer.name.casefold() for outer in nodes[:-1]}
+        alike: list[Declaration] = []
+        for declaration in self.scopes.objects():
+            object_id = getattr(declaration.holder, "object_id", None)
+            if object_id is not None and object_id == node.object_id:
+                return Meaning(declaration)
+            same = declaration.name.casefold() == node.name.casefold()
+            if object_id is None and same and (declaration.pou is None or declaration.pou.name.casefold() in around):
+                alike.append(declaration)
+        if len(alike) > 1:
+            return Meaning(doubt="several things have this name in the project tree", candidates=tuple(alike))
+        return Meaning(alike[0]) if alike else NOTHING
+
+    def _head(self, piece: Piece) -> Meaning:
+        site = piece.site
+        if site.pou is not None and site.method is not None:
+            path = f"{site.pou.name}.{site.method.name}"
+            return Meaning(Declaration(Kind.METHOD, path, (site.method,), site.pou))
+        return Meaning(Declaration(Kind.POU, site.pou.name, (site.pou,))) if site.pou is not None else NOTHING
 
     def _declared(self, reference: Reference, piece: Piece) -> Meaning:
         """What a text of declarations declares with this name."""
@@ -388,6 +438,10 @@ class Resolver:
                 yield from self._values_and_members(member.type)
         elif isinstance(type_, t.ArrayType | t.PointerType):
             yield from self._values_and_members(type_.base)
+
+
+def _name(pou: Pou | None) -> str:
+    return pou.name if pou is not None else ""
 
 
 def _named_type(name: str) -> t.DataType:

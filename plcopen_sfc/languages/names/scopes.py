@@ -159,16 +159,16 @@ class Scopes:
             elif isinstance(type_, EnumType):
                 yield self.enumeration(type_)
 
-    def by_object_id(self) -> dict[str, Declaration]:
-        """The declarations that have a node in the project tree of the tool, by its id."""
-        found: dict[str, Declaration] = {}
-        waiting = [declaration for _, declaration in self._global()]
-        waiting += [declaration for pou in self._project.pous for declaration in self.pou(pou)]
-        for declaration in waiting:
-            object_id = getattr(declaration.holder, "object_id", None)
-            if object_id is not None:
-                found.setdefault(object_id, declaration)
-        return found
+    def objects(self) -> Iterator[Declaration]:
+        """The declarations that can have a node in the project tree of the tool."""
+        kinds = (Kind.POU, Kind.DATA_TYPE, Kind.GLOBAL_LIST, Kind.ACTION, Kind.METHOD, Kind.TRANSITION)
+        for _, declaration in self._global():
+            if declaration.kind in kinds:
+                yield declaration
+        for pou in self._project.pous:
+            for declaration in self.pou(pou):
+                if declaration.kind in kinds and hasattr(declaration.holder, "object_id"):
+                    yield declaration
 
     def is_external(self, declaration: Declaration) -> bool:
         """Whether a variable stands in VAR_EXTERNAL: it is the global variable of its name."""
