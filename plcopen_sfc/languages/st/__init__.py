@@ -4,7 +4,13 @@
 `print_node` that of one which was made.
 """
 
-from plcopen_sfc.languages.st.parsing import Parsed, parse_declarations, parse_expression, parse_statements
+from plcopen_sfc.languages.st.parsing import (
+    Parsed,
+    parse_condition,
+    parse_declarations,
+    parse_expression,
+    parse_statements,
+)
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.rendering import render
 from plcopen_sfc.languages.st.walking import children, transform, walk, without_parentheses
@@ -12,6 +18,7 @@ from plcopen_sfc.languages.st.walking import children, transform, walk, without_
 __all__ = [
     "Parsed",
     "children",
+    "parse_condition",
     "parse_declarations",
     "parse_expression",
     "parse_statements",

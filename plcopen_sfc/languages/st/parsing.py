@@ -50,8 +50,16 @@ def parse_statements(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Stat
 
 
 def parse_expression(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expression]:
-    """An expression, such as the condition of a transition. Never raises: see `Parsed.problems`."""
+    """An expression. Never raises: see `Parsed.problems`."""
     return _parse(text, Dialect(dialect), "whole_expression")
+
+
+def parse_condition(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[n.Expression]:
+    """The condition of a transition: an expression, and what people write around it, ``:=`` before and ``;`` behind.
+
+    IEC 61131-3 has both in the textual form of a transition; CODESYS and TwinCAT take the semicolon. Never raises.
+    """
+    return _parse(text, Dialect(dialect), "condition")
 
 
 def parse_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Parsed[Declarations]:
@@ -85,7 +93,7 @@ def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
         problems = [problem]
     if tree is None or problem is not None:
         tree = n.Unreadable(text, span=(0, len(text)))
-        if start != "whole_expression":
+        if start not in ("whole_expression", "condition"):
             tree = Declarations((tree,), span=tree.span) if declares else n.Statements((tree,), span=tree.span)
     return Parsed(text, dialect, tree, tuple(found.comments), tuple(problems))
 
@@ -112,7 +120,7 @@ def _parser_for(scl: bool, declares: bool) -> tuple[Lark, Builder]:
         "\n".join(files(__package__).joinpath(name).read_text("utf-8") for name in names),
         parser="lalr",
         lexer=_GivenTokens,
-        start=["declarations"] if declares else ["statements", "whole_expression"],
+        start=["declarations"] if declares else ["statements", "whole_expression", "condition"],
         keep_all_tokens=True,
         maybe_placeholders=False,
         transformer=builder,

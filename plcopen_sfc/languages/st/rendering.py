@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from typing import Any
 
 from plcopen_sfc.languages.edits import Edit, apply_edits
@@ -24,7 +25,6 @@ def tree_edits(parsed: Parsed[Any], tree: Node) -> list[Edit]:
 
 
 _STATEMENTS = frozenset({"statements", "otherwise", "handler", "finally_"})
-_REST_OF_LINE = re.compile(r"(?:[ \t]*(?://[^\r\n]*|\(\*(?:(?!\*\))[^\r\n])*\*\)))?")
 
 
 def _are_separate(name: str, before: tuple[Any, ...], after: tuple[Any, ...]) -> bool:
@@ -72,8 +72,9 @@ class _Comparison:
 
     def _replaced(self, old: Node, new: Node) -> Edit:
         start, end = old.span or (0, len(self._text))
-        if isinstance(new, Statements):
-            return Edit(start, end, self._printer.text(new))
+        if isinstance(new, Statements):  # there were no statements, but perhaps comments
+            before = self._newline if self._text.strip() and not self._text.endswith(("\n", "\r")) else ""
+            return Edit(end, end, before + self._printer.text(new))
         indent = self._indent_at(start)
         self._used.clear()
         text = self._printer.text(new, indent)
@@ -108,7 +109,7 @@ class _Comparison:
         gone, come = old[same : len(old) - tail], new[same : len(new) - tail]
         if len(gone) == len(come):
             return [edit for a, b in zip(gone, come, strict=True) for edit in self.edits(a, b)]
-        if not separate or same + tail == 0:
+        if not separate or not old:
             return None
         paired = min(len(gone), len(come))
         found = [edit for a, b in zip(gone[:paired], come[:paired], strict=True) for edit in self.edits(a, b)]
@@ -133,6 +134,14 @@ class _Comparison:
         indent = self._indent_at(start)
         texts = [self._printer.text(node, indent) for node in nodes]
         if index:
-            end = _REST_OF_LINE.match(self._text, end).end()  # type: ignore[union-attr]  # it may match nothing
+            end = self._end_with_comment(end)
             return Edit(end, end, "".join(f"{self._newline}{indent}{text}" for text in texts))
         return Edit(start, start, "".join(f"{text}{self._newline}{indent}" for text in texts))
+
+    def _end_with_comment(self, end: int) -> int:
+        """`end`, or the end of the comment that follows it in its line."""
+        for comment in self._comments[bisect_left(self._comments, end, key=lambda found: found.span[0]) :][:1]:
+            same_line = not self._text[end : comment.span[0]].strip(" \t") and not re.search(r"[\r\n]", comment.text)
+            if same_line and comment.kind is not CommentKind.PRAGMA:
+                return comment.span[1]
+        return end
