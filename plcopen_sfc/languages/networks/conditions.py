@@ -151,15 +151,7 @@ class _ConditionReader:
             known=self._known,
             also_used=[pin],
         )
-        reader.run()
-        tree = reader.outer_value(0)
-        read = reader.result()
-        problems = read.problems
-        if tree is None:
-            problems = (*problems, NetworkProblem("the condition has no value"))
-        return NetworkExpression(
-            read.helpers, read.instances, read.comments, problems, tree=tree, before=read.tree.statements
-        )
+        return reader.run_for_value()
 
 
 def _result_of(read: NetworkStatements, name: str) -> NetworkExpression:

@@ -27,6 +27,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
 from plcopen_sfc.model.network import (
     BlockCall,
@@ -83,6 +84,7 @@ class Drafter:
         }
         self._waiting: dict[Path, n.Call] = {}
         self._drawn: list[Path] = []
+        self._begun: set[Path] = set()
         self._blocked = False
 
     # -- statements
@@ -114,12 +116,12 @@ class Drafter:
         self._rung(calls, last)
         del self.nodes[state[0] :], self.problems[state[1] :]
         self._next_id, self._next_order = state[2:]
-        return self._drawn[: len(calls)] == list(self._waiting) and not self._blocked
+        return self._drawn == list(self._waiting) and not self._blocked
 
     def _rung(self, calls: Sequence[Statement], last: Statement) -> Rung:
         first = len(self.nodes)
         self._waiting = {path_of(call.callee): call for call in _calls(calls)}
-        self._drawn, self._blocked = [], False
+        self._drawn, self._begun, self._blocked = [], set(), False
         item = self.statement(last)
         return Rung(item, self.nodes[first:])
 
@@ -207,7 +209,10 @@ class Drafter:
 
     def _text_box(self, statement: Statement, enable: Expression | None, code: Sequence[Statement]) -> Item:
         """A statement that has no graphical form, as the text of an EXECUTE box."""
-        text = print_node(n.Statements(tuple(code)), self.rules.dialect)
+        tree = n.Statements(tuple(code))
+        if self.rules.dialect not in (Dialect.CODESYS, Dialect.TWINCAT):
+            tree = transform(tree, _without_storing)
+        text = print_node(tree, self.rules.dialect)
         draft = BlockDraft("EXECUTE", call=BlockCall.EXECUTE, code=text, outputs=["ENO"])
         draft.inputs = [("EN", self.power(enable) if enable is not None else None)]
         item = self._block(draft, None, acting=True)
@@ -250,8 +255,10 @@ class Drafter:
             return item._replace(negated=not item.negated)
         if isinstance(expression, n.Member):
             call = self._waiting.get(path_of(expression.base))
-            if call is not None and path_of(expression.base) not in self._drawn:
-                return self._function_block(call, expression.name.identifier, None)
+            if call is not None and path_of(expression.base) not in self._begun:
+                item = self._function_block(call, expression.name.identifier, None)
+                self._drawn.append(path_of(expression.base))
+                return item
         if is_impure(expression) and len(self._drawn) < len(self._waiting):
             self._blocked = True
         draft = self._operation_draft(expression, enable=None)
@@ -262,7 +269,7 @@ class Drafter:
     def _note_reading(self, expression: Expression) -> None:
         """Note that an element reads variables: it must not read those of a call that is not drawn yet."""
         paths = reads(expression)
-        if any(path[: len(p)] == p for path in paths for p in self._waiting if p not in self._drawn):
+        if any(path[: len(p)] == p for path in paths for p in self._waiting.keys() - self._begun):
             self._blocked = True
 
     def _input(self, expression: Expression) -> Item:
@@ -357,6 +364,7 @@ class Drafter:
         type_name = self._types[path]
         block = standard_block(type_name)
         draft = BlockDraft(type_name, self._text(call.callee), self._call_kind(BlockCall.FUNCTION_BLOCK))
+        self._begun.add(path)  # an argument that reads the instance means its last value
         if enable is not None:
             draft.inputs.append(("EN", self.power(enable)))
             draft.outputs.append("ENO")
@@ -373,7 +381,6 @@ class Drafter:
             draft.outputs += [output or "" if p.name == used else self._pin(block, p.name) for p in block.outputs]
         if output is not None and output not in draft.outputs:
             draft.outputs.append(output)
-        self._drawn.append(path)
         return self._block(draft, output, acting=True)
 
     # -- small things
@@ -426,6 +433,14 @@ def _calls(statements: Iterable[Statement]) -> list[n.Call]:
     """The calls among statements."""
     called = (statement.call for statement in statements if isinstance(statement, n.CallStatement))
     return [call for call in called if isinstance(call, n.Call)]
+
+
+def _without_storing(node: n.Node) -> n.Node:
+    """``x S= c`` as other dialects than that of CODESYS have it."""
+    if isinstance(node, n.Assignment) and node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
+        constant = n.Literal("TRUE" if node.kind is AssignmentKind.SET else "FALSE")
+        return n.If((n.Branch(node.value, (n.Assignment(node.target, constant),)),))
+    return node
 
 
 def _constant(expression: Expression) -> bool | None:

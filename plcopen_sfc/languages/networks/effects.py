@@ -91,6 +91,18 @@ def is_impure(expression: Expression) -> bool:
     )
 
 
+@lru_cache(maxsize=4096)
+def is_repeatable(expression: Expression) -> bool:
+    """Whether it may be written more than once: evaluating it again is the same, and it is short."""
+    # whether arguments have names makes no difference
+    size = sum(-(node.name is not None) if isinstance(node, n.Argument) else 1 for node in walk(expression))
+    return not is_impure(expression) and size <= _MAX_REPEATED
+
+
+_MAX_REPEATED = 30
+"""How many nodes an expression may have that is written more than once."""
+
+
 def is_standard_call(call: n.Call) -> bool:
     """Whether it calls a standard function, and has no output parameters."""
     if not isinstance(call.callee, n.Name) or any(argument.output for argument in call.arguments):

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.languages.networks.drafting import Drafter, DrawingRules, is_boolean_result
-from plcopen_sfc.languages.networks.effects import is_variable, path_of
+from plcopen_sfc.languages.networks.effects import is_repeatable, is_variable, path_of
+from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
     ROW,
@@ -19,7 +20,7 @@ from plcopen_sfc.languages.networks.pictures import (
     placed,
     text_width,
 )
-from plcopen_sfc.languages.networks.values import TRUE, joined
+from plcopen_sfc.languages.networks.values import TRUE, is_true, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
@@ -97,23 +98,36 @@ class LadderDrafter(Drafter):
     def _part(self, expression: Expression, *, at_rail: bool) -> _Part:
         """An expression as a part of a rung. `at_rail`: nothing stands before it."""
         inner = n.bare(expression)
-        if inner == TRUE:
+        if is_true(inner):
             return _Part(ROW / 2, self._through)
         if isinstance(inner, n.Operation) and inner.operator in (Operator.AND, Operator.OR) and self._is_boolean(inner):
             flat = joined(inner.operator, inner.operands)
             operands = flat.operands if isinstance(flat, n.Operation) else (flat,)
             if inner.operator is Operator.OR:
-                return _parallel([self._part(operand, at_rail=at_rail) for operand in operands])
+                return _parallel([self._branch(operand, at_rail=at_rail) for operand in operands])
             parts = []
+            repeatable = True
             for operand in operands:
-                parts.append(self._part(operand, at_rail=at_rail))
-                at_rail = at_rail and n.bare(operand) == TRUE
+                # power that parts into branches is read once for each of them
+                parts.append(
+                    self._part(operand, at_rail=at_rail)
+                    if repeatable or not _branches(operand)
+                    else self._block_between(operand)
+                )
+                at_rail = at_rail and is_true(operand)
+                repeatable = repeatable and is_repeatable(normal_form(operand))
             return _series(parts)
         negated = isinstance(inner, n.Unary) and inner.operator is Operator.NOT
         variable = n.bare(inner.operand) if isinstance(inner, n.Unary) and negated else inner
         if self._is_contact(variable):
             return self._contact(variable, negated=negated)
         return self._block_at_rail(inner) if at_rail else self._block_between(inner)
+
+    def _branch(self, expression: Expression, *, at_rail: bool) -> _Part:
+        """An operand of OR. A plain wire around other branches would be lost among the wires that it starts from."""
+        if not at_rail and is_true(normal_form(expression)):
+            return self._block_between(TRUE)
+        return self._part(expression, at_rail=at_rail)
 
     def _contact(self, variable: Expression, *, negated: bool) -> _Part:
         self._note_reading(variable)
@@ -174,7 +188,7 @@ class LadderDrafter(Drafter):
         inner = n.bare(expression)
         if not is_variable(inner) or self._is_boolean(inner) is False:
             return False
-        return not (isinstance(inner, n.Member) and path_of(inner.base) in self._waiting.keys() - {*self._drawn})
+        return not (isinstance(inner, n.Member) and path_of(inner.base) in self._waiting.keys() - self._begun)
 
     def _is_boolean(self, expression: Expression) -> bool | None:
         """Whether a value is of type BOOL; None: unknown."""
@@ -220,6 +234,11 @@ class LadderDrafter(Drafter):
 
 
 _LOGIC = frozenset({Operator.AND, Operator.OR, Operator.XOR, Operator.NOT, Operator.AND_THEN, Operator.OR_ELSE})
+
+
+def _branches(expression: Expression) -> bool:
+    inner = n.bare(expression)
+    return isinstance(inner, n.Operation) and inner.operator is Operator.OR
 
 
 def _led(end: End, x: float, row: float) -> End:

@@ -6,7 +6,7 @@ drawn from a text and read again has the normal form of that text. Normal is:
 
 - no parentheses, no regions, no lone semicolons;
 - AND, OR and XOR hold no operation of their own kind, + and * none as their first operand;
-- NOT is never doubled; TRUE is no operand of AND;
+- NOT is never doubled; TRUE is no operand of AND, and of OR once at most;
 - standard functions that are operators are written as such; the arguments of others are by position, in the order of
   IEC 61131-3, where all are given, else by the names of IEC 61131-3;
 - comparisons of more than two are AND of those of two; ``MOVE(x)`` is ``x``;
@@ -61,12 +61,21 @@ def _operation(operator: Operator, operands: Sequence[Expression]) -> Expression
     if operator is Operator.AND:
         operands = [operand for operand in operands if operand != TRUE]
         return joined(operator, operands) if operands else TRUE
-    if operator in (Operator.OR, Operator.XOR):
+    if operator is Operator.OR:
+        return _or(joined(operator, operands))
+    if operator is Operator.XOR:
         return joined(operator, operands)
     first = operands[0]
     if operator in (Operator.ADD, Operator.MULTIPLY) and isinstance(first, n.Operation) and first.operator is operator:
         operands = (*first.operands, *operands[1:])
     return n.Operation(operator, tuple(operands))
+
+
+def _or(flat: Expression) -> Expression:
+    if not isinstance(flat, n.Operation) or flat.operator is not Operator.OR:
+        return flat
+    always = [index for index, operand in enumerate(flat.operands) if operand == TRUE]
+    return joined(Operator.OR, [o for index, o in enumerate(flat.operands) if index not in always[1:]])
 
 
 _COMPARISONS = frozenset(

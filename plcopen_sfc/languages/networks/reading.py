@@ -10,7 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.blocks import BlockReader
 from plcopen_sfc.languages.networks.effects import path_of
 from plcopen_sfc.languages.networks.graph import Graph, Source, block_outputs, is_fed
-from plcopen_sfc.languages.networks.results import NetworkStatements
+from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.values import TRUE, Factor, Product, expression_of, inverted, meeting
 from plcopen_sfc.languages.networks.wires import Wires
 from plcopen_sfc.languages.st import nodes as n
@@ -20,6 +20,7 @@ from plcopen_sfc.model.network import (
     Block,
     Coil,
     CommentBox,
+    Connection,
     Connector,
     Contact,
     Continuation,
@@ -71,6 +72,20 @@ def network_statements(
     return reader.result()
 
 
+def network_expression(
+    network: LogicNetwork,
+    outputs: Sequence[Connection],
+    dialect: Dialect = Dialect.IEC,
+    *,
+    taken: Iterable[str] = (),
+    known: Container[str] | None = None,
+) -> NetworkExpression:
+    """The value that `outputs`, wires from a network, have together; see `body_statements`."""
+    pin = InputPin(connections=[*outputs])
+    reader = NetworkReader([network.nodes], dialect, taken=taken, known=known, also_used=[pin])
+    return reader.run_for_value()
+
+
 def reader_of_chart(
     chart: SfcNetwork,
     nodes: Sequence[Node],
@@ -116,8 +131,7 @@ class NetworkReader:
 
     def result(self) -> NetworkStatements:
         """What was executed, as statements."""
-        for number, value in self.open_ends:
-            del value
+        for number, _ in self.open_ends:
             self.wires.problem("its value leads nowhere", number)
         return NetworkStatements(
             helpers=tuple(self.wires.helpers),
@@ -128,16 +142,28 @@ class NetworkReader:
             open_ends=tuple(self.open_ends),
         )
 
+    def run_for_value(self) -> NetworkExpression:
+        """Execute every element; the result is the value at the first of the pins `also_used`."""
+        self.run()
+        product = self._meet(self._outer[0])
+        read = self.result()
+        problems = read.problems
+        if product is None:
+            problems = (*problems, NetworkProblem("there is no value"))
+        return NetworkExpression(
+            read.helpers,
+            read.instances,
+            read.comments,
+            problems,
+            tree=expression_of(product) if product is not None else None,
+            before=read.tree.statements,
+        )
+
     def acts(self, node: Node) -> bool:
         """Whether executing an element does something, whoever uses its value."""
         if isinstance(node, Block):
             return self._blocks.acts(node)
         return not isinstance(node, InputVariable | Contact | LeftPowerRail | RightPowerRail | Continuation | Connector)
-
-    def outer_value(self, number: int) -> Expression | None:
-        """The value at one of the pins `also_used`."""
-        product = self._meet(self._outer[number])
-        return expression_of(product) if product is not None else None
 
     # -- values
 
@@ -256,6 +282,9 @@ class NetworkReader:
         if isinstance(node, Jump):
             is_codesys = self.wires.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
             statement = n.Goto(n.Name(node.label), "JMP" if is_codesys else "GOTO")
+            if self.wires.dialect is Dialect.IEC:
+                text = "structured text of IEC 61131-3 has no jumps; GOTO is of SCL"
+                self.wires.problem(text, node.id, Severity.WARNING)
         product = self._value(node)
         if product is None:
             self.wires.problem("nothing leads here; taken as unconditional", node.id, Severity.WARNING)

@@ -27,6 +27,12 @@ Product = tuple[Factor, ...]
 """A value as a product; the empty one is TRUE, the value of the left power rail."""
 
 
+def is_true(expression: Expression) -> bool:
+    """Whether it is the literal TRUE."""
+    inner = bare(expression)
+    return isinstance(inner, Literal) and inner.text.upper() == "TRUE"
+
+
 def expression_of(product: Product) -> Expression:
     """A product as an expression."""
     return joined(Operator.AND, [factor.expression for factor in product]) if product else TRUE

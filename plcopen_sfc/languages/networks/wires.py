@@ -11,7 +11,7 @@ from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import Path, is_impure, may_change, path_of, reads, walk, writes
+from plcopen_sfc.languages.networks.effects import Path, is_impure, is_repeatable, may_change, path_of, reads, writes
 from plcopen_sfc.languages.networks.graph import Source
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
 from plcopen_sfc.languages.networks.values import Factor, Product, expression_of
@@ -21,10 +21,10 @@ from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.network import Edge
 
-MAX_REPEATED = 30
-"""How many nodes a value may have that is written more than once."""
 MAX_DEPTH = 60
 """How deep a value may be nested before it goes through a helper."""
+MAX_FACTORS = 200
+"""How many factors a value may have that is used more than once."""
 
 
 class Wires:
@@ -124,8 +124,6 @@ class Wires:
         """Give an output its value, None where it has none. `lazy`: it is not evaluated before its first use."""
         uses = self._uses(source)
         self._values[source] = product
-        if uses > 0 and not lazy:
-            self._left[source] = uses
         if product is not None:
             helper = self._feedback.get(source)
             if helper is not None:
@@ -134,6 +132,8 @@ class Wires:
                 self._values[source] = (Factor(source, name),)
             elif _is_deep(product) or (uses > 1 and _is_costly(product)):
                 self.execute(self._kept(source, product))
+        if uses > 0 and not lazy:
+            self._left[source] = uses
 
     def take(self, source: Source) -> Product | None:
         """The value of an output for one of its uses."""
@@ -181,13 +181,7 @@ def _is_deep(product: Product) -> bool:
 
 
 def _is_costly(product: Product) -> bool:
-    size = sum(_size(factor.expression) for factor in product)
-    return size > MAX_REPEATED or any(is_impure(factor.expression) for factor in product)
-
-
-@lru_cache(maxsize=4096)
-def _size(expression: Expression) -> int:
-    return sum(1 for _ in walk(expression))
+    return len(product) > MAX_FACTORS or not all(is_repeatable(factor.expression) for factor in product)
 
 
 @lru_cache(maxsize=4096)

@@ -1,0 +1,66 @@
+"""Text drawn as a network and read again is the text, up to normal form."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_fbd_expression, draw_ld, draw_ld_expression
+from plcopen_sfc.languages.networks.drafting import DrawingRules
+from plcopen_sfc.languages.networks.normal_form import normal_form
+from plcopen_sfc.languages.networks.reading import body_statements, network_expression
+from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.standard_blocks import Tool
+from tests.languages.networks.programs import INSTANCES, booleans, numbers, programs
+
+tools = st.sampled_from([None, *Tool])
+
+
+def shown(tree: n.Node) -> str:
+    return print_node(normal_form(tree))
+
+
+@given(booleans | numbers, tools)
+def test_an_expression_drawn_as_fbd_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
+    drawn = draw_fbd_expression(expression, DrawingRules(tool=tool))
+    read = network_expression(drawn.network, drawn.outputs)
+    assert not read.problems
+    assert not read.before
+    assert read.tree is not None
+    found = inverted(read.tree) if drawn.negated else read.tree
+    assert shown(found) == shown(expression)
+    assert normal_form(found) == normal_form(expression)
+
+
+@given(booleans, tools)
+def test_a_condition_drawn_as_ld_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
+    drawn = draw_ld_expression(expression, DrawingRules(tool=tool))
+    read = network_expression(drawn.network, drawn.outputs)
+    assert not read.problems
+    assert not read.before
+    assert read.tree is not None
+    found = inverted(read.tree) if drawn.negated else read.tree
+    assert shown(found) == shown(expression)
+    assert normal_form(found) == normal_form(expression)
+
+
+@given(programs, tools, st.booleans(), st.sampled_from(["FBD", "LD"]))
+def test_statements_drawn_read_as_themselves(
+    program: n.Statements, tool: Tool | None, divided: bool, language: str
+) -> None:
+    rules = DrawingRules(Dialect.CODESYS, tool=tool, instances=INSTANCES)
+    draw = draw_fbd if language == "FBD" else draw_ld
+    read = body_statements(draw(program.statements, rules, divided=divided).body, Dialect.CODESYS)
+    assert read.complete, read.problems
+    assert not read.helpers
+    assert shown(read.tree) == shown(program)
+    assert normal_form(read.tree) == normal_form(program)
+
+
+@given(booleans)
+def test_the_normal_form_is_normal(expression: n.Expression) -> None:
+    assert normal_form(normal_form(expression)) == normal_form(expression)
