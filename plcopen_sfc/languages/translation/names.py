@@ -71,7 +71,9 @@ class NameTranslator:
             return name
         if self._target is Dialect.SCL:
             return self._for_scl(name)
-        if self._source is not Dialect.SCL or name.identifier.upper() in _OF_THE_LANGUAGE:
+        if name.identifier.upper() in _OF_THE_LANGUAGE:
+            return self._changed(name, name.identifier, Quoting.NONE)
+        if self._source is not Dialect.SCL:
             return name
         if name.quoting is Quoting.GLOBAL:
             return self._legal(name, NameScope.GLOBAL, self._local_names)
