@@ -1,0 +1,281 @@
+"""Every piece of structured text in the corpus, with the kind of text it is, its dialect and where it stands."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+from pydantic import BaseModel
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.dialects import Dialect
+from tests.corpus import CORPUS, corpus_files
+from tests.languages.st_simaticml import scl_text
+
+
+class Kind(StrEnum):
+    """What a text is."""
+
+    STATEMENTS = "statements"
+    EXPRESSION = "expression"
+    CONDITION = "condition"
+    DECLARATIONS = "declarations"
+
+
+@dataclass(frozen=True)
+class CorpusText:
+    """A text of the corpus. `file` is relative to the corpus; `place` says where in the file."""
+
+    kind: Kind
+    dialect: Dialect
+    text: str
+    file: str
+    place: str
+
+    def __str__(self) -> str:
+        return f"{self.file}, {self.place}"
+
+
+Found = tuple[Kind, str, str]
+"""A kind, a text and its place."""
+
+
+@cache
+def corpus_texts() -> tuple[CorpusText, ...]:
+    """All texts, in the order of the files; equal texts occur as often as in the corpus."""
+    return tuple(_all_texts())
+
+
+def distinct(texts: Iterable[CorpusText]) -> list[CorpusText]:
+    """The first of each group of texts that say the same in the same dialect."""
+    first: dict[tuple[Kind, Dialect, str], CorpusText] = {}
+    for each in texts:
+        first.setdefault((each.kind, each.dialect, each.text), each)
+    return list(first.values())
+
+
+def _all_texts() -> Iterator[CorpusText]:
+    sources: list[tuple[str, str, Dialect, Callable[[Path], Iterable[Found]]]] = [
+        ("plcopen", ".xml", Dialect.IEC, _of_project),
+        ("codesys", ".xml", Dialect.CODESYS, _of_project),
+        ("grafcet", ".xml", Dialect.IEC, _of_project),
+        ("iectext", ".xml", Dialect.IEC, _of_project),
+        ("twincat", ".tcpou", Dialect.TWINCAT, _of_twincat),
+        ("codesys23", ".exp", Dialect.CODESYS, _of_export),
+        ("iectext", ".sfc", Dialect.IEC, _of_iec_text),
+        ("iectext", ".txt", Dialect.IEC, _of_iec_text),
+        ("iectext", ".test", Dialect.IEC, _of_iec_text),
+        ("simaticml", ".xml", Dialect.SCL, _of_simaticml),
+        ("simaticml", ".scl", Dialect.SCL, _of_scl_source),
+        ("simaticml", ".s7dcl", Dialect.SCL, _of_simatic_sd),
+        ("l5x", ".l5x", Dialect.IEC, _of_l5x),
+        ("schneider", ".xml", Dialect.IEC, _of_schneider),
+    ]
+    for folder, suffix, dialect, texts in sources:
+        for path in corpus_files(folder):
+            if path.suffix.lower() == suffix:
+                file = path.relative_to(CORPUS).as_posix()
+                yield from (CorpusText(kind, dialect, text, file, place) for kind, text, place in texts(path))
+
+
+# -- PLCopen XML, of which CODESYS and TwinCAT have theirs ------------------------------------------------------------
+
+_FIELDS: dict[type[BaseModel], dict[str, Kind]] = {
+    m.StBody: {"text": Kind.STATEMENTS},
+    m.Expression: {"text": Kind.CONDITION},
+    m.Block: {"code": Kind.STATEMENTS, "instance": Kind.EXPRESSION},
+    m.ActionAssociation: dict.fromkeys(("target", "value", "duration", "indicator"), Kind.EXPRESSION),
+    m.Step: dict.fromkeys(
+        ("entry_action", "main_action", "exit_action", "min_time", "max_time", "warning_time"), Kind.EXPRESSION
+    ),
+    m.SimpleValue: {"text": Kind.EXPRESSION},
+    m.EnumValue: {"value": Kind.EXPRESSION},
+    m.Dimension: {"lower": Kind.EXPRESSION, "upper": Kind.EXPRESSION},
+    m.StringType: {"length": Kind.EXPRESSION},
+    m.Task: {"interval": Kind.EXPRESSION, "single": Kind.EXPRESSION},
+    m.Interface: {"declaration": Kind.DECLARATIONS},
+    m.VariableSection: {"declaration": Kind.DECLARATIONS},
+    m.DataTypeDeclaration: {"declaration": Kind.DECLARATIONS},
+    m.InputVariable: {"expression": Kind.EXPRESSION},
+    m.OutputVariable: {"expression": Kind.EXPRESSION},
+    m.InOutVariable: {"expression": Kind.EXPRESSION},
+    m.InputPin: {"expression": Kind.EXPRESSION},
+    m.OutputPin: {"expression": Kind.EXPRESSION},
+    m.Contact: {"variable": Kind.EXPRESSION},
+    m.Coil: {"variable": Kind.EXPRESSION},
+}
+
+
+def _of_project(path: Path) -> Iterator[Found]:
+    try:
+        project = sfc.load(path)
+    except SfcError:
+        return  # no project: XML of another kind, or not well-formed
+    project.read_all()
+    yield from _of_model(project, "")
+
+
+def _is_condition(text: str, owner: str) -> bool:
+    """Whether a body is the condition of a transition, which may also be an assignment to the transition."""
+    last = owner.rpartition("/")[2]
+    return last.startswith(("BodyCondition", "NamedTransition")) and ":=" not in text.strip().removeprefix(":=")
+
+
+def _of_model(item: Any, place: str) -> Iterator[Found]:
+    if isinstance(item, BaseModel):
+        name = getattr(item, "name", None) or getattr(item, "id", None)
+        here = f"{place}/{type(item).__name__}" + (f" {name}" if name is not None else "")
+        for field, kind in _FIELDS.get(type(item), {}).items():
+            text = getattr(item, field)
+            if isinstance(text, str) and text:
+                condition = isinstance(item, m.StBody) and _is_condition(text, place)
+                yield Kind.CONDITION if condition else kind, text, f"{here}.{field}"
+        for field in type(item).model_fields:
+            yield from _of_model(getattr(item, field), here)
+    elif isinstance(item, list | tuple):
+        for number, member in enumerate(item):
+            yield from _of_model(member, f"{place}[{number}]")
+    elif isinstance(item, dict):
+        for key, member in item.items():
+            yield from _of_model(member, f"{place}[{key}]")
+
+
+# -- TwinCAT ----------------------------------------------------------------------------------------------------------
+
+_NAME = "{38391c6d-6d4a-42f8-8ee7-9f45e5adafa8}"
+_STEP_ACTIONS = {
+    "{700a583f-b4d4-43e4-8c14-629c7cd3bec8}",
+    "{a6b08bd8-b696-47e3-9cbf-7408b61c9ff8}",
+    "{a2621e18-7de3-4ea6-ae6d-89e9e0b7befd}",
+}
+
+
+def _of_twincat(path: Path) -> Iterator[Found]:
+    root = etree.parse(path).getroot()
+    for element in root.iter("Declaration", "ST"):
+        owner = element.getparent() if element.tag == "Declaration" else element.getparent().getparent()
+        if not (element.text or "").strip():
+            continue
+        place = f"line {element.sourceline}, {owner.tag} {owner.get('Name', '')}"
+        if element.tag == "Declaration":
+            yield Kind.DECLARATIONS, element.text, place
+        else:
+            is_condition = owner.tag == "Transition" and ":=" not in element.text
+            yield Kind.CONDITION if is_condition else Kind.STATEMENTS, element.text, place
+    for attribute in root.iterfind(".//l2[@n='Attributes']/o"):
+        what = attribute.getparent().getparent()
+        kind = what.get("t") or what.getparent().get("cet") or ""
+        identifier = attribute.findtext("v[@n='AttributeId']", "").strip()
+        value = (attribute.findtext("o[@n='Value']/v[@n='Value']") or "").strip('"')
+        named = identifier == _NAME and kind in {"SFCTransition", "SFCActionAssociation"}
+        if value and (named or identifier in _STEP_ACTIONS):
+            is_condition = kind == "SFCTransition"
+            yield Kind.CONDITION if is_condition else Kind.EXPRESSION, value, f"line {attribute.sourceline}, {kind}"
+    for operand in root.iter("v"):
+        if operand.get("n") == "Operand" and (text := (operand.text or "").strip('"')):
+            yield Kind.EXPRESSION, text, f"line {operand.sourceline}, operand"
+
+
+# -- text files -------------------------------------------------------------------------------------------------------
+
+
+def _read(path: Path, encoding: str = "utf-8-sig") -> str:
+    return path.read_bytes().decode(encoding)
+
+
+def _matches(pattern: str, text: str, kind: Kind, what: str) -> Iterator[Found]:
+    for found in re.finditer(pattern, text, re.IGNORECASE | re.DOTALL | re.MULTILINE):
+        if body := found.group(1).strip():
+            yield kind, body, f"line {text.count(chr(10), 0, found.start(1)) + 1}, {what}"
+
+
+_CONDITION = r"^\s*TRANSITION\b[^:]*?(?:\(\s*PRIORITY\s*:=[^)]*\)[^:]*?)?:=(.*?);?\s*END_TRANSITION\b"
+_ACTION = r"^\s*ACTION\s+\w+\s*:?(.*?)\bEND_ACTION\b"
+
+
+def _of_export(path: Path) -> Iterator[Found]:
+    """CoDeSys V2.3. Bodies of CFC hold expressions in their elements."""
+    text = _read(path, "cp1251")
+    marker = re.search(r"\(\* @END_DECLARATION := '0' \*\)", text)
+    assert marker is not None
+    yield Kind.DECLARATIONS, text[: marker.start()], "declaration"
+    if "_CFC_BODY" in text:
+        # a comment is an element of its own type, and its text is no expression
+        pattern = r"^_TYPE: _(?:INPUT|OUTPUT)\s*^_TEXT: ([^\r\n]*)"
+        yield from _matches(pattern, text, Kind.EXPRESSION, "element of CFC")
+    elif re.search(r"^INITIAL_STEP\b", text, re.MULTILINE):
+        yield from _matches(r"^(?:INITIAL_)?STEP \w+:(.*?)^END_STEP", text, Kind.STATEMENTS, "step")
+        yield from _matches(_CONDITION, text, Kind.CONDITION, "transition")
+    else:
+        body = re.compile(r"(.*?)^END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\b", re.DOTALL | re.MULTILINE)
+        found = body.match(text, marker.end())
+        assert found is not None
+        yield Kind.STATEMENTS, found.group(1), "body"
+    yield from _matches(_ACTION, text, Kind.STATEMENTS, "action")
+
+
+def _of_iec_text(path: Path) -> Iterator[Found]:
+    text = _read(path)
+    yield from _matches(_ACTION, text, Kind.STATEMENTS, "action")
+    yield from _matches(_CONDITION, text, Kind.CONDITION, "transition")
+    yield from _matches(r"\b(VAR(?:_\w+)?\b.*?\bEND_VAR\b)", text, Kind.DECLARATIONS, "variables")
+
+
+def _of_scl_source(path: Path) -> Iterator[Found]:
+    text = _read(path)
+    blocks = r"^(?:FUNCTION_BLOCK|FUNCTION|ORGANIZATION_BLOCK)\b"
+    yield from _matches(rf"({blocks}.*?)^BEGIN\b", text, Kind.DECLARATIONS, "head of a block")
+    end = r"^END_(?:FUNCTION_BLOCK|FUNCTION|ORGANIZATION_BLOCK)\b"
+    yield from _matches(rf"^BEGIN\b(.*?){end}", text, Kind.STATEMENTS, "block")
+
+
+def _of_simatic_sd(path: Path) -> Iterator[Found]:
+    network = r"""S7_Language := "SCL"[^}]*\}\s*NETWORK\b(.*?)^\s*END_NETWORK\b"""
+    yield from _matches(network, _read(path), Kind.STATEMENTS, "network")
+
+
+# -- other XML --------------------------------------------------------------------------------------------------------
+
+
+def _tree(path: Path) -> Any:
+    try:
+        return etree.parse(path).getroot()
+    except etree.XMLSyntaxError:
+        return etree.Element("nothing")  # a template with placeholders, a download that failed
+
+
+def _of_simaticml(path: Path) -> Iterator[Found]:
+    root = _tree(path)
+    for element in root.iter("{*}StructuredText"):
+        if text := scl_text(element):
+            yield Kind.STATEMENTS, text, f"line {element.sourceline}, network"
+    for element in root.iter("{*}StartValue"):
+        if element.text:
+            yield Kind.EXPRESSION, element.text, f"line {element.sourceline}, start value"
+
+
+def _of_l5x(path: Path) -> Iterator[Found]:
+    for content in _tree(path).iter("STContent"):
+        lines = [(line.text or "").strip("\r\n") for line in content.iterchildren("Line")]
+        if text := "\n".join(lines):
+            owner = content.getparent().tag
+            kind = Kind.CONDITION if owner == "Condition" else Kind.STATEMENTS
+            yield kind, text, f"line {content.sourceline}, {owner}"
+
+
+def _of_schneider(path: Path) -> Iterator[Found]:
+    root = _tree(path)
+    for element in root.iter("STSource"):
+        if element.text:
+            yield Kind.STATEMENTS, element.text, f"line {element.sourceline}, section"
+    for element in root.iterfind(".//transitionCondition/variableName"):
+        if element.text:
+            yield Kind.CONDITION, element.text, f"line {element.sourceline}, condition"
