@@ -14,16 +14,9 @@ from lxml import etree
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.plcopen.body_reader import defer, read_body, read_pou
 from plcopen_sfc.formats.plcopen.project_reader import read_resource
-from plcopen_sfc.formats.plcopen.reading import (
-    DataReader,
-    Fields,
-    ReadContext,
-    attributes,
-    carried,
-    markup,
-    read_common,
-)
+from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext, attributes, carried, read_common
 from plcopen_sfc.formats.plcopen.types_reader import read_data_type_declaration, read_interface, read_section
+from plcopen_sfc.formats.xml.carrying import markup
 from plcopen_sfc.model.network import BlockCall
 from plcopen_sfc.model.sfc import SfcFlag
 

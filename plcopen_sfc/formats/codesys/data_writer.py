@@ -15,7 +15,8 @@ from plcopen_sfc.formats.plcopen.body_writer import write_body, write_pou
 from plcopen_sfc.formats.plcopen.project_writer import write_resource
 from plcopen_sfc.formats.plcopen.types_writer import write_data_type_declaration, write_interface, write_section
 from plcopen_sfc.formats.plcopen.versions import XHTML
-from plcopen_sfc.formats.plcopen.writing import WriteContext, Written, finish, legal
+from plcopen_sfc.formats.plcopen.writing import WriteContext, Written, finish
+from plcopen_sfc.formats.xml.carrying import legal
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
 from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
 from plcopen_sfc.model.body import SfcBody

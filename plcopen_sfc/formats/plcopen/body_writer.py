@@ -9,7 +9,8 @@ from lxml import etree
 from plcopen_sfc.formats.plcopen.chart_writer import ChartWriter
 from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
-from plcopen_sfc.formats.plcopen.writing import WriteContext, add_markup, finish, left_over, sub, write_code
+from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub, write_code
+from plcopen_sfc.formats.xml.carrying import add_markup, left_over
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind

@@ -12,7 +12,8 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
 from plcopen_sfc.formats.plcopen.logic_reader import IdKeeper
-from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, markup, neutral
+from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, neutral
+from plcopen_sfc.formats.xml.carrying import markup
 from plcopen_sfc.model.drawing import Places, SymbolKind
 from plcopen_sfc.model.wiring import trace
 

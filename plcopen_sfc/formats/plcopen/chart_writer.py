@@ -20,15 +20,8 @@ from plcopen_sfc.formats.plcopen.logic_writer import (
     write_node,
     write_output,
 )
-from plcopen_sfc.formats.plcopen.writing import (
-    WriteContext,
-    add_unknown,
-    boolean,
-    finish,
-    left_over,
-    sub,
-    write_point,
-)
+from plcopen_sfc.formats.plcopen.writing import WriteContext, add_unknown, boolean, finish, sub, write_point
+from plcopen_sfc.formats.xml.carrying import left_over
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition

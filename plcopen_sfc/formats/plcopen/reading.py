@@ -7,7 +7,6 @@ dictionary one by one: what is left in it at the end is not known, and is carrie
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -17,6 +16,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
+from plcopen_sfc.formats.xml.carrying import inner_markup, markup
 from plcopen_sfc.formats.xml.source import SourceLines
 
 Fields = dict[str, Any]
@@ -132,34 +132,6 @@ def carry_attributes(fields: Fields, left: dict[str, str]) -> None:
         carried(fields)["attributes"].update(left)
 
 
-def markup(element: etree._Element) -> str:
-    """`element` as text, with the namespaces it needs and no others, without what follows it.
-
-    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left
-    out.
-    """
-    element = copy.deepcopy(element)
-    for node in element.iter():
-        texts = [node.text, *(child.tail for child in node)]
-        if len(node) and not any(text and text.strip() for text in texts):
-            node.text = None
-            for child in node:
-                child.tail = None
-    prefixes = [prefix for prefix in element.nsmap if prefix]
-    if prefixes:
-        # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
-        plain = etree.tostring(element, encoding="unicode", with_tail=False)
-        prefixes = [prefix for prefix in prefixes if f'"{prefix}:' in plain or f">{prefix}:" in plain]
-    text: bytes = etree.tostring(
-        element, method="c14n", exclusive=True, with_tail=False, inclusive_ns_prefixes=prefixes or None
-    )
-    name = etree.QName(element)
-    if name.namespace is None:
-        # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
-        return f'<{name.localname} xmlns=""' + text.decode().removeprefix(f"<{name.localname}")
-    return text.decode()
-
-
 def neutral(content: str, version: Tc6Version) -> str:
     """Markup of TC6 elements that fits every version: the namespace stands as ``tc6``."""
     return content.replace(f'"{version.namespace}"', f'"{NEUTRAL}"')
@@ -203,13 +175,6 @@ def read_foreign_data(ctx: ReadContext, fields: Fields, add_data: etree._Element
             ctx.warn("XML203", f"handleUnknown={rule!r} is none of preserve, discard, implementation", data)
             rule = "implementation"
         carried(fields)["data"].append({"name": name, "rule": rule, "content": inner_markup(data)})
-
-
-def inner_markup(element: etree._Element) -> str:
-    """The content of `element` as text, each child with the namespaces it needs, without blanks between children."""
-    text = element.text or ""
-    children = [markup(child) for child in element]
-    return (text if text.strip() else "") + "".join(children)
 
 
 def read_text(ctx: ReadContext, element: etree._Element) -> str | Fields:

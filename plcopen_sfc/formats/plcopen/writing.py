@@ -18,6 +18,7 @@ from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
+from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
@@ -130,24 +131,6 @@ def _text_of(markup: str) -> str:
     return "".join(map(str, etree.fromstring(f"<x>{markup}</x>").itertext()))
 
 
-def add_markup(parent: etree._Element, markup: str) -> None:
-    """Append markup that was carried as text."""
-    holder = etree.fromstring(f"<x>{markup}</x>", etree.XMLParser(resolve_entities=False, huge_tree=True))
-    if holder.text and holder.text.strip():
-        parent.text = (parent.text or "") + holder.text
-    for child in list(holder):
-        parent.append(child)
-
-
-def legal(text: str) -> str:
-    """`text` without the control characters that XML 1.0 cannot hold."""
-    return (
-        text
-        if text.isprintable()
-        else "".join(c for c in text if c in "\t\n\r" or (c >= " " and c not in "\ufffe\uffff"))
-    )
-
-
 def decimal(value: float) -> str:
     """A number as ``xsd:decimal``."""
     return str(int(value)) if float(value).is_integer() else format(value, ".15f").rstrip("0").rstrip(".")
@@ -220,17 +203,6 @@ def finish(
             ctx.note(Fate.CARRIED, _label(name), subject, why)
     if documents:
         write_text(ctx, element, "documentation", getattr(thing, "comment", None))
-
-
-def left_over(thing: Model, native: frozenset[str]) -> dict[str, Any]:
-    """The fields of `thing` that are not in `native` and do not have their default value, as plain data."""
-    fields = type(thing).model_fields
-    names = {
-        name
-        for name, info in fields.items()
-        if name not in native and getattr(thing, name) != info.get_default(call_default_factory=True)
-    }
-    return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
 
 
 _CHANGES = {"exclude": "other tools execute what CODESYS leaves out"}

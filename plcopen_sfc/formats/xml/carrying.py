@@ -1,0 +1,76 @@
+"""What has no place of its own: markup that is kept as text, and fields that a format cannot say."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.model.base import Model
+
+__all__ = ["add_markup", "inner_markup", "left_over", "legal", "markup"]
+
+
+def markup(element: etree._Element) -> str:
+    """`element` as text, with the namespaces it needs and no others, without what follows it.
+
+    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left
+    out.
+    """
+    element = copy.deepcopy(element)
+    for node in element.iter():
+        texts = [node.text, *(child.tail for child in node)]
+        if len(node) and not any(text and text.strip() for text in texts):
+            node.text = None
+            for child in node:
+                child.tail = None
+    prefixes = [prefix for prefix in element.nsmap if prefix]
+    if prefixes:
+        # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
+        plain = etree.tostring(element, encoding="unicode", with_tail=False)
+        prefixes = [prefix for prefix in prefixes if f'"{prefix}:' in plain or f">{prefix}:" in plain]
+    text: bytes = etree.tostring(
+        element, method="c14n", exclusive=True, with_tail=False, inclusive_ns_prefixes=prefixes or None
+    )
+    name = etree.QName(element)
+    if name.namespace is None:
+        # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
+        return f'<{name.localname} xmlns=""' + text.decode().removeprefix(f"<{name.localname}")
+    return text.decode()
+
+
+def inner_markup(element: etree._Element) -> str:
+    """The content of `element` as text, each child with the namespaces it needs, without blanks between children."""
+    text = element.text or ""
+    children = [markup(child) for child in element]
+    return (text if text.strip() else "") + "".join(children)
+
+
+def add_markup(parent: etree._Element, markup: str) -> None:
+    """Append markup that was carried as text."""
+    holder = etree.fromstring(f"<x>{markup}</x>", etree.XMLParser(resolve_entities=False, huge_tree=True))
+    if holder.text and holder.text.strip():
+        parent.text = (parent.text or "") + holder.text
+    for child in list(holder):
+        parent.append(child)
+
+
+def legal(text: str) -> str:
+    """`text` without the control characters that XML 1.0 cannot hold."""
+    return (
+        text
+        if text.isprintable()
+        else "".join(c for c in text if c in "\t\n\r" or (c >= " " and c not in "\ufffe\uffff"))
+    )
+
+
+def left_over(thing: Model, native: frozenset[str]) -> dict[str, Any]:
+    """The fields of `thing` that are not in `native` and do not have their default value, as plain data."""
+    fields = type(thing).model_fields
+    names = {
+        name
+        for name, info in fields.items()
+        if name not in native and getattr(thing, name) != info.get_default(call_default_factory=True)
+    }
+    return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
