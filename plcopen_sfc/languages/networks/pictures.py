@@ -80,7 +80,7 @@ def connect(pin: InputPin, at: Point, ends: Sequence[End], channel: float) -> No
     """Draw wires from `ends` to the input `pin` at `at`; where they must go up or down they do it at x = `channel`."""
     for end in ends:
         bend = [(channel, at[1]), (channel, end.at[1])] if end.at[1] != at[1] else []
-        points = [at, *bend, end.at, *end.route]
+        points = list(dict.fromkeys([at, *bend, end.at, *end.route]))
         pin.connections.append(Connection(source=end.source, pin=end.pin, points=points))
 
 
