@@ -171,7 +171,7 @@ class CallTranslator:
         if self._source is not Dialect.SCL:
             self._notes.add(Severity.ERROR, f"{target} has no counterpart of {name}; left as it stands", callee)
         else:
-            reason = f"{name} is no function of IEC 61131-3: {target} needs one of this name"
+            reason = f"{name} is no standard function of {target}, which needs one of this name"
             self._notes.add(Severity.ERROR, f"{reason}; left as it stands", callee)
         return self._with(node, callee, arguments)
 
@@ -260,6 +260,9 @@ class CallTranslator:
             if named and self._target is Dialect.CODESYS:
                 reason = f"CODESYS takes the arguments of {block.name} by position, here that cannot be done"
                 self._notes.add(Severity.ERROR, f"{reason}; left as it stands", node)
+            elif not named:
+                reason = f"the arguments of {block.name} are not its inputs; left as they stand"
+                self._notes.add(Severity.ERROR, reason, node)
             return arguments
         if self._target is Dialect.CODESYS:
             return tuple(n.Argument(value, span=value.span) for value in values) if named else arguments

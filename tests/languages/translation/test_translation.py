@@ -2,32 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.translation import Translated, TranslationContext, translate_text, translate_tree
+from plcopen_sfc.languages.translation import TranslationContext, translate_text, translate_tree
+from tests.languages.translating import assert_says_the_same, translated
 
 IEC, CODESYS, TWINCAT, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL
 INFO, WARNING, ERROR = Severity.INFO, Severity.WARNING, Severity.ERROR
-
-
-def translated(text: str, source: Dialect, target: Dialect, **known: Any) -> Translated:
-    return translate_text(
-        text, "statements" if ";" in text else "expression", source, target, TranslationContext(**known)
-    )
-
-
-def assert_says_the_same(text: str, source: Dialect, target: Dialect, expected: str, **known: Any) -> None:
-    found = translated(text, source, target, **known)
-    assert found.text == expected
-    assert found.notes == ()
-    assert found.parsed.problems == ()
-    assert found.parsed.text == expected
-    assert found.parsed.dialect is target
 
 
 # -- names ------------------------------------------------------------------------------------------------------------

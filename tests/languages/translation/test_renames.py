@@ -1,0 +1,88 @@
+"""Names that only SCL can write."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.translation import NameScope, Rename, Renames, TranslationContext, translate_text
+
+SCL, IEC = Dialect.SCL, Dialect.IEC
+LOCAL, GLOBAL, MEMBER = NameScope.LOCAL, NameScope.GLOBAL, NameScope.MEMBER
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("Motor 1", "Motor_1"),
+        ("Füllstand", "Fuellstand"),
+        ("Größe-ß", "Groesse_ss"),
+        ("1.Ventil", "_1_Ventil"),
+        ("a__b", "a_b"),
+        ("Été", "Ete"),
+        ("阀", "u9600"),
+        ("%", "u0025"),
+        ("IF", "IF_2"),
+        ("Limit", "Limit_2"),
+    ],
+)
+def test_names_become_legal(old: str, new: str) -> None:
+    renames = Renames()
+    assert renames.legal_name(LOCAL, old, ()) == new
+    assert list(renames) == [Rename(LOCAL, old, new)]
+    assert renames.old_name(LOCAL, new) == old
+    assert renames.legal_name(LOCAL, old.swapcase() if old.isascii() else old, ()) == new
+
+
+def test_legal_names_stay_and_are_no_renames() -> None:
+    renames = Renames()
+    assert renames.legal_name(LOCAL, "Motor", ()) == "Motor"
+    assert renames.legal_name(MEMBER, "LIMIT", ()) == "LIMIT"
+    assert len(renames) == 0
+
+
+def test_two_names_never_become_one() -> None:
+    renames = Renames()
+    found = [renames.legal_name(LOCAL, name, {"a_b"}) for name in ("a b", "a-b", "a.b")]
+    assert found == ["a_b_2", "a_b_3", "a_b_4"]
+    assert renames.legal_name(GLOBAL, "a b", ()) == "a_b"  # of another scope, but no two are visible at one place
+    assert renames.legal_name(MEMBER, "a b", ()) == "a_b"
+
+
+def test_a_global_name_that_a_local_one_hides() -> None:
+    context = TranslationContext()
+    found = translate_text('"x" AND #x AND "X".y', "expression", SCL, IEC, context)
+    assert found.text == "x_2 AND x AND x_2.y"
+    assert "hidden by a local one" in found.notes[0].reason
+    back = TranslationContext(locals=["x"], renames=context.renames)
+    assert translate_text(found.text, "expression", IEC, SCL, back).text == '"x" AND #x AND "x".y'
+
+
+def test_known_renames_are_used() -> None:
+    context = TranslationContext(renames=Renames([Rename(GLOBAL, "Motor 1", "M1")]))
+    assert translate_text('"motor 1".run', "expression", SCL, IEC, context).text == "M1.run"
+
+
+_names = st.text(
+    st.characters(exclude_categories=("Cs", "Cc", "Zl", "Zp"), exclude_characters='"'), min_size=1, max_size=6
+)
+
+
+@given(st.lists(st.tuples(st.sampled_from([LOCAL, GLOBAL, MEMBER]), _names), max_size=8))
+def test_new_names_are_identifiers_and_lead_back(pairs: list[tuple[NameScope, str]]) -> None:
+    renames = Renames()
+    news: dict[tuple[bool, str], str] = {}
+    for scope, old in pairs:
+        new = renames.legal_name(scope, old, ())
+        parsed = parse_expression(new, IEC)
+        assert parsed.problems == ()
+        assert parsed.tree == n.Name(new)
+        if new != old:
+            assert (renames.old_name(scope, new) or "").casefold() == old.casefold()
+        key = (scope is MEMBER, new.casefold())
+        if new != old:
+            assert news.setdefault(key, old.casefold()) == old.casefold()
