@@ -58,7 +58,7 @@ def python(script: str, *arguments: object, timeout: float = 60) -> subprocess.C
 # -- files that cannot be read ----------------------------------------------------------------------------------------
 
 UNREADABLE = [
-    ("not_xml.txt", errors.XmlSyntaxError, (1, 1), "plain text, not XML: it begins with 'PROGRAM StirTank'"),
+    ("not_xml.txt", errors.XmlSyntaxError, (1, 1), "plain text, not XML: it begins with 'Stirring tank'"),
     ("truncated.xml", errors.XmlSyntaxError, (168, 8), "the file ends in the middle of element <actionBlock>"),
     ("wrong_root.xml", errors.StructureError, (2, None), "the root element is <plant>"),
     ("unknown_version.xml", errors.UnknownVersionError, (2, None), "http://www.plcopen.org/xml/tc6_0305"),

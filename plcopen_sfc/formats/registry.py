@@ -41,6 +41,20 @@ def _is_native(head: Head) -> bool:
     return head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000]
 
 
+_TEXT_UNIT = re.compile(
+    r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\{[^}]*+\})\s*+)*+"
+    r"(?:PROGRAM|FUNCTION_BLOCK|FUNCTION|TYPE|VAR_GLOBAL|CONFIGURATION)\b(?!\s*[\":=])",
+    re.DOTALL | re.IGNORECASE,
+)
+_TEXT_PART = re.compile(r"\b(?:END_[A-Z_]+|VAR|VAR_[A-Z_]+|INITIAL_STEP)\b", re.IGNORECASE)
+
+
+def _is_iec_text(head: Head) -> bool:
+    if re.match(r"\s*\{\s*plcopen_sfc\s+format\b", head.text):
+        return True
+    return _TEXT_UNIT.match(head.text) is not None and _TEXT_PART.search(head.text) is not None
+
+
 FORMATS: tuple[Format, ...] = (
     Format(
         name="codesys",
@@ -91,6 +105,20 @@ FORMATS: tuple[Format, ...] = (
         extensions=(".json",),
         recognises=_is_native,
         capabilities=("everything",),
+    ),
+    Format(
+        name="iec-text",
+        title="IEC 61131-3 as text, with SFC",
+        module="plcopen_sfc.formats.iectext.codec",
+        extensions=(".st", ".iecst", ".sfc"),
+        recognises=_is_iec_text,
+        capabilities=(
+            "steps",
+            "associations",
+            "priorities",
+            "comments",
+            "the rest in pragmas",
+        ),
     ),
 )
 """Every format, in the order in which they are tried."""

@@ -76,7 +76,9 @@ def format_comment(text: str, indent: str) -> str | None:
     if _MARK_OR_CONTROL.search(text):
         return None
     lines = text.split("\n")
-    shown = "(* " + "\n".join([lines[0], *(indent + "   " + line if line.strip() else line for line in lines[1:])]) + " *)"
+    shown = (
+        "(* " + "\n".join([lines[0], *(indent + "   " + line if line.strip() else line for line in lines[1:])]) + " *)"
+    )
     return shown if taken_comment(shown) == text else None
 
 

@@ -300,7 +300,8 @@ class _Scan:
                 return self.close(part, begin, inner)
             if ends:
                 return self.unclosed(part, begin, inner)
-            part.parts.append(self.nested(nested))
+            if nested is not None:
+                part.parts.append(self.nested(nested))
         if loose >= 0:
             part.parts.append(self.loose(loose))
         return self.unclosed(part, begin, inner)
@@ -315,13 +316,13 @@ class _Scan:
             return found in {f"END_{unit}" for unit in POUS}
         return found in {f"END_{unit}" for unit in POUS | {Kind.METHOD, Kind.ACTION}}
 
-    def nested(self, kind: Kind | None) -> Part:
+    def nested(self, kind: Kind) -> Part:
         if kind is Kind.VAR:
             return self.section()
         if kind in _CONTAINERS:
-            return self.container(Kind(kind))
+            return self.container(kind)
         first = self.at
-        part = Part(Kind(kind), self.offset(), 0, self.type())
+        part = Part(kind, self.offset(), 0, self.type())
         self.at += 1
         if kind in (Kind.STEP, Kind.INITIAL_STEP):
             part.name = self.tokens[self.at].value
@@ -341,13 +342,13 @@ class _Scan:
         if self.is_word():
             part.name = self.tokens[self.at].value
             self.at += 1
-            while self.type() == "DOT" and self.is_word(1):
+            while self.type() == "DOT" and self.is_word(1) and not self.starts_line():
                 part.name += "." + self.tokens[self.at + 1].value
                 self.at += 2
         if part.kind is Kind.ACTION:
             self.at += self.type() == "COLON"
             return
-        if self.type() == "COLON" and part.kind in (Kind.FUNCTION, Kind.METHOD):
+        if self.type() == "COLON" and part.kind is not Kind.PROGRAM:
             self.at += 1
             start = self.offset()
             self.skip_type()
@@ -355,7 +356,7 @@ class _Scan:
         while self.word() in ("EXTENDS", "IMPLEMENTS"):
             self.at += 1
             self.skip_names()
-        self.at += self.type() == "SEMICOLON"
+        self.at += self.type() == "SEMICOLON" and not self.starts_line()
 
     def skip_names(self) -> None:
         while self.is_word():
@@ -373,7 +374,7 @@ class _Scan:
         self.at += self.is_word()
         while self.type() == "DOT" and self.is_word(1):
             self.at += 2
-        if self.type() in ("LSQB", "LPAR"):
+        if self.type() in ("LSQB", "LPAR") and not self.starts_line():
             self.skip_brackets()
         if is_array and self.type() == "OF":
             self.at += 1

@@ -104,6 +104,19 @@ class Source:
         else:
             into.comments.append(taken_comment(comment.text))
 
+    def core(self, start: int, end: int) -> tuple[int, int]:
+        """The place between two offsets without the pragmas of ours that begin and end it."""
+        own = [c.span for c in self.outline.comments(start, end) if is_own(c)]
+        for span in own:
+            if self.text[start : span[0]].strip():
+                break
+            start = span[1]
+        for span in reversed(own):
+            if span[1] <= start or self.text[span[1] : end].strip():
+                break
+            end = span[0]
+        return start, end
+
     def attached(self, start: int, end: int) -> int:
         """Where the comments and pragmas begin that stand directly above the part at `end`, not before `start`."""
         begin = end

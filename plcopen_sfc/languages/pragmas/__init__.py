@@ -1,4 +1,4 @@
-"""Pragmas of ours, ``{plcopen_sfc path := value}``: what a text of IEC 61131-3 cannot say, in a form to read and to diff.
+"""Pragmas of ours, ``{plcopen_sfc path := value}``: what IEC 61131-3 cannot say, in a form to read and to diff.
 
 Other tools ignore them. `notation` writes and reads values, `remainder` finds what is to be said and applies it.
 """

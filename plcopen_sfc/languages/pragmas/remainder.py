@@ -1,14 +1,15 @@
 """What a text leaves unsaid: the difference between what a reader takes from the text and what the model holds.
 
-Plain data on both sides: dictionaries of fields that are not at their default. A writer prints an object, knows what the
-reader will take from the print, and writes the remainder as pragmas; so nothing is forgotten, whatever the object holds.
+Plain data on both sides: dictionaries of fields that are not at their default. A writer prints an object, knows what
+the reader will take from the print, and writes the remainder as pragmas; so nothing is forgotten, whatever the object
+holds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias, get_origin
 
 from pydantic import BaseModel
 
@@ -47,7 +48,8 @@ class Change:
     value: Any
 
     def __str__(self) -> str:
-        return f"{format_path(self.path)} := {format_value(self.value)}"
+        path = format_path(self.path)
+        return path if self.value is True else f"{path} := {format_value(self.value)}"
 
 
 # -- from the model to plain data -----------------------------------------------------------------------------------
@@ -66,7 +68,9 @@ def plain_fields(thing: BaseModel, substitute: Substitute | None = None, leave: 
         if name in leave:
             continue
         value = getattr(thing, name)
-        if info.is_required() or name in _TAGS or value != info.get_default(call_default_factory=True):
+        default = info.get_default(call_default_factory=True)
+        tag = name in _TAGS and get_origin(info.annotation) is Literal
+        if info.is_required() or tag or value != default:
             fields[name] = plain_value(value, substitute)
     return fields
 

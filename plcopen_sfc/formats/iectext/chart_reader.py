@@ -1,0 +1,391 @@
+"""Reads the parts of a chart: steps with their associations, and transitions. The writer is `chart_writer`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.formats.iectext.layout import newlines, taken
+from plcopen_sfc.formats.iectext.outline import Part
+from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
+from plcopen_sfc.languages.il import OPERATORS
+from plcopen_sfc.languages.pragmas import Change, Fields, PathError, apply
+from plcopen_sfc.languages.st.lexer import Token
+from plcopen_sfc.model.actions import Qualifier
+
+STEP_ACTIONS = ("entry", "main", "exit")
+_QUALIFIERS = {q.value.upper(): q.value for q in Qualifier if q is not Qualifier.NONE}
+_DURATION = re.compile(r"(?:L?TIME|L?T|S5T|S5TIME)#", re.IGNORECASE)
+_NEGATION = re.compile(r"NOT\s*\(\s*(.*?)\s*\)|NOT\s+([^\W\d]\w*)", re.IGNORECASE | re.DOTALL)
+
+
+@dataclass(slots=True)
+class Said:
+    """What the text says of an object, what pragmas say beside it, and where it stands.
+
+    `name` is the name as written, `sides` the names in FROM (`sources`) and TO (`targets`).
+    """
+
+    fields: Fields
+    remark: Remark
+    start: int
+    path: str
+    name: str = ""
+    associations: list[Said] = field(default_factory=list)
+    sides: dict[str, list[str]] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class ChartText:
+    """The steps and transitions of a chart in the order of the text."""
+
+    steps: list[Said] = field(default_factory=list)
+    transitions: list[Said] = field(default_factory=list)
+
+
+# -- steps ------------------------------------------------------------------------------------------------------------
+
+
+def read_step(src: Source, part: Part, remark: Remark, place: str) -> Said:
+    """``STEP name: associations END_STEP``."""
+    path = f"{place} / step {part.name}"
+    fields: Fields = {"name": part.name}
+    if part.keyword == "INITIAL_STEP":
+        fields["initial"] = True
+    step = Said(fields, remark, part.start, path, part.name)
+    groups = list(_between_semicolons(src.outline.tokens(part.tokens)))
+    starts = [group[0].span[0] for group in groups]
+    remark.extend(src.remark(part.inside[0], starts[0] if starts else part.inside[1], path))
+    for group, start, end in zip(groups, starts, [*starts[1:], part.inside[1]], strict=False):
+        step.associations.append(_read_association(src, group, src.remark(start, end, path), path))
+    return step
+
+
+def _between_semicolons(tokens: list[Token]) -> Iterator[list[Token]]:
+    group: list[Token] = []
+    for token in tokens:
+        if token.type == "SEMICOLON":
+            if group:
+                yield group
+            group = []
+        else:
+            group.append(token)
+    if group:
+        yield group
+
+
+def _read_association(src: Source, tokens: list[Token], remark: Remark, path: str) -> Said:
+    fields = association_fields(src.text, tokens)
+    start = tokens[0].span[0]
+    if fields is None:
+        text = src.text[start : tokens[-1].span[1]]
+        src.note(
+            "IEC102", f"{text[:40]!r} is no association of an action: name(qualifier, time, indicator)", start, path
+        )
+        fields = {"qualifier": Qualifier.NONE.value, "carried": {"data": [wrapped("association", newlines(text))]}}
+    return Said(fields, remark, start, path)
+
+
+def association_fields(text: str, tokens: list[Token]) -> Fields | None:
+    """What ``target(qualifier, time, indicator)`` says; None where it is something else."""
+
+    def slice_of(part: list[Token]) -> str:
+        return newlines(text[part[0].span[0] : part[-1].span[1]])
+
+    opening = _last_parenthesis(tokens)
+    target = tokens if opening is None else tokens[:opening]
+    if not target or any(t.type in ("BAD", "ASSIGN", "COLON") for t in tokens):
+        return None
+    fields: Fields = {"target": slice_of(target), "qualifier": Qualifier.NONE.value}
+    arguments = _arguments(tokens[opening + 1 : -1]) if opening is not None else []
+    if arguments is None:
+        return None
+    if arguments:
+        qualifier = _QUALIFIERS.get(slice_of(arguments[0]).upper())
+        if qualifier is None:
+            return None
+        del fields["qualifier"]
+        if qualifier != Qualifier.N.value:
+            fields["qualifier"] = qualifier
+        rest = arguments[1:]
+        if rest and (Qualifier(qualifier).needs_duration or _DURATION.match(slice_of(rest[0]))):
+            fields["duration"] = slice_of(rest.pop(0))
+        if rest:
+            fields["indicator"] = newlines(text[rest[0][0].span[0] : rest[-1][-1].span[1]])
+    return fields
+
+
+def _last_parenthesis(tokens: list[Token]) -> int | None:
+    """The index of the parenthesis that the last token closes."""
+    depth = 0
+    for index in range(len(tokens) - 1, -1, -1):
+        depth += (tokens[index].type == "RPAR") - (tokens[index].type == "LPAR")
+        if depth <= 0:
+            return index if tokens[index].type == "LPAR" and index > 0 else None
+    return None
+
+
+def _arguments(tokens: list[Token]) -> list[list[Token]] | None:
+    """Split at the commas that stand in no brackets; None where an argument is empty."""
+    if not tokens:
+        return []
+    arguments: list[list[Token]] = [[]]
+    depth = 0
+    for token in tokens:
+        depth += (token.type in ("LPAR", "LSQB")) - (token.type in ("RPAR", "RSQB"))
+        if token.type == "COMMA" and depth == 0:
+            arguments.append([])
+        else:
+            arguments[-1].append(token)
+    return arguments if all(arguments) else None
+
+
+# -- transitions ------------------------------------------------------------------------------------------------------
+
+
+def read_transition(src: Source, part: Part, remark: Remark, place: str) -> Said:
+    """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
+    tokens = src.outline.tokens(part.tokens)
+    header = _Header(src, tokens, part, place)
+    transition = Said(header.fields, remark, part.start, header.path, sides=header.sides)
+    rest = tokens[header.at :]
+    begin, end = src.core(rest[0].span[1] if rest else part.inside[0], part.inside[1])
+    remark.extend(src.remark(part.inside[0], begin, header.path))
+    remark.extend(src.remark(end, part.inside[1], header.path))
+    if rest:
+        condition = condition_fields(src.text, rest[0].type, rest[1:], begin, end)
+        if condition is None:
+            src.note("IEC103", "a condition is := expression; or : a body", rest[0].span[0], header.path)
+            condition = {"kind": "body", "body": _opaque(newlines(src.text[rest[0].span[0] : end]))}
+        if condition:
+            header.fields["condition"] = condition
+        if condition.get("kind") == "expression":
+            remark.extend(src.remark(rest[-1].span[1], end, header.path))
+    return transition
+
+
+def _opaque(text: str) -> Fields:
+    return {"language": "opaque", "source": "iec-text", "content": text}
+
+
+class _Header:
+    """What stands before the condition of a transition."""
+
+    def __init__(self, src: Source, tokens: list[Token], part: Part, place: str) -> None:
+        self.src = src
+        self.tokens = tokens
+        self.at = 0
+        self.fields: Fields = {}
+        self.sides: dict[str, list[str]] = {}
+        self.start = part.start
+        self.path = f"{place} / transition"
+        if not self._is("FROM") and self._word():
+            self.fields["name"] = self._take()
+        if self._is("LPAR") and self._is("PRIORITY", 1):
+            self._priority()
+        for key, keyword in (("sources", "FROM"), ("targets", "TO")):
+            if self._is(keyword):
+                self.at += 1
+                self.sides[key] = self._names()
+        name = self.fields.get("name") or " -> ".join("+".join(names) for names in self.sides.values())
+        self.path = f"{place} / transition {name}"
+        self._skip_to_condition()
+
+    def _type(self, ahead: int = 0) -> str:
+        index = self.at + ahead
+        return self.tokens[index].type if index < len(self.tokens) else ""
+
+    def _is(self, what: str, ahead: int = 0) -> bool:
+        index = self.at + ahead
+        return index < len(self.tokens) and what in (self.tokens[index].type, self.tokens[index].value.upper())
+
+    def _word(self) -> bool:
+        return self.at < len(self.tokens) and self.tokens[self.at].value[:1].replace("_", "a").isalpha()
+
+    def _take(self) -> str:
+        self.at += 1
+        return self.tokens[self.at - 1].value
+
+    def _priority(self) -> None:
+        if self._type(2) == "ASSIGN" and self._type(4) == "RPAR" and self.tokens[self.at + 3].value.isdecimal():
+            self.fields["priority"] = int(self.tokens[self.at + 3].value)
+            self.at += 5
+
+    def _names(self) -> list[str]:
+        if not self._is("LPAR"):
+            return [self._take()] if self._word() else []
+        self.at += 1
+        names: list[str] = []
+        while self._word():
+            names.append(self._take())
+            self.at += self._is("COMMA")
+        self.at += self._is("RPAR")
+        return names
+
+    def _skip_to_condition(self) -> None:
+        if self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
+            token = self.tokens[self.at]
+            message = f"{token.value[:30]!r} cannot stand here: TRANSITION name (PRIORITY := n) FROM steps TO steps"
+            self.src.note("IEC103", message, token.span[0], self.path)
+            while self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
+                self.at += 1
+
+
+def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end: int) -> Fields | None:
+    """What ``:= expression;`` (`mark` ASSIGN) or ``: body`` says; {} where nothing stands there, None if it is neither."""
+    if mark == "COLON":
+        return {"kind": "body", "body": body_fields(taken(text[begin:end]), tokens)}
+    if not tokens or tokens[-1].type != "SEMICOLON":
+        if is_il(tokens):  # ed. 2 writes := before instructions too
+            return {"kind": "body", "body": body_fields(taken(text[begin:end]), tokens)}
+        return None if tokens else {}
+    if any(token.type == "SEMICOLON" for token in tokens[:-1]):
+        return None
+    expression = newlines(text[begin : tokens[-1].span[0]]).strip()
+    return {"kind": "expression", "text": expression} if expression else {}
+
+
+def body_fields(text: str, tokens: list[Token]) -> Fields:
+    """The body of this text: instructions or statements."""
+    return {"language": "IL" if is_il(tokens) else "ST", "text": text}
+
+
+def is_il(tokens: list[Token]) -> bool:
+    """Whether these are instructions: no semicolon, and an operator at the start, perhaps behind a label."""
+    first = 2 if len(tokens) > 2 and tokens[0].type == "NAME" and tokens[1].type == "COLON" else 0
+    if first >= len(tokens) or tokens[first].value.upper() not in OPERATORS:
+        return False
+    if first + 1 < len(tokens) and tokens[first + 1].type in ("ASSIGN", "DOT", "LSQB"):
+        return False
+    return all(token.type != "SEMICOLON" for token in tokens)
+
+
+def unnegated(fields: Fields) -> None:
+    """Take ``NOT (..)`` off an expression whose negation a pragma says."""
+    found = _NEGATION.fullmatch(fields.get("text", ""))
+    if found is not None:
+        fields["text"] = found.group(1) if found.group(1) is not None else found.group(2)
+
+
+# -- the chart --------------------------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class Surroundings:
+    """What a chart refers to: bodies that stand in place, by their names, and the transition objects of the POU."""
+
+    in_place: dict[str, Fields]
+    named_transitions: frozenset[str]
+
+
+def chart_fields(src: Source, chart: ChartText, around: Surroundings, place: str) -> Fields:
+    """The fields of the chart, its names resolved; without what pragmas at the end of the unit add."""
+    steps = [_finished_step(src, step, around) for step in chart.steps]
+    transitions = [_finished_transition(src, transition, around) for transition in chart.transitions]
+    fields: Fields = {}
+    if steps:
+        fields["steps"] = steps
+    if transitions:
+        fields["transitions"] = transitions
+    if steps and not any(step.get("initial") for step in steps):
+        src.note("SFC111", "the chart has no initial step", chart.steps[0].start, place, Severity.WARNING)
+    return fields
+
+
+def number(src: Source, chart: ChartText, fields: Fields) -> None:
+    """Give an id to every step, association and transition without one, and resolve the names in FROM and TO."""
+    steps, transitions = fields.get("steps", []), fields.get("transitions", [])
+    numbered = [thing for step in steps for thing in (step, *step.get("actions", []))] + transitions
+    following = max(ids_within(fields), default=-1) + 1
+    for thing in numbered:
+        if "id" not in thing:
+            thing["id"] = following
+            following += 1
+    by_name: dict[str, int] = {}
+    for said, step in zip(chart.steps, steps, strict=True):
+        if said.name.casefold() in by_name:
+            src.note("SFC109", f"two steps have the name {said.name!r}", said.start, said.path)
+        by_name.setdefault(said.name.casefold(), step["id"])
+    for said, transition in zip(chart.transitions, transitions, strict=True):
+        for side, names in said.sides.items():
+            if side not in transition:
+                _resolve(src, said, transition, side, names, by_name)
+
+
+def ids_within(value: Any) -> Iterator[int]:
+    """Every id in a chart, those that its drawing gives too."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            if key in ("id", "local_id", "association") and isinstance(item, int):
+                yield item
+            else:
+                yield from ids_within(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from ids_within(item)
+
+
+def _resolve(src: Source, said: Said, transition: Fields, side: str, names: list[str], by_name: dict[str, int]) -> None:
+    found = [by_name[name.casefold()] for name in names if name.casefold() in by_name]
+    if found:
+        transition[side] = found
+    for name in names:
+        if name.casefold() not in by_name:
+            keyword = "FROM" if side == "sources" else "TO"
+            src.note("SFC103", f"{keyword} names {name!r}, which is no step of this chart", said.start, said.path)
+            carried = transition.setdefault("carried", {})
+            carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
+
+
+def change(src: Source, fields: Fields, found: tuple[Change, int], path: str) -> None:
+    """Make a change that a pragma says, or say that it leads nowhere."""
+    try:
+        apply(fields, found[0])
+    except PathError as error:
+        src.note("IEC211", f"this pragma does not fit: {error}", found[1], path)
+
+
+def _finished_step(src: Source, said: Said, around: Surroundings) -> Fields:
+    fields = said.fields
+    said.remark.put_into(fields)
+    actions: list[Fields] = []
+    for association in said.associations:
+        done, step_action = _finished_association(src, association, around)
+        if step_action in STEP_ACTIONS:
+            fields[f"{step_action}_action"] = done.get("body") or done.get("target", "")
+        else:
+            actions.append(done)
+    if actions:
+        fields["actions"] = actions
+    for found in said.remark.changes:
+        change(src, fields, found, said.path)
+    return fields
+
+
+def _finished_association(src: Source, said: Said, around: Surroundings) -> tuple[Fields, str | None]:
+    fields = said.fields
+    said.remark.put_into(fields)
+    if str(fields.get("target", "")).casefold() in around.in_place:
+        fields["body"] = {"body_of": fields.pop("target")}
+    for found in said.remark.changes:
+        change(src, fields, found, said.path)
+    return fields, fields.pop("step_action", None)
+
+
+def _finished_transition(src: Source, said: Said, around: Surroundings) -> Fields:
+    fields = said.fields
+    said.remark.put_into(fields)
+    condition = fields.get("condition")
+    if condition is not None and condition["kind"] == "expression":
+        if any(c.path == ("condition", "negated") for c, _ in said.remark.changes):
+            unnegated(condition)
+        if condition["text"].casefold() in around.named_transitions:
+            fields["condition"] = {"kind": "named", "name": condition["text"]}
+    if condition is None and not any(c.path[0] == "condition" for c, _ in said.remark.changes):
+        src.note("SFC112", "a transition has no condition", said.start, said.path)
+    for found in said.remark.changes:
+        change(src, fields, found, said.path)
+    return fields

@@ -1,0 +1,297 @@
+"""Writes the parts of a chart: steps with their associations, and transitions. The reader is `chart_reader`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from pydantic import BaseModel
+
+from plcopen_sfc.formats.iectext.chart_reader import (
+    STEP_ACTIONS,
+    association_fields,
+    body_fields,
+    ids_within,
+    unnegated,
+)
+from plcopen_sfc.formats.iectext.layout import INDENT, format_comment, indented
+from plcopen_sfc.formats.iectext.outline import KEYWORDS
+from plcopen_sfc.formats.iectext.printing import (
+    Printer,
+    comment_lines,
+    foreign_pragmas,
+    is_text_body,
+    label,
+    pragma,
+    pragmas,
+    split,
+)
+from plcopen_sfc.formats.iectext.source import unwrapped, wrapped
+from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.model.body import Body
+from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.report import Fate
+
+_STEP_QUALIFIERS = {"entry": "P1", "main": "N", "exit": "P0"}
+WriteAction = Callable[[str, Body, str], str]
+"""Writes an action in place: its name, its body, the indentation."""
+
+
+@dataclass(slots=True)
+class ChartWriter:
+    """Writes one chart of the POU or action at `path`. `named` are the transition objects of the POU."""
+
+    printer: Printer
+    chart: SfcNetwork
+    path: str
+    named: frozenset[str]
+    write_action: WriteAction
+    indent: str = INDENT
+    names: dict[int, str] = field(default_factory=dict)
+    explicit: bool = True
+    unique: bool = True
+    late: list[Change] = field(default_factory=list)
+
+    def pieces(self) -> Iterator[tuple[str, str]]:
+        """The steps and transitions, each with a key that stays when it is renamed."""
+        self._choose_names()
+        rest = plain_fields(self.chart, leave=frozenset({"steps", "transitions"}))
+        ids = self._ids()
+        self.unique = len(set(ids)) == len(ids)
+        self.explicit = ids != list(range(len(ids))) or any(True for _ in ids_within(rest)) or self._has_big_parts()
+        if self.explicit and (self.chart.steps or self.chart.transitions):
+            self.printer.note(Fate.CARRIED, "ids", self.path, "IEC text knows names only")
+        transitions = list(self.chart.transitions)
+        shown: set[int] = set()
+        known = {step.id for step in self.chart.steps}
+        for index, step in enumerate(self.chart.steps):
+            yield f"step {step.id}", self.step(index, step)
+            shown.add(step.id)
+            last = index + 1 == len(self.chart.steps)
+            while transitions and (last or set(transitions[0].sources) & known <= shown):
+                yield f"transition {transitions[0].id}", self.transition(transitions.pop(0))
+        for transition in transitions:
+            yield f"transition {transition.id}", self.transition(transition)
+
+    def _choose_names(self) -> None:
+        taken: set[str] = set()
+        for index, step in enumerate(self.chart.steps):
+            name = step.name
+            if not self.printer.is_name(name) or name.casefold() in taken:
+                own = self.printer.used
+                self.printer.used = own | taken | {s.name.casefold() for s in self.chart.steps}
+                name = self.printer.new_name(name or "Step")
+                self.printer.used = own | {name.casefold()}
+            taken.add(name.casefold())
+            self.names[index] = name
+
+    def _ids(self) -> list[int]:
+        ids = [i for s in self.chart.steps for i in (s.id, *(a.id for a in s.actions))]
+        ids += [t.id for t in self.chart.transitions]
+        return ids
+
+    def _has_big_parts(self) -> bool:
+        parts = [*self.chart.steps, *self.chart.transitions, *(a for _, a in self.chart.associations())]
+        return any(
+            part.carried is not None
+            or (isinstance(part, Transition) and getattr(part.condition, "kind", "") in ("body", "wired"))
+            or (isinstance(part, Step) and (part.interlock or part.supervision or part.macro))
+            for part in parts
+        )
+
+    # -- steps --------------------------------------------------------------------------------------------------------
+
+    def step(self, index: int, step: Step) -> str:
+        """``STEP name: associations END_STEP``, and the actions in place that belong to it."""
+        path = f"{self.path} / step {step.name}"
+        self.printer.note(Fate.KEPT, "step", path)
+        in_place: list[tuple[str, Body]] = []
+        lift = self._lifter(self.names[index], in_place)
+        leave = frozenset({"id", "actions", *(f"{kind}_action" for kind in STEP_ACTIONS)})
+        meant = plain_fields(step, lift, leave)
+        if self.explicit:
+            meant["id"] = step.id
+        said: Fields = {"name": self.names[index]} | ({"initial": True} if step.initial else {})
+        text = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
+        inner = self.indent + INDENT
+        near = self._near(said, meant, ("steps", Numbered(step.id)), path)
+        lines = ""
+        for kind in STEP_ACTIONS:
+            value = getattr(step, f"{kind}_action")
+            if value is not None:
+                lines += self._step_action(kind, value, in_place, self.names[index], inner)
+                self.printer.note(Fate.TRANSLATED, f"{kind} action", path, "an association with a pragma")
+        for number, association in enumerate(step.actions):
+            lines += self._association(association, number, in_place, index, path)
+        keyword = "INITIAL_STEP" if step.initial else "STEP"
+        text += f"{self.indent}{keyword} {self.names[index]}:{_beside(near, inner)}{lines}{self.indent}END_STEP\n"
+        return text + self._actions(in_place)
+
+    def _actions(self, in_place: list[tuple[str, Body]]) -> str:
+        return "".join("\n" + self.write_action(name, body, self.indent) for name, body in in_place)
+
+    def _lifter(self, wish: str, in_place: list[tuple[str, Body]]) -> Callable[[BaseModel], Fields | None]:
+        """Bodies inside an element become actions in place that it refers to."""
+
+        def lift(thing: BaseModel) -> Fields | None:
+            if not is_text_body(thing):
+                return None
+            name = self.printer.new_name(f"{wish}_body")
+            in_place.append((name, thing))  # type: ignore[arg-type]
+            return {"body_of": name}
+
+        return lift
+
+    def _near(self, said: Fields, meant: Fields, place: tuple[Segment, ...], path: str) -> list[Change]:
+        """The changes to write beside an element; those too big for it are left for the end of the unit."""
+        near, late = split(changes(said, meant))
+        for change in (*near, *late):
+            if change.path[0] != "id":
+                self.printer.note(Fate.CARRIED, label(change), path, "IEC text cannot say it")
+        if self.unique:
+            self.late += [Change(("chart", *place, *change.path), change.value) for change in late]
+        else:
+            near += late
+        return sorted(near, key=lambda change: change.path[0] != "id")
+
+    def _step_action(
+        self, kind: str, value: str | Body, in_place: list[tuple[str, Body]], step: str, inner: str
+    ) -> str:
+        if isinstance(value, str):
+            target = value
+        else:
+            target = self.printer.new_name(f"{step}_{kind}")
+            in_place.append((target, value))
+        qualifier = _STEP_QUALIFIERS[kind]
+        wanted = {"target": target} | ({"qualifier": qualifier} if qualifier != Qualifier.N else {})
+        shown, said = self._call(wanted)
+        return f"{inner}{shown};{_beside(list(changes(said, wanted | {'step_action': kind})), inner + INDENT)}"
+
+    def _association(
+        self, association: ActionAssociation, number: int, in_place: list[tuple[str, Body]], index: int, path: str
+    ) -> str:
+        inner = self.indent + INDENT
+        step, name = self.chart.steps[index], self.names[index]
+        body = association.body
+        alone = body is not None and association.target is None and is_text_body(body)
+        meant = plain_fields(association, self._lifter(name, in_place), frozenset({"id", "body"} if alone else {"id"}))
+        if self.explicit:
+            meant["id"] = association.id
+        wanted: Fields = {k: meant[k] for k in ("target", "qualifier", "duration", "indicator") if k in meant}
+        if alone and body is not None:
+            wanted["target"] = self.printer.new_name(f"{name}_action_{number + 1}")
+            in_place.append((wanted["target"], body))
+        shown, said = self._call(wanted)
+        if alone:
+            meant["body"] = said["body"] = {"body_of": said.pop("target")}
+        self.printer.note(Fate.KEPT, "association", f"{path} / {association.target or wanted.get('target', '')}")
+        comment = meant.get("comment")
+        beside = format_comment(comment, inner) if isinstance(comment, str) else None
+        if beside is not None:
+            said["comment"] = comment
+        near = self._near(said, meant, ("steps", Numbered(step.id), "actions", Numbered(association.id)), path)
+        return f"{inner}{shown};" + (f" {beside}" if beside else "") + _beside(near, inner + INDENT)
+
+    def _call(self, wanted: Fields) -> tuple[str, Fields]:
+        """``target(qualifier, time, indicator)`` as far as it can be written, and what a reader takes from it."""
+        qualifier = wanted.get("qualifier", "N")
+        for keys in (("duration", "indicator"), ("duration",), ("indicator",), ()):
+            arguments = [] if qualifier == Qualifier.NONE else [qualifier, *(wanted[k] for k in keys if k in wanted)]
+            shown = f"{wanted.get('target', '')}({', '.join(arguments)})"
+            said = self._taken(shown)
+            if said is not None and said.get("target") == wanted.get("target"):
+                return shown, said
+        shown = f"{self.printer.new_name(wanted.get('target') or 'Action')}({qualifier})"
+        return shown, self._taken(shown) or {}
+
+    def _taken(self, shown: str) -> Fields | None:
+        found = tokenize(shown, self.printer.dialect, KEYWORDS)
+        if found.problems or found.comments or "\r" in shown or "\x00" in shown:
+            return None
+        if any(t.type == "SEMICOLON" or t.type in KEYWORDS for t in found.tokens):
+            return None
+        return association_fields(shown, found.tokens)
+
+    # -- transitions --------------------------------------------------------------------------------------------------
+
+    def transition(self, transition: Transition) -> str:
+        """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
+        path = f"{self.path} / transition {self.chart.label(transition)}"
+        self.printer.note(Fate.KEPT, "transition", path)
+        in_place: list[tuple[str, Body]] = []
+        name = transition.name if self.printer.is_name(transition.name) else ""
+        meant = plain_fields(transition, leave=frozenset({"id", "condition"}))
+        if self.explicit:
+            meant["id"] = transition.id
+        said: Fields = {"name": name} if name else {}
+        text = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
+        head = f"{self.indent}TRANSITION" + (f" {name}" if name else "")
+        if transition.priority is not None and transition.priority >= 0:
+            head += f" (PRIORITY := {transition.priority})"
+            said["priority"] = transition.priority
+        head += self._side("FROM", "sources", transition, said) + self._side("TO", "targets", transition, said)
+        condition, shown = self._condition(transition, meant, in_place)
+        near = self._near(said | shown, meant, ("transitions", Numbered(transition.id)), path)
+        return f"{text}{head}{_beside(near, self.indent + INDENT)}{condition}{self.indent}END_TRANSITION\n" + (
+            self._actions(in_place)
+        )
+
+    def _side(self, keyword: str, side: str, transition: Transition, said: Fields) -> str:
+        ids = getattr(transition, side)
+        by_id: dict[int, str] = {}
+        for index, step in enumerate(self.chart.steps):
+            by_id.setdefault(step.id, self.names[index])
+        names = [by_id[i] for i in ids if i in by_id]
+        if names:
+            said[side] = [i for i in ids if i in by_id]
+        for data in transition.carried.data if transition.carried is not None else ():
+            kept = unwrapped(data.content)
+            if kept is not None and kept[0] == keyword.lower() and self.printer.is_name(kept[1]):
+                names.append(kept[1])
+                said.setdefault("carried", {}).setdefault("data", []).append(wrapped(*kept))
+        return f" {keyword} {names[0]}" if len(names) == 1 else f" {keyword} ({', '.join(names)})"
+
+    def _condition(self, transition: Transition, meant: Fields, in_place: list[tuple[str, Body]]) -> tuple[str, Fields]:
+        """The lines of the condition and what a reader takes from them; what is meant goes into `meant`."""
+        condition = transition.condition
+        if condition is None:
+            return "", {}
+        inner = self.indent + INDENT
+        wish = transition.name or "Transition"
+        if isinstance(condition, Expression | NamedCondition):
+            meant["condition"] = plain_fields(condition)
+            text = condition.text if isinstance(condition, Expression) else condition.name
+            if not self.printer.is_expression(text):
+                return "", {}
+            said: Fields = {"kind": "expression", "text": text}
+            if condition.negated:
+                shown = f"NOT {text}" if self.printer.is_name(text) else f"NOT ({text})"
+                back: Fields = {"text": shown}
+                unnegated(back)
+                if back["text"] != text:
+                    return "", {}
+                text = shown
+            if said["text"].casefold() in self.named:
+                said = {"kind": "named", "name": said["text"]}
+            return f"{inner}:= {text};\n", {"condition": said}
+        if isinstance(condition, BodyCondition) and getattr(condition.body, "language", "") in ("ST", "IL"):
+            text = condition.body.text  # type: ignore[union-attr]
+            lines, comes_back = self.printer.code(text)
+            if comes_back and lines.whole() == lines.text and lines.text:
+                tokens = tokenize(text, self.printer.dialect, KEYWORDS).tokens
+                meant["condition"] = plain_fields(condition)
+                shown = f"{inner}:\n{indented(text, inner + INDENT)}\n"
+                return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
+        meant["condition"] = plain_fields(condition, self._lifter(wish, in_place))
+        return "", {}
+
+
+def _beside(near: list[Change], indent: str) -> str:
+    """The first pragma on the line that stands before it, the others below."""
+    if not near:
+        return "\n"
+    return f" {pragma(near[0])}\n" + pragmas(near[1:], indent)

@@ -1,0 +1,170 @@
+"""What all writers of a text share: the pieces it is made of, names, pragmas, and what becomes of each item."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from pydantic import BaseModel
+
+from plcopen_sfc.formats.iectext.layout import Block, block, format_comment, indented, taken
+from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
+from plcopen_sfc.formats.iectext.source import OWN_PRAGMA, is_own, unwrapped
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.pragmas import Change, Fields
+from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
+from plcopen_sfc.model.body import IlBody, SfcBody, StBody
+from plcopen_sfc.report import ConversionReport, Fate
+
+_CLOSERS = frozenset(k for k in KEYWORDS if k.startswith("END_"))
+_RESERVED = frozenset({"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"})
+_FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}")
+_WIDE = 160
+
+
+@dataclass(slots=True)
+class Piece:
+    """The text of an object, made of own text and of the pieces in it. `key` stays when the object is renamed."""
+
+    key: str
+    parts: list[Piece | str]
+
+    @property
+    def text(self) -> str:
+        """The whole text."""
+        return "".join(part if isinstance(part, str) else part.text for part in self.parts)
+
+
+@dataclass(slots=True)
+class Printer:
+    """Writes for a dialect and notes what became of each item."""
+
+    dialect: Dialect
+    report: ConversionReport
+    used: set[str] = field(default_factory=set)
+    """Names in the POU that is being written, in lower case, which an action in place must not take."""
+
+    def note(self, fate: Fate, what: str, path: str, why: str = "") -> None:
+        """Note the fate of an item."""
+        self.report.add(fate, what, path, why)
+
+    def is_name(self, name: str) -> bool:
+        """Whether `name` can stand as a name of ours: one word that is no keyword."""
+        tokens = tokenize(name, self.dialect, KEYWORDS).tokens
+        return (
+            len(tokens) == 1
+            and tokens[0].type == "NAME"
+            and tokens[0].span == (0, len(name))
+            and re.fullmatch(r"[^\W\d]\w*", name) is not None
+            and name.upper() not in _RESERVED
+        )
+
+    def new_name(self, wish: str) -> str:
+        """A name near `wish` that nothing in this POU has."""
+        base = re.sub(r"\W+", "_", wish).strip("_") or "Unnamed"
+        base = f"_{base}" if base[0].isdigit() else base
+        base = base if self.is_name(base) else f"{base}_"
+        name, number = base, 1
+        while name.casefold() in self.used:
+            number += 1
+            name = f"{base}_{number}"
+        self.used.add(name.casefold())
+        return name
+
+    def is_expression(self, text: str) -> bool:
+        """Whether `text` comes back as it is from between ``:=`` and ``;``."""
+        if not text or text != text.strip() or "\r" in text or "\x00" in text:
+            return False
+        found = tokenize(text, self.dialect, KEYWORDS)
+        if found.problems or not found.tokens or any(t.type in _CLOSERS or t.type == "SEMICOLON" for t in found.tokens):
+            return False
+        comments = found.comments
+        if any(OWN_PRAGMA.match(c.text) for c in comments):
+            return False
+        if comments and comments[-1].kind is CommentKind.LINE and comments[-1].span[1] == len(text):
+            return False
+        return self._stays_loose(f"x := {text};")
+
+    def _stays_loose(self, statements: str) -> bool:
+        found = outline(f"PROGRAM x\n{statements}\nEND_PROGRAM\n", self.dialect)
+        if found.problems or len(found.parts) != 1 or not found.parts[0].closed:
+            return False
+        return all(part.kind is Kind.LOOSE for part in found.parts[0].parts)
+
+    def code(self, text: str) -> tuple[Block, bool]:
+        """The lines of a body, and whether they come back as they are from between a header and its END."""
+        lines = block(text)
+        if "\r" in text or "\x00" in text:
+            return lines, False
+        source = "\n" + indented(lines.text, "    ") + "\n"
+        found = tokenize(lines.text, self.dialect, KEYWORDS)
+        if found.problems or any(t.type in _CLOSERS for t in found.tokens) or taken(source) != lines.text:
+            return lines, False
+        if any(is_own(c) for c in found.comments):
+            return lines, False
+        return lines, self._stays_loose(lines.text)
+
+
+def pragma(change: Change) -> str:
+    """A pragma that says a change."""
+    return f"{{plcopen_sfc {change}}}"
+
+
+def pragmas(changes: Iterable[Change], indent: str) -> str:
+    """Pragmas, one on a line."""
+    return "".join(f"{indent}{pragma(change)}\n" for change in changes)
+
+
+def split(found: Iterable[Change]) -> tuple[list[Change], list[Change]]:
+    """The changes to write beside an object, and those for the end of its unit: foreign data, what no person reads.
+
+    What belongs to one list stays together.
+    """
+    every = list(found)
+    apart = {_group(change) for change in every if _is_big(change)}
+    near = [change for change in every if _group(change) not in apart]
+    return near, [change for change in every if _group(change) in apart]
+
+
+def _is_big(change: Change) -> bool:
+    return not {"carried", "drawing", "logic"}.isdisjoint(change.path) or len(str(change)) > _WIDE
+
+
+def _group(change: Change) -> tuple[object, ...]:
+    for index, segment in enumerate(change.path):
+        if not isinstance(segment, str):
+            return change.path[:index]
+    return change.path
+
+
+def label(change: Change) -> str:
+    """What a report calls a change."""
+    return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
+
+
+def comment_lines(fields: Fields, said: Fields, indent: str) -> str:
+    """The comment in `fields` as lines of its own, if it can be a comment; `said` gets it then."""
+    text = fields.get("comment")
+    shown = format_comment(text, indent) if isinstance(text, str) else None
+    if shown is None:
+        return ""
+    said["comment"] = text
+    return f"{indent}{shown}\n"
+
+
+def foreign_pragmas(fields: Fields, said: Fields, indent: str) -> str:
+    """Pragmas of other tools that were read from a text."""
+    lines = ""
+    for data in fields.get("carried", {}).get("data", []):
+        kept = unwrapped(data.get("content", ""))
+        if kept is None or kept[0] != "pragma" or not _FOREIGN_PRAGMA.fullmatch(kept[1]):
+            break
+        lines += f"{indent}{kept[1]}\n"
+        said.setdefault("carried", {}).setdefault("data", []).append(data)
+    return lines
+
+
+def is_text_body(thing: BaseModel) -> bool:
+    """Whether `thing` is a body that can stand in an action."""
+    return isinstance(thing, StBody | IlBody | SfcBody)

@@ -1,0 +1,339 @@
+"""Reads programs, function blocks, functions, and the actions and methods in them. The writer is `unit_writer`."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from plcopen_sfc.formats.iectext.chart_reader import (
+    ChartText,
+    Surroundings,
+    body_fields,
+    change,
+    chart_fields,
+    condition_fields,
+    number,
+    read_step,
+    read_transition,
+)
+from plcopen_sfc.formats.iectext.declarations_reader import read_return_type, read_section
+from plcopen_sfc.formats.iectext.layout import Block, newlines, taken
+from plcopen_sfc.formats.iectext.outline import Kind, Part
+from plcopen_sfc.formats.iectext.source import Remark, Source, is_own, wrapped
+from plcopen_sfc.languages.pragmas import Change, Fields
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.model.pou import Pou
+
+_KINDS = {Kind.PROGRAM: "program", Kind.FUNCTION_BLOCK: "functionBlock", Kind.FUNCTION: "function"}
+_EXTENDED = re.compile(r"\b(?:EXTENDS|IMPLEMENTS)\b.*", re.IGNORECASE | re.DOTALL)
+
+
+@dataclass(slots=True)
+class Container:
+    """What stands in a POU, a method or an action: `fields` of its own, its parts, and its body."""
+
+    path: str
+    fields: Fields
+    remark: Remark
+    chart: ChartText = field(default_factory=ChartText)
+    body: Fields | None = None
+    sections: list[Fields] = field(default_factory=list)
+    actions: list[Fields] = field(default_factory=list)
+    transitions: list[Fields] = field(default_factory=list)
+    methods: list[Fields] = field(default_factory=list)
+    in_place: dict[str, Fields] = field(default_factory=dict)
+    rest: list[str] = field(default_factory=list)
+    declared: tuple[int, int] = (0, 0)
+
+
+def read_pou(src: Source, part: Part, gap: tuple[int, int]) -> Pou:
+    """A program, function block or function; `gap` is what stands before it."""
+    while True:
+        fields = _pou_fields(src, part, gap)
+        try:
+            return Pou.model_validate(fields)
+        except ValidationError as error:
+            if not _leave_out(src, part, gap, error):
+                raise
+
+
+def _pou_fields(src: Source, part: Part, gap: tuple[int, int]) -> Fields:
+    container = _container(src, part, gap, "POU ")
+    fields = _finished(src, container)
+    body = fields.pop("body", None)
+    chart = fields.pop("chart", None)
+    fields["bodies"] = _bodies(body, chart) + fields.get("bodies", [])
+    fields["kind"] = fields.get("kind", _KINDS.get(part.kind, part.kind))
+    return fields
+
+
+def _bodies(body: Fields | None, chart: Fields | None) -> list[Fields]:
+    whole = _body(body, chart)
+    return [] if whole is None else [whole]
+
+
+def _body(body: Fields | None, chart: Fields | None) -> Fields | None:
+    if body is None:
+        return None
+    return body if chart is None else body | {"chart": chart}
+
+
+def _leave_out(src: Source, part: Part, gap: tuple[int, int], error: ValidationError) -> bool:
+    """Find the pragma that does not fit the model and leave it out from now on; False where there is none."""
+    before = set(src.ignored)
+    offsets = [c.span[0] for c in src.outline.comments(gap[0], part.end) if is_own(c)]
+    first = error.errors()[0]
+    message = f"this pragma does not fit: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+    for offset in offsets:
+        if offset in before:
+            continue
+        src.ignored = {*before, offset}
+        try:
+            Pou.model_validate(_pou_fields(src, part, gap))
+        except ValidationError as again:
+            if again.error_count() >= error.error_count():
+                continue
+        src.note("IEC212", message, offset, f"POU {part.name}")
+        return True
+    src.ignored = before | set(offsets)
+    for offset in offsets[:1]:
+        src.note("IEC212", f"{message}; all pragmas of ours in this unit are left out", offset, f"POU {part.name}")
+    return src.ignored != before
+
+
+# -- containers -------------------------------------------------------------------------------------------------------
+
+
+def _container(src: Source, part: Part, gap: tuple[int, int], prefix: str) -> Container:
+    """Read what stands in `part`, up to its END."""
+    path = f"{prefix}{part.name}"
+    remark = src.remark(*gap, path)
+    container = Container(path, {"name": part.name}, remark)
+    _take_declaration(src, part, gap, container)
+    if part.return_type is not None:
+        container.fields["interface"] = {"return_type": read_return_type(src, part.return_type, path)}
+    _keep_header_rest(src, part, container)
+    has_chart = any(p.kind is Kind.STEP or (p.kind is Kind.TRANSITION and _leads(src, p)) for p in part.parts)
+    position, loose = part.inside[0], False
+    for inner in part.parts:
+        if inner.kind is Kind.LOOSE:
+            loose = True
+            continue
+        above = _body_region(src, container, (position, inner.start), inner, loose=loose, chart=has_chart)
+        _read_part(src, inner, (above, inner.start), container)
+        position, loose = inner.end, False
+    above = _body_region(src, container, (position, part.inside[1]), None, loose=loose, chart=has_chart)
+    container.remark.extend(src.remark(above, part.inside[1], path))
+    if has_chart:
+        container.body = {"language": "SFC"}
+    return container
+
+
+def _take_declaration(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
+    """Where the text of the declaration begins and ends, if it is to be kept as it was typed."""
+    own = [c.span[1] for c in src.outline.comments(*gap) if is_own(c)]
+    start = own[-1] if own else gap[0]
+    while start < part.start and src.text[start].isspace():
+        start += 1
+    end = part.inside[0]
+    for inner in part.parts:
+        if inner.kind is not Kind.VAR:
+            break
+        end = inner.end
+    container.declared = (start, end)
+    if any(c.path[-1] == "declaration_ends" for c, _ in container.remark.changes):
+        container.remark.comments, container.remark.pragmas = [], []
+        for comment in src.outline.comments(gap[0], own[0] if own else gap[0]):
+            container.remark.extend(src.remark(*comment.span, container.path) if not is_own(comment) else Remark())
+
+
+def _keep_header_rest(src: Source, part: Part, container: Container) -> None:
+    """EXTENDS and IMPLEMENTS have no place in the model."""
+    tokens = src.outline.tokens(part.head)
+    header = src.text[tokens[0].span[0] : tokens[-1].span[1]]
+    words = [t.value.upper() for t in tokens]
+    if part.kind is not Kind.ACTION and ("EXTENDS" in words or "IMPLEMENTS" in words):
+        found = _EXTENDED.search(header)
+        if found is not None:
+            _carry(container.fields, "header", newlines(found.group()).rstrip("; "))
+    modifiers = [t.value for t in tokens[1:] if t.span[1] <= _name_start(tokens, part)]
+    if modifiers:
+        _carry(container.fields, "modifiers", " ".join(modifiers))
+
+
+def _name_start(tokens: list[Any], part: Part) -> int:
+    first = part.name.split(".")[0]
+    return int(next((t.span[0] for t in tokens[1:] if t.value == first), 0))
+
+
+def _carry(fields: Fields, place: str, text: str) -> None:
+    fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(place, text))
+
+
+def _leads(src: Source, part: Part) -> bool:
+    """Whether a transition is one of a chart; a transition object of the POU has no FROM and no TO."""
+    depth = 0
+    for token in src.outline.tokens(part.tokens):
+        depth += (token.type == "LPAR") - (token.type == "RPAR")
+        if depth == 0 and token.type in ("ASSIGN", "COLON"):
+            break
+        if token.value.upper() in ("FROM", "TO"):
+            return True
+    return False
+
+
+def _body_region(
+    src: Source, container: Container, gap: tuple[int, int], following: Part | None, *, loose: bool, chart: bool
+) -> int:
+    """Take the body from the gap before a part or before the END, and return where the rest of the gap begins."""
+    start, end = gap
+    above = src.attached(start, end) if following is not None else src.core(start, end)[1]
+    comments = [c for c in src.outline.comments(start, above) if not is_own(c)]
+    if not loose and (chart or not comments or (following is not None and following.kind is Kind.VAR)):
+        return start
+    begin = src.core(start, above)[0]
+    container.remark.extend(src.remark(start, begin, container.path))
+    start = begin
+    text = taken(src.text[start:above])
+    if chart or container.body is not None:
+        src.note("IEC104", "these statements belong to no step, action or transition", start, container.path)
+        container.rest.append(text)
+    else:
+        tokens = [t for t in src.outline.found.tokens if start <= t.span[0] < above]
+        container.body = body_fields(text, tokens)
+        _check_statements(src, container.body, start, container.path)
+    return above
+
+
+def _check_statements(src: Source, body: Fields, start: int, path: str) -> None:
+    """Say what is wrong with the statements of a body, at their places in the file."""
+    if body["language"] != "ST" or not body["text"]:
+        return
+    for problem in parse_statements(body["text"], src.outline.dialect).problems[:_MANY]:
+        src.note("IEC110", problem.message, start + _offset(src.text[start:], body["text"], problem.span[0]), path)
+
+
+_MANY = 20
+"""Findings of one body that are told; the rest mostly follows from these."""
+
+
+def _offset(source: str, text: str, offset: int) -> int:
+    """Where the character at `offset` of a body stands in the text it was taken from."""
+    solid = len("".join(text[:offset].split()))
+    seen = 0
+    for index, character in enumerate(source):
+        if not character.isspace():
+            if seen == solid:
+                return index
+            seen += 1
+    return len(source)
+
+
+def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
+    place = container.path
+    if part.kind is Kind.VAR:
+        container.sections += read_section(src, part, gap, place)
+    elif part.kind is Kind.STEP:
+        container.chart.steps.append(read_step(src, part, src.remark(*gap, place), place))
+    elif part.kind is Kind.TRANSITION and (_leads(src, part) or not part.closed):
+        container.chart.transitions.append(read_transition(src, part, src.remark(*gap, place), place))
+    elif part.kind is Kind.TRANSITION:
+        container.transitions.append(_read_transition_object(src, part, gap, place))
+    elif part.kind is Kind.PROPERTY:
+        container.remark.extend(src.remark(*gap, place))
+        _carry(container.fields, "property", newlines(src.text[part.start : part.end]))
+    else:
+        inner = _container(src, part, gap, f"{place} / {part.kind.lower()} ")
+        in_place = [c for c, _ in inner.remark.changes if c.path == ("in_place",)]
+        inner.remark.changes = [found for found in inner.remark.changes if found[0] not in in_place]
+        fields = _finished(src, inner)
+        body = _body(fields.pop("body", None), fields.pop("chart", None))
+        if body is not None:
+            fields["body"] = body
+        if in_place:
+            container.in_place[part.name.casefold()] = fields.get("body", {})
+        elif part.kind is Kind.METHOD:
+            container.methods.append(fields)
+        else:
+            container.actions.append(fields)
+
+
+def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place: str) -> Fields:
+    """``TRANSITION name := expression; END_TRANSITION``: a condition with a name, which charts refer to."""
+    tokens = src.outline.tokens(part.tokens)
+    name = tokens[0].value if tokens and tokens[0].type == "NAME" else ""
+    path = f"{place} / transition {name}"
+    remark = src.remark(*gap, path)
+    fields: Fields = {"name": name}
+    rest = tokens[1:] if name else tokens
+    begin, end = src.core(rest[0].span[1] if rest else part.inside[0], part.inside[1])
+    remark.extend(src.remark(part.inside[0], begin, path))
+    remark.extend(src.remark(end, part.inside[1], path))
+    condition = condition_fields(src.text, rest[0].type, rest[1:], begin, end) if rest else {}
+    if condition is None or (rest and rest[0].type not in ("ASSIGN", "COLON")):
+        src.note("IEC103", "a condition is := expression; or : a body", part.start, path)
+        text = newlines(src.text[begin:end])
+        fields["body"] = {"language": "opaque", "source": "iec-text", "content": text}
+    elif condition.get("kind") == "expression":
+        fields["body"] = {"language": "ST", "text": condition["text"]}
+    else:
+        fields["body"] = condition.get("body", {"language": "ST", "text": ""})
+    remark.put_into(fields)
+    fields = _with_changes(src, remark, fields, path)
+    body = _body(fields.pop("body", None), fields.pop("chart", None))
+    return fields | ({"body": body} if body is not None else {})
+
+
+# -- putting it together ----------------------------------------------------------------------------------------------
+
+
+def _finished(src: Source, container: Container) -> Fields:
+    """The fields of a container; its main body under `body`, the chart of that under `chart`."""
+    fields = container.fields
+    container.remark.put_into(fields)
+    names = frozenset(t["name"].casefold() for t in container.transitions)
+    around = Surroundings(container.in_place, names)
+    if container.body is not None and container.body["language"] == "SFC":
+        fields["chart"] = chart_fields(src, container.chart, around, container.path)
+    fields["body"] = container.body if container.body is not None else {"language": "ST", "text": ""}
+    for name in ("actions", "transitions", "methods"):
+        if getattr(container, name):
+            fields[name] = getattr(container, name)
+    if container.sections:
+        fields.setdefault("interface", {})["sections"] = container.sections
+    if container.rest:
+        fields["bodies"] = [{"language": "opaque", "source": "iec-text", "content": text} for text in container.rest]
+    fields = _with_changes(src, container.remark, fields, container.path, container.declared)
+    if fields.get("chart") is not None:
+        number(src, container.chart, fields["chart"])
+    resolved: Fields = _resolved(fields, container.in_place)
+    return resolved
+
+
+def _with_changes(src: Source, remark: Remark, fields: Fields, path: str, declared: tuple[int, int] = (0, 0)) -> Fields:
+    """Make the changes that pragmas say; the edges of bodies and declarations are written apart from their text."""
+    layout = Block("")
+    for found, offset in remark.changes:
+        if found.path[-1] == "declaration_ends" and found.path[0] == "interface":
+            text = newlines(src.text[declared[0] : declared[1]]) + str(found.value)
+            change(src, fields, (Change(("interface", "declaration"), text), offset), path)
+        elif found.path[0] == "body" and found.path[-1] in ("margin", "before", "after") and len(found.path) == 2:
+            layout = layout._replace(**{str(found.path[1]): str(found.value)})
+        else:
+            change(src, fields, (found, offset), path)
+    body = fields.get("body")
+    if isinstance(body, dict) and "text" in body and layout != Block(""):
+        body["text"] = layout._replace(text=body["text"]).whole()
+    return fields
+
+
+def _resolved(value: Any, in_place: dict[str, Fields]) -> Any:
+    """`value` with the bodies that it refers to by name."""
+    if isinstance(value, dict):
+        if isinstance(value.get("body_of"), str) and len(value) == 1:
+            return in_place.get(value["body_of"].casefold(), {"language": "ST", "text": ""})
+        return {key: _resolved(item, in_place) for key, item in value.items()}
+    return [_resolved(item, in_place) for item in value] if isinstance(value, list) else value

@@ -1,0 +1,194 @@
+"""Writes programs, function blocks, functions, and the actions and methods in them. The reader is `unit_reader`."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel
+
+from plcopen_sfc.formats.iectext.chart_reader import body_fields
+from plcopen_sfc.formats.iectext.chart_writer import ChartWriter
+from plcopen_sfc.formats.iectext.declarations_writer import write_interface
+from plcopen_sfc.formats.iectext.layout import INDENT, Block, indented
+from plcopen_sfc.formats.iectext.outline import KEYWORDS
+from plcopen_sfc.formats.iectext.printing import (
+    Piece,
+    Printer,
+    comment_lines,
+    foreign_pragmas,
+    is_text_body,
+    label,
+    pragmas,
+    split,
+)
+from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.report import Fate
+
+_KEYWORDS = {
+    PouKind.PROGRAM: "PROGRAM",
+    PouKind.FUNCTION_BLOCK: "FUNCTION_BLOCK",
+    PouKind.FUNCTION: "FUNCTION",
+    PouKind.ORGANIZATION_BLOCK: "PROGRAM",
+}
+_PARTS = frozenset({"bodies", "body", "actions", "transitions", "methods", "interface"})
+
+
+def write_pou(printer: Printer, pou: Pou) -> Piece:
+    """A program, function block or function."""
+    printer.used = {name.casefold() for name in _names(pou)}
+    path = f"POU {pou.name}"
+    printer.note(Fate.KEPT, "POU", path)
+    return _Unit(
+        printer, pou, _KEYWORDS[pou.kind], path, "", frozenset(t.name.casefold() for t in pou.transitions)
+    ).piece()
+
+
+def _names(pou: Pou) -> list[str]:
+    """Every name in the POU that an action in place must not take."""
+    parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
+    names = [part.name for part in parts]
+    names += [v.name for v in pou.interface.variables()] if pou.interface is not None else []
+    for _, body in pou.named_bodies():
+        if isinstance(body, SfcBody):
+            names += [step.name for step in body.chart.steps]
+            names += [a.target for _, a in body.chart.associations() if a.target is not None]
+            for step in body.chart.steps:
+                names += [a for a in (step.entry_action, step.main_action, step.exit_action) if isinstance(a, str)]
+    return names
+
+
+class _Unit:
+    """Writes one container: a POU, or an action, a method or a transition object in it."""
+
+    def __init__(
+        self,
+        printer: Printer,
+        thing: Pou | Action | Method | NamedTransition,
+        keyword: str,
+        path: str,
+        indent: str,
+        named: frozenset[str],
+    ) -> None:
+        self.printer = printer
+        self.thing = thing
+        self.keyword = keyword
+        self.path = path
+        self.indent = indent
+        self.inner = indent + INDENT
+        self.named = named
+        self.said: Fields = {"language": "ST"}
+        self.late: list[Change] = []
+        self.in_place: list[tuple[str, Body]] = []
+        self.parts: list[Piece | str] = []
+
+    def piece(self, extra: list[Change] | None = None) -> Piece:
+        """The text of the container; `extra` is more to say of it."""
+        thing = self.thing
+        name = thing.name if self.printer.is_name(thing.name) else self.printer.new_name(thing.name)
+        meant = plain_fields(thing, leave=_PARTS)
+        said: Fields = {"name": name}
+        if isinstance(thing, Pou):
+            said["kind"] = "program" if thing.kind is PouKind.ORGANIZATION_BLOCK else str(thing.kind)
+        top = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
+        bodies = thing.bodies if isinstance(thing, Pou) else [thing.body] if thing.body is not None else []
+        body = self._body(bodies[0] if bodies else None, meant, said)
+        if len(bodies) > 1:
+            meant["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
+        interface = getattr(thing, "interface", None)
+        declared = write_interface(self.printer, self.keyword, name, interface, self.indent, meant, said)
+        near, late = split([*(extra or []), *changes(said, meant)])
+        for change in (*near, *late):
+            if change.path[0] not in ("body", "in_place"):
+                self.printer.note(Fate.CARRIED, label(change), self.path, "IEC text cannot say it")
+        late += self.late
+        top += pragmas(near, self.indent)
+        parts: list[Piece | str] = [top + declared]
+        parts += [part for method in getattr(thing, "methods", []) for part in ("\n", self._inner("METHOD", method))]
+        if body:
+            parts += body
+        for other, part_body in self.in_place:
+            parts += ["\n", write_in_place(self, other, part_body)]
+        for transition in getattr(thing, "transitions", []):
+            parts += ["\n", self._inner("TRANSITION", transition)]
+        for action in getattr(thing, "actions", []):
+            parts += ["\n", self._inner("ACTION", action)]
+        if late:
+            parts.append("\n" + pragmas(late, self.inner))
+        parts.append(f"{self.indent}END_{self.keyword}\n")
+        return Piece(f"{self.keyword} {thing.name}", parts)
+
+    def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> Piece:
+        path = f"{self.path} / {keyword.lower()} {thing.name}"
+        self.printer.note(Fate.KEPT, keyword.lower(), path)
+        return _Unit(self.printer, thing, keyword, path, self.inner, self.named).piece()
+
+    def _lift(self, thing: BaseModel) -> Fields | None:
+        if not is_text_body(thing):
+            return None
+        name = self.printer.new_name(f"{self.thing.name}_body")
+        self.in_place.append((name, thing))  # type: ignore[arg-type]
+        return {"body_of": name}
+
+    # -- bodies -------------------------------------------------------------------------------------------------------
+
+    def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[Piece | str]:
+        """The lines of the main body; what it says goes into `said`, what is meant into `meant`."""
+        said["body"] = {"language": "ST", "text": ""}
+        if body is None:
+            return []
+        if isinstance(body, SfcBody):
+            meant["body"] = plain_fields(body, leave=frozenset({"chart"}))
+            return self._chart(body, meant, said)
+        if body.language in ("ST", "IL"):
+            meant["body"] = plain_fields(body)
+            text: str = body.text
+            lines, comes_back = self.printer.code(text)
+            if comes_back:
+                return self._statements(lines, meant, said)
+            return []
+        meant["body"] = plain_fields(body)
+        return []
+
+    def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece | str]:
+        tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
+        said["body"] = body_fields(lines.text, tokens)
+        meant["body"]["text"] = lines.text
+        for edge in ("after", "before", "margin"):
+            if getattr(lines, edge):
+                meant["body"][edge] = getattr(lines, edge)
+        if not lines.text:
+            return []
+        if self.keyword == "TRANSITION":
+            if said["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
+                return [f"{self.inner}:= {lines.text};\n"]
+            return [f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}\n"]
+        blank = "" if self.keyword == "ACTION" else "\n"
+        return [f"{blank}{indented(lines.text, self.inner)}\n"]
+
+    def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[Piece | str]:
+        chart = body.chart
+        rest = frozenset({"steps", "transitions"})
+        meant["chart"] = plain_fields(chart, self._lift, rest)
+        if not chart.steps and not any(t.sources or t.targets for t in chart.transitions):
+            meant["chart"] = plain_fields(chart, self._lift)
+            return []
+        said["body"] = {"language": "SFC"}
+        said["chart"] = {}
+        writer = ChartWriter(self.printer, chart, self.path, self.named, self._action_in_place, self.inner)
+        parts: list[Piece | str] = []
+        for key, text in writer.pieces():
+            parts += ["\n", Piece(key, [text])]
+        self.late += writer.late
+        return parts
+
+    def _action_in_place(self, name: str, body: Body, indent: str) -> str:
+        return write_in_place(self, name, body, indent).text
+
+
+def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None) -> Piece:
+    """An action that stands for a body which belongs to a step, a transition or the chart."""
+    action = Action(name=name, body=body)
+    path = f"{unit.path} / {name}"
+    inner = _Unit(unit.printer, action, "ACTION", path, unit.inner if indent is None else indent, unit.named)
+    return inner.piece([Change(("in_place",), True)])
