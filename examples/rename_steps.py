@@ -2,8 +2,8 @@
 
 python rename_steps.py NAMES.csv FOLDER [--dry-run]
 
-NAMES.csv has lines OLD;NEW. With --dry-run the changes are shown as a diff and nothing is written. Names in program
-text (`Step.t > T#5s`) are not changed; the script says where they occur.
+NAMES.csv has lines OLD;NEW. With --dry-run the changes are shown as a diff and nothing is written. Program text
+follows; where nobody can tell what a name means, the script says so.
 """
 
 from __future__ import annotations
@@ -11,32 +11,21 @@ from __future__ import annotations
 import argparse
 import csv
 import difflib
-import re
 import sys
 from pathlib import Path
 
 import plcopen_sfc as sfc
-from plcopen_sfc.model import Expression, StBody
+from plcopen_sfc.refactor.rename import RenameResult
 
 
-def mentions(project: sfc.Project, name: str) -> list[str]:
-    """Program text in which `name` occurs."""
-    word = re.compile(rf"\b{re.escape(name)}\b", re.IGNORECASE)
-    texts = [body.text for _, _, body in project.bodies() if isinstance(body, StBody)]
-    for _, _, chart in project.charts():
-        texts += [t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)]
-    return [line.strip() for text in texts for line in text.splitlines() if word.search(line)]
-
-
-def rename(project: sfc.Project, names: dict[str, str]) -> list[str]:
-    """Rename the steps of every chart; returns the old names that occurred."""
-    renamed = []
-    for _, _, chart in project.charts():
-        for old, new in names.items():
-            if any(step.name == old for step in chart.steps):
-                chart.rename_step(old, new)
-                renamed.append(old)
-    return renamed
+def rename(project: sfc.Project, names: dict[str, str]) -> list[RenameResult]:
+    """Rename the steps of every chart."""
+    return [
+        chart.rename_step(old, new)
+        for _, _, chart in project.charts()
+        for old, new in names.items()
+        if any(step.name == old for step in chart.steps)
+    ]
 
 
 def show(path: Path, new: bytes) -> None:
@@ -62,9 +51,9 @@ def main() -> int:
             renamed = rename(project, names)
             if not renamed:
                 continue
-            for old in renamed:
-                for text in mentions(project, old):
-                    print(f"{path}: {old} is still named in: {text}", file=sys.stderr)
+            for result in renamed:
+                for undecided in result.undecided:
+                    print(f"{path}: is this {result.path}? {undecided}", file=sys.stderr)
             if arguments.dry_run:
                 show(path, sfc.dumps(project))
             else:

@@ -241,7 +241,7 @@ def test_rename_steps_shows_a_diff_and_then_does_it(workplace: Path) -> None:
     removed = [line for line in dry.stdout.splitlines() if line.startswith("-") and not line.startswith("---")]
     assert removed
     assert all("Idle" in line or "Measure" in line for line in removed)
-    assert "Measure.t" in dry.stderr  # program text that does not follow
+    assert any("Measure.t" in line for line in removed)  # program text follows
     done = example(workplace, "rename_steps.py", "names.csv", "fixtures/codesys")
     assert done.returncode == 0, done.stderr
     after = path.read_bytes()

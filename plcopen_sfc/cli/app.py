@@ -37,7 +37,7 @@ def _app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_common)
-    for command in (_formats, _info, _validate, _convert, _schema):
+    for command in (_formats, _info, _validate, _convert, _rename, _schema):
         app.command(command.__name__.removeprefix("_"))(command)
     return app
 
@@ -113,6 +113,22 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
 
         how = convert.How(format=to, flavour=flavour, strict=strict, fresh=fresh)
         screen.exit_code = convert.run(screen, source, target, how, report_to=report)
+
+
+def _rename(  # noqa: PLR0917  # typer calls it by name
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The file to change.")],
+    old: Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")],
+    new: Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")],
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Show the changes of the file; write nothing.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """Rename a step, a variable, an action, a POU, a type wherever the file names it."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import rename  # noqa: PLC0415
+
+        screen.exit_code = rename.run(screen, file, old, new, dry_run=dry_run)
 
 
 def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:

@@ -12,8 +12,10 @@ from plcopen_sfc.languages.names.uses import Names, Occurrence
 
 def clashes(names: Names, declaration: Declaration, uses: Sequence[Occurrence], new: str) -> Iterator[str]:
     """Why `declaration`, which has these uses, cannot be called `new`; nothing if it can."""
-    for other in _beside(names, declaration, new):
-        yield f"there is a {other} already"
+    beside = list(_beside(names, declaration, new))
+    if beside:
+        yield from (f"there is a {other} already" for other in beside)
+        return
     for use in uses:
         meaning = names.resolver.meaning(replace(use.reference, name=new), use.piece)
         candidates = (meaning.declaration,) if meaning.declaration is not None else meaning.candidates or ()

@@ -82,7 +82,7 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
     old, path = declaration.name, declaration.path
     if new == old:
         return RenameResult(path, old, new)
-    problem = objection(new, names.dialect)
+    problem = objection(new, names.project.dialect)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
     found = list(names.occurrences(old))

@@ -11,7 +11,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import JUMPS, instructions
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements
+from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Quoting, Span
 from plcopen_sfc.languages.st.walking import children
@@ -22,9 +22,9 @@ class Reference:
     """A name in a text.
 
     `span` is that of the bare word, without quotes. `base`: it is a member of this (``base.name``); `callee`: it is a
-    parameter in a call of this; `access`: the member of it that is meant (``name.access``); `expected`: it stands where a
-    value of the type of this is expected (``expected := name``), or of the type that this names. `unread`: why nobody
-    can read the text that it stands in. `declares`: it is declared here; `within` is the name of the type around it.
+    parameter in a call of this; `access`: the member of it that is meant (``name.access``); `expected`: it stands
+    where a value of the type of this is expected (``expected := name``), or of the type that this names. `unread`: why
+    nobody can read the text that it stands in. `declares`: it is declared here, in the type `within`.
     """
 
     name: str
@@ -61,17 +61,8 @@ def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
 
 def _in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
     parsed = parse_statements(text, dialect)
-    condition = _CONDITION.fullmatch(text) if parsed.problems else None
-    if condition is not None:
-        expression = parse_expression(condition[1], dialect)
-        if not expression.problems:
-            yield from moved(in_tree(expression.tree, dialect), condition.start(1))
-            return
-    yield from in_tree(parsed.tree, dialect)
-
-
-_CONDITION = re.compile(r"\s*(?::=)?(.*?)[\s;]*", re.DOTALL)
-"""The body of a transition: as the standard writes it, ``:= condition;``, or the condition alone."""
+    condition = parse_condition(text, dialect) if parsed.problems else None  # of a transition, with nothing around it
+    yield from in_tree(condition.tree if condition is not None and not condition.problems else parsed.tree, dialect)
 
 
 def moved(found: Iterator[Reference], start: int) -> Iterator[Reference]:
@@ -166,7 +157,7 @@ def _in_literal(literal: n.Literal) -> Iterator[Reference]:
 def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
     if _DURATION.fullmatch(text):
         return
-    tree = parse_expression(text.rstrip().rstrip(";"), dialect).tree  # people end conditions as statements
+    tree = parse_condition(text, dialect).tree
     outermost = tree.name if isinstance(tree, n.Member) else tree
     for reference in in_tree(tree, dialect):
         whole = isinstance(outermost, n.Name) and outermost.span is not None and reference.span[0] >= outermost.span[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
@@ -164,14 +165,14 @@ def the_one(names: Names, path: str) -> Declaration:
             f"several things are called {path!r}: {kinds}", hint="Give the object itself instead of its path."
         )
     last = path.rpartition(".")[2].casefold()
-    alike = sorted({d.path for d in names.declarations() if d.name.casefold() == last})
+    paths = sorted({d.path for d in names.declarations()})
+    alike = [p for p in paths if p.rpartition(".")[2].casefold() == last] or get_close_matches(path, paths)
     raise ModelError(f"the project declares no {path!r}", hint=f"There is: {', '.join(alike[:10])}" if alike else "")
 
 
 def dialect_of(project: Project) -> Dialect:
-    """The dialect in which the texts of a project are written.
+    """The dialect in which the texts of a project are read.
 
     That of CODESYS says all that IEC 61131-3 does, and more; only SCL reads the same signs in another way.
     """
-    origin = project._origin.format if project._origin is not None else ""
-    return Dialect.SCL if origin in ("scl", "simaticml") else Dialect.CODESYS
+    return Dialect.SCL if project.dialect is Dialect.SCL else Dialect.CODESYS
