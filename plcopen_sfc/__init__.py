@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 from plcopen_sfc.version import __version__
 
 if TYPE_CHECKING:
-    from plcopen_sfc.api import convert, dumps, load, loads, save
+    from plcopen_sfc.api import check_syntax, convert, dumps, load, loads, save
     from plcopen_sfc.diagnostics import Diagnostic, Severity
     from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, SfcError
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
     from plcopen_sfc.report import ConversionReport, Fate
 
 _HOMES = {
+    "check_syntax": "api",
     "convert": "api",
     "dumps": "api",
     "load": "api",
@@ -57,6 +58,7 @@ __all__ = [
     "Step",
     "Transition",
     "__version__",
+    "check_syntax",
     "convert",
     "dumps",
     "load",

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import BinaryIO
 
 from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, WriteOptions
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
 from plcopen_sfc.model.body import FINGERPRINT, SfcBody
 from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Origin, Project
 from plcopen_sfc.report import ConversionReport, Fate
 
@@ -161,7 +163,7 @@ def _prepared(project: Project, kind: Format, options: WriteOptions, report: Con
 
     copy = project.model_copy(deep=True)
     if kind.dialect is not None:
-        copy.dialect = kind.dialect
+        _put_into_dialect(copy, kind.dialect, report)
     if kind.drawing is DrawingNeed.NONE:
         return copy
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
@@ -169,6 +171,50 @@ def _prepared(project: Project, kind: Format, options: WriteOptions, report: Con
         _note_limits(copy, report)
     prepare(copy, style, positions=kind.positions, anew=bool(options.flavour), foreign=True)
     return copy
+
+
+def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport) -> None:
+    """Translate the program text between SCL and the others.
+
+    IEC 61131-3 and CODESYS are left as they stand: their tools read most of each other's text, and files of one often
+    hold what is of the other.
+    """
+    if Dialect.SCL not in (project.dialect, dialect) or dialect is project.dialect:
+        project.dialect = dialect
+        return
+    from plcopen_sfc.refactor.dialect import translate_project  # noqa: PLC0415  # rarely needed
+
+    source = project.dialect
+    for text in translate_project(project, dialect):
+        for note in text.notes:
+            fate = Fate.TRANSLATED if note.severity is Severity.INFO else Fate.APPROXIMATED
+            report.add(fate, "text", text.path, f"line {note.line}: {note.reason}")
+        if text.changed and not text.notes:
+            report.add(Fate.TRANSLATED, "text", text.path, f"from {source} into {dialect}")
+
+
+def check_syntax(project: Project) -> list[Diagnostic]:
+    """What does not parse in the bodies, conditions and declarations of a project.
+
+    Each finding has the place in its text and, if the project was loaded from a file that still says so, in the file.
+    """
+    from plcopen_sfc.languages.locating import TextFinder  # noqa: PLC0415  # brings the parser with it
+    from plcopen_sfc.languages.syntax import syntax_problems  # noqa: PLC0415
+
+    origin = project._origin
+    if origin is None:
+        return syntax_problems(project)
+    kind = format_named(origin.format)[0]
+    finder = TextFinder(_text_of(origin.content, kind), xml=kind.xml)
+    return syntax_problems(project, file=origin.path, finder=finder)
+
+
+def _text_of(content: bytes, kind: Format) -> str:
+    if kind.xml:
+        from plcopen_sfc.formats.xml.source import decode  # noqa: PLC0415
+
+        return decode(content)[0]
+    return content.decode("utf-8-sig", "replace")
 
 
 def _note_limits(project: Project, report: ConversionReport) -> None:

@@ -1,1 +1,5 @@
-"""What stands inside bodies: structured text, networks, and the names that both use."""
+"""What stands inside bodies: structured text, instruction lists, networks, and the names that they use."""
+
+from plcopen_sfc.languages.dialects import Dialect
+
+__all__ = ["Dialect"]

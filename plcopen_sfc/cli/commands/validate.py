@@ -1,4 +1,4 @@
-"""``plcopen-sfc validate``: what schema and reader have to say about files."""
+"""``plcopen-sfc validate``: what schema, reader and parser have to say about files."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
+from plcopen_sfc.api import check_syntax
 from plcopen_sfc.cli.paths import expand
 from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
@@ -35,9 +36,11 @@ def run(screen: Screen, patterns: Sequence[str]) -> int:
 
 
 def _findings(loaded: LoadedFile) -> list[Diagnostic]:
-    """What the schema of the format says (formats that have one), and what the reader said; by line."""
+    """What schema (formats that have one), reader and parser of program text say; by line."""
     kind = recognise(loaded.data, file=loaded.name)
     found = list(loaded.findings)
+    if loaded.project is not None:
+        found += check_syntax(loaded.project)
     if kind.xml:
         package = kind.module.rpartition(".")[0]
         found += import_module(f"{package}.schema").validate(loaded.data, file=loaded.name)

@@ -89,6 +89,14 @@ class Piece:
     owner: Any = None
 
     @property
+    def is_program_text(self) -> bool:
+        """Whether it is an expression or statements, rather than a bare name, a type or the cycle of a task."""
+        if self.reading is Reading.STATEMENTS:
+            return True
+        plain = self.key == "type_name" or isinstance(self.holder, Task | TaskSettings)
+        return self.reading is Reading.EXPRESSION and self.role in (Role.VALUE, Role.ACTION) and not plain
+
+    @property
     def text(self) -> str:
         """The text as it is now."""
         text: str = self.holder[self.key] if isinstance(self.key, int) else getattr(self.holder, self.key)

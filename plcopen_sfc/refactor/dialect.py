@@ -1,0 +1,152 @@
+"""Putting all program text of a project into another dialect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.translation import (
+    NameScope,
+    Note,
+    Renames,
+    StepNotation,
+    StepReferences,
+    Translated,
+    TranslationContext,
+    translate_text,
+)
+from plcopen_sfc.model import Interface, Project, Variable
+from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType
+from plcopen_sfc.model.variables import VariableSection
+
+
+@dataclass(frozen=True, slots=True)
+class TranslatedText:
+    """What became of one text: where it stands, and what there is to say about it."""
+
+    path: str
+    changed: bool
+    notes: tuple[Note, ...]
+
+
+_NOTATIONS = {
+    Dialect.IEC: StepNotation.IEC,
+    Dialect.CODESYS: StepNotation.CODESYS,
+    Dialect.TWINCAT: StepNotation.CODESYS,
+    Dialect.SCL: StepNotation.S7_GRAPH,
+}
+
+
+def translate_project(project: Project, target: Dialect) -> list[TranslatedText]:
+    """Put every body, condition and expression of `project` into `target`; gives what became of each.
+
+    What has no counterpart is left as it stands and noted. Names that only SCL can write (with blanks, umlauts) get
+    others, in the declarations as well. Declarations that a file keeps as text are left out: they are written from the
+    variables.
+    """
+    source, target = project.dialect, Dialect(target)
+    texts = [piece for piece in pieces(project) if piece.is_program_text]
+    renames = Renames()
+    while True:  # a later text may need a name that an earlier one has used
+        known = len(renames)
+        results = [_translated(piece, source, target, renames, project) for piece in texts]
+        if len(renames) == known:
+            break
+    found: list[TranslatedText] = []
+    for piece, result in zip(texts, results, strict=True):
+        changed = result.text != piece.text
+        if changed:
+            piece.put(result.text)
+        found.append(TranslatedText(piece.path, changed, result.notes))
+    for piece in pieces(project):
+        if piece.reading is Reading.DECLARATIONS and not isinstance(piece.key, int):
+            setattr(piece.holder, piece.key, None)
+    _rename_declarations(project, renames)
+    project.dialect = target
+    return found
+
+
+def _translated(piece: Piece, source: Dialect, target: Dialect, renames: Renames, project: Project) -> Translated:
+    context = TranslationContext(
+        locals=_locals(piece.site),
+        types=_types(piece.site),
+        enumerations=[d.name for d in project.data_types if isinstance(d.type, EnumType)],
+        renames=renames,
+        steps=_steps(piece.site, source, target),
+    )
+    if piece.reading is Reading.STATEMENTS:
+        statements = translate_text(piece.text, "statements", source, target, context)
+        if not statements.parsed.problems:
+            return statements
+        # the body of a transition may be one expression
+        expression = translate_text(piece.text, "expression", source, target, context)
+        return statements if expression.parsed.problems else expression
+    return translate_text(piece.text, "expression", source, target, context)
+
+
+def _interfaces(site: Site) -> Iterator[Interface]:
+    if site.pou is not None and site.pou.interface is not None:
+        yield site.pou.interface
+    if site.method is not None and site.method.interface is not None:
+        yield site.method.interface
+
+
+def _locals(site: Site) -> list[str]:
+    """All that the POU around declares: variables, steps and actions."""
+    if site.pou is None:
+        return []
+    names = [variable.name for interface in _interfaces(site) for variable in interface.variables()]
+    names += [step.name for chart in site.charts for step in chart.steps]
+    return [*names, *(action.name for action in site.pou.actions)]
+
+
+def _types(site: Site) -> dict[str, str]:
+    types: dict[str, str] = {}
+    for interface in _interfaces(site):
+        for variable in interface.variables():
+            match variable.type:
+                case ElementaryType(name=name):
+                    types[variable.name] = name.value
+                case DerivedType(name=name):
+                    types[variable.name] = name
+                case StringType(wide=wide):
+                    types[variable.name] = "WSTRING" if wide else "STRING"
+                case _:
+                    pass
+    return types
+
+
+def _steps(site: Site, source: Dialect, target: Dialect) -> StepReferences | None:
+    names = {step.name: step.name for chart in site.charts for step in chart.steps}
+    return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target]) if names else None
+
+
+def _rename_declarations(project: Project, renames: Renames) -> None:
+    """Give what is declared the names that the texts use now."""
+    if not len(renames):
+        return
+
+    def rename(variables: list[Variable], scope: NameScope) -> None:
+        for variable in variables:
+            variable.name = renames.new_name(scope, variable.name) or variable.name
+            if isinstance(variable.type, StructType):
+                rename(variable.type.members, NameScope.MEMBER)
+
+    def rename_sections(sections: list[VariableSection], scope: NameScope) -> None:
+        for section in sections:
+            rename(section.variables, scope)
+
+    for pou in project.pous:
+        pou.name = renames.new_name(NameScope.GLOBAL, pou.name) or pou.name
+        for interface in (pou.interface, *(method.interface for method in pou.methods)):
+            if interface is not None:
+                rename_sections(interface.sections, NameScope.LOCAL)
+    for declaration in project.data_types:
+        if isinstance(declaration.type, StructType):
+            rename(declaration.type.members, NameScope.MEMBER)
+    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+    globals_ = [project.global_variables, *(c.global_variables for c in project.configurations)]
+    for sections in (*globals_, *(resource.global_variables for resource in resources)):
+        rename_sections(sections, NameScope.GLOBAL)

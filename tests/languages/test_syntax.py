@@ -1,0 +1,92 @@
+"""Syntax errors of a project: each with its place in the text and in the file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.model import Dialect, Expression, Pou, PouKind, Project, SfcBody, StBody
+from tests.corpus import corpus_files, require_corpus
+from tests.samples import fixture_files
+from tests.snippets import codesys
+
+
+def test_a_project_built_in_python_says_where_in_the_text() -> None:
+    project = Project(pous=[Pou(name="Main", kind=PouKind.PROGRAM, bodies=[StBody(text="a := 1;\nb := ;\n")])])
+    (found,) = sfc.check_syntax(project)
+    assert found.code == "LNG101"
+    assert found.message == "found ';', expected an expression"
+    assert found.location.path == "Main, line 2, column 6"
+    assert found.location.line is None
+
+
+BODY = """<pou name="Main" pouType="program"><body><ST><xhtml:p>IF a &lt; b THEN
+  c := 'x' &amp; d e;
+END_IF;
+f := 1 +;</xhtml:p></ST></body></pou>"""
+
+
+def test_a_file_says_where_in_the_file() -> None:
+    data = codesys(BODY)
+    project = sfc.loads(data, path="line.xml")
+    lines = data.decode().splitlines()
+    places = [(d.location.line, d.location.column) for d in sfc.check_syntax(project)]
+    assert [(lines[line - 1][column - 1 :][:3]) for line, column in places if line and column] == ["e;", ";</"]
+    assert {d.location.file for d in sfc.check_syntax(project)} == {"line.xml"}
+
+
+def test_equal_texts_are_found_where_each_stands() -> None:
+    text = '<pou name="{}" pouType="program"><body><ST><xhtml:p>a b;</xhtml:p></ST></body></pou>'
+    project = sfc.loads(codesys(text.format("One") + "\n" + text.format("Two")))
+    lines = [d.location.line for d in sfc.check_syntax(project)]
+    assert len(set(lines)) == 2
+
+
+def test_an_edited_text_has_no_place_in_the_file() -> None:
+    project = sfc.loads(codesys(BODY))
+    body = project.pou("Main").body
+    assert isinstance(body, StBody)
+    body.text = "new text;"
+    (found,) = sfc.check_syntax(project)
+    assert found.location.line is None
+    assert found.location.path == "Main, line 1, column 5"
+
+
+def test_what_no_expression_is_expected_in_is_not_parsed() -> None:
+    found = [f"{file.name}: {d}" for file in fixture_files() for d in _problems(file)]
+    assert found == []
+
+
+def _problems(path: Path) -> list[sfc.Diagnostic]:
+    try:
+        project = sfc.load(path)
+    except sfc.SfcError:
+        return []  # broken on purpose
+    return sfc.check_syntax(project)
+
+
+LISTED = {
+    "example.xml": ["SFCTest / step Step3 / action IN1 / duration, line 1, column 3"],  # a time without T#
+}
+"""Every text of the corpus that does not parse."""
+
+
+@pytest.mark.corpus
+def test_all_texts_of_real_projects_parse() -> None:
+    require_corpus()
+    found: dict[str, list[str]] = {}
+    for path in [*corpus_files("plcopen"), *corpus_files("codesys")]:
+        for problem in _problems(path):
+            found.setdefault(path.name, []).append(problem.location.path or "")
+    assert found == LISTED
+
+
+def test_conditions_may_end_with_a_semicolon_as_codesys_takes_it() -> None:
+    project = Project(dialect=Dialect.CODESYS, pous=[Pou(name="Main", kind=PouKind.PROGRAM)])
+    body = SfcBody()
+    project.pous[0].bodies.append(body)
+    step = body.chart.add_step("A", initial=True)
+    body.chart.add_transition(step, step, Expression(text="a = b;"))
+    assert sfc.check_syntax(project) == []
