@@ -1,0 +1,33 @@
+"""Declarations: from text to the model and back, in every dialect."""
+
+from plcopen_sfc.languages.declarations.reading import Declared, Found, Head, read_declarations, read_interface
+from plcopen_sfc.languages.declarations.units import Unit, Units, split_units
+from plcopen_sfc.languages.declarations.writing import (
+    write_access_section,
+    write_config_section,
+    write_data_type,
+    write_interface,
+    write_section,
+    write_type,
+    write_value,
+    write_variable,
+)
+
+__all__ = [
+    "Declared",
+    "Found",
+    "Head",
+    "Unit",
+    "Units",
+    "read_declarations",
+    "read_interface",
+    "split_units",
+    "write_access_section",
+    "write_config_section",
+    "write_data_type",
+    "write_interface",
+    "write_section",
+    "write_type",
+    "write_value",
+    "write_variable",
+]

@@ -1,0 +1,71 @@
+"""Comments of declarations: which belongs to what, what they say, and how they are written."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections.abc import Iterable
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+
+LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+class Comments:
+    """The comments of a text, each of which is given to one object only."""
+
+    def __init__(self, text: str, comments: Iterable[Comment]) -> None:
+        self._text = text
+        self._left = list(comments)
+
+    def take(self, start: int, end: int) -> list[Comment]:
+        """The comments between two places that nobody has yet."""
+        first = bisect_left(self._left, start, key=_start)
+        last = bisect_left(self._left, end, key=_start)
+        taken = self._left[first:last]
+        del self._left[first:last]
+        return taken
+
+    def behind(self, end: int) -> int:
+        """Where the comments end that stand behind `end` on its line."""
+        index = bisect_left(self._left, end, key=_start)
+        while index < len(self._left):
+            start, stop = self._left[index].span
+            if self._left[index].kind is CommentKind.PRAGMA or LINE_END.search(self._text, end, start):
+                break
+            if self._text[end:start].strip():
+                break
+            end = stop
+            index += 1
+        return end
+
+
+def _start(comment: Comment) -> int:
+    return comment.span[0]
+
+
+def said(comments: Iterable[Comment]) -> str | None:
+    """What comments say, without their delimiters; None if nothing. Pragmas are no comments."""
+    texts = [_inside(comment) for comment in comments if comment.kind is not CommentKind.PRAGMA]
+    return "\n".join(texts).strip() or None
+
+
+def pragmas(comments: Iterable[Comment]) -> str:
+    """The pragmas and SCL attributes among `comments`, as written."""
+    return "\n".join(comment.text for comment in comments if comment.kind is CommentKind.PRAGMA)
+
+
+def _inside(comment: Comment) -> str:
+    if comment.kind is CommentKind.LINE:
+        return comment.text[2:].removeprefix(" ").rstrip()
+    inner = re.sub(r"^(?:\(\*|/\*|\(/\*)|(?:\*/\)|\*/|\*\))$", "", comment.text)
+    return "\n".join(line.strip() for line in LINE_END.split(inner)).strip()
+
+
+def comment_lines(text: str, dialect: Dialect) -> list[str]:
+    """Comments that say `text`, one for each of its lines."""
+    lines = LINE_END.split(text)
+    if dialect is Dialect.IEC and len(lines) == 1 and not re.search(r"\(\*|\*\)", text):
+        return [f"(* {text} *)"]
+    return [f"// {line}".rstrip() for line in lines]

@@ -1,0 +1,369 @@
+"""From the tree of declarations to the model. `writing` is the way back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from plcopen_sfc.languages.declarations.comments import Comments, pragmas, said
+from plcopen_sfc.languages.declarations.kept import keep
+from plcopen_sfc.languages.declarations.names import ELEMENTARY, SECTIONS, UNSIGNED, bare_name, is_quoted_in_scl
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.problems import Problem
+from plcopen_sfc.languages.st import declaration_nodes as d
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.languages.st.nodes import Node, Span
+from plcopen_sfc.languages.st.parsing import Parsed, parse_declarations
+from plcopen_sfc.model import types as t
+from plcopen_sfc.model.variables import (
+    AccessDirection,
+    AccessSection,
+    AccessVariable,
+    ConfigSection,
+    ConfigVariable,
+    Interface,
+    SectionKind,
+    VariableSection,
+)
+
+
+@dataclass(frozen=True)
+class Head:
+    """The head of a POU: its keyword in capitals, and what the model has for it.
+
+    `qualifiers`, `extends` and `implements` are as written; `comment` stands before it, `properties` and `attributes`
+    belong to SCL.
+    """
+
+    keyword: str
+    name: str
+    return_type: t.DataType | None
+    qualifiers: tuple[str, ...]
+    extends: tuple[str, ...]
+    implements: tuple[str, ...]
+    properties: tuple[d.Property, ...]
+    comment: str | None
+    attributes: str
+
+
+@dataclass(frozen=True)
+class Found:
+    """What stands at `span`: `thing` is of the model, a `Head`, or None for an end or a text that does not parse.
+
+    The names of one declaration (``a, b : INT``) are parts with the same span.
+    """
+
+    thing: Any
+    node: Node
+    span: Span
+    parts: tuple[Found, ...] = ()
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What a text declares, in its order, and what is wrong with it."""
+
+    parsed: Parsed[d.Declarations]
+    items: tuple[Found, ...]
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What does not parse."""
+        return self.parsed.problems
+
+    @property
+    def heads(self) -> list[Head]:
+        """The heads of POUs."""
+        return [item.thing for item in self.items if isinstance(item.thing, Head)]
+
+    @property
+    def sections(self) -> list[VariableSection]:
+        """The sections of variables."""
+        return [item.thing for item in self.items if isinstance(item.thing, VariableSection)]
+
+    @property
+    def types(self) -> list[t.DataTypeDeclaration]:
+        """The declarations of types."""
+        parts = (part for item in self.items for part in item.parts)
+        return [part.thing for part in parts if isinstance(part.thing, t.DataTypeDeclaration)]
+
+
+def read_declarations(text: str, dialect: Dialect = Dialect.IEC) -> Declared:
+    """What `text` declares. Bodies must not be in it (see `units`). Never raises: see `Declared.problems`."""
+    parsed = parse_declarations(text, dialect)
+    return Declared(parsed, tuple(_Reader(parsed).items()))
+
+
+def read_interface(declared: Declared) -> Interface:
+    """The interface that the sections and the first head make."""
+    result = next((head.return_type for head in declared.heads), None)
+    return Interface(return_type=result, sections=declared.sections)
+
+
+class _Reader:
+    def __init__(self, parsed: Parsed[d.Declarations]) -> None:
+        self._text = parsed.text
+        self._tree = parsed.tree
+        self._scl = parsed.dialect is Dialect.SCL
+        self._comments = Comments(parsed.text, parsed.comments)
+
+    def items(self) -> Iterator[Found]:
+        for node in self._tree.items:
+            match node:
+                case d.PouHead():
+                    yield self._head(node)
+                case d.Section():
+                    yield self._section(node)
+                case d.StructBody(type=struct):
+                    yield self._struct_body(node, struct)
+                case d.AccessSection():
+                    yield self._access(node)
+                case d.ConfigSection():
+                    yield self._config(node)
+                case d.TypeSection():
+                    parts = tuple(self._members(node.types, self._type_declaration))
+                    yield Found(None, node, _span(node), parts)
+                case _:
+                    yield Found(None, node, _span(node))
+
+    # -- places and comments
+
+    def _slice(self, node: Node) -> str:
+        start, end = _span(node)
+        return self._text[start:end]
+
+    def _around(self, node: Node) -> list[Comment]:
+        """The comments before `node`, inside it, and behind it on its line, that nobody has yet."""
+        return self._comments.take(0, self._comments.behind(_span(node)[1]))
+
+    def _members(self, nodes: Sequence[Node], read: Any) -> Iterator[Found]:
+        for node in nodes:
+            if isinstance(node, n.Unreadable):
+                self._comments.take(*_span(node))
+                yield Found(None, node, _span(node))
+            else:
+                yield from read(node)
+
+    def _braces(self, comments: list[Comment]) -> dict[str, str]:
+        """The attributes of SCL, the pragmas of all others."""
+        return _named("attributes" if self._scl else "pragmas", pragmas(comments))
+
+    # -- heads
+
+    def _head(self, node: d.PouHead) -> Found:
+        start, end = _span(node)
+        before = self._comments.take(0, start)
+        inside = self._comments.take(start, end)
+        type_ = self._type(node.type) if node.type is not None else None
+        head = Head(
+            node.keyword,
+            self._name(node.name),
+            None if _is_void(type_) else type_,
+            node.qualifiers,
+            tuple(map(self._slice, node.extends)),
+            tuple(map(self._slice, node.implements)),
+            node.properties,
+            said([*before, *inside]),
+            pragmas([*before, *inside]),
+        )
+        return Found(head, node, _span(node))
+
+    def _name(self, node: n.Expression) -> str:
+        return bare_name(self._slice(node))
+
+    # -- sections
+
+    def _section(self, node: d.Section) -> Found:
+        start, end = _span(node)
+        before = self._comments.take(0, start)
+        parts = tuple(self._members(node.variables, self._variable))
+        rest = self._comments.take(0, end)
+        kind, extra = SECTIONS.get(node.keyword, (SectionKind.LOCAL, node.keyword))
+        texts = {"keyword": extra} if extra else {}
+        others = [word for word in node.qualifiers if word not in _FLAGS]
+        texts |= {"qualifiers": " ".join(others)} if others else {}
+        texts |= self._braces([*before, *rest]) | _unreadable(parts)
+        section = VariableSection(
+            kind=kind,
+            variables=[part.thing for part in parts if part.thing is not None],
+            comment=said([*before, *rest]),
+            carried=keep(texts),
+            **{_FLAGS[word]: True for word in node.qualifiers if word in _FLAGS},
+        )
+        return Found(section, node, (start, end), parts)
+
+    def _struct_body(self, node: d.StructBody, struct: d.StructType) -> Found:
+        start, end = _span(node)
+        before = self._comments.take(0, start)
+        parts = tuple(self._members(struct.members, self._variable))
+        rest = self._comments.take(0, end)
+        texts = {"keyword": "STRUCT"} | self._braces([*before, *rest]) | _unreadable(parts)
+        variables = [part.thing for part in parts if part.thing is not None]
+        section = VariableSection(variables=variables, comment=said([*before, *rest]), carried=keep(texts))
+        return Found(section, node, (start, end), parts)
+
+    def _variable(self, node: d.VariableDeclaration) -> Iterator[Found]:
+        before = self._comments.take(0, _span(node.type)[0])
+        type_ = self._type(node.type)
+        initial = self._value(node.initial) if node.initial is not None else None
+        around = [*before, *self._around(node)]
+        texts = self._braces(around) | _named("edge", node.edge)
+        for name in [name.identifier for name in node.names] or [""]:
+            variable = t.Variable(
+                name=name,
+                type=type_.model_copy(deep=True),
+                address=bare_name(self._slice(node.address)) if node.address is not None else None,
+                initial=initial.model_copy(deep=True) if initial is not None else None,
+                comment=said(around),
+                carried=keep(texts),
+            )
+            yield Found(variable, node, _span(node))
+
+    def _access(self, node: d.AccessSection) -> Found:
+        start, end = _span(node)
+        before = self._comments.take(0, start)
+        parts = tuple(self._members(node.paths, self._access_path))
+        comment = said([*before, *self._comments.take(0, end)])
+        variables = [part.thing for part in parts if part.thing is not None]
+        section = AccessSection(variables=variables, comment=comment, carried=keep(_unreadable(parts)))
+        return Found(section, node, (start, end), parts)
+
+    def _access_path(self, node: d.AccessPath) -> Iterator[Found]:
+        variable = AccessVariable(
+            alias=node.alias.identifier,
+            path=self._slice(node.path),
+            type=self._type(node.type),
+            direction=_DIRECTIONS.get(node.direction),
+            comment=said(self._around(node)),
+        )
+        yield Found(variable, node, _span(node))
+
+    def _config(self, node: d.ConfigSection) -> Found:
+        start, end = _span(node)
+        before = self._comments.take(0, start)
+        parts = tuple(self._members(node.entries, self._config_entry))
+        comment = said([*before, *self._comments.take(0, end)])
+        variables = [part.thing for part in parts if part.thing is not None]
+        section = ConfigSection(variables=variables, comment=comment, carried=keep(_unreadable(parts)))
+        return Found(section, node, (start, end), parts)
+
+    def _config_entry(self, node: d.ConfigEntry) -> Iterator[Found]:
+        variable = ConfigVariable(
+            path=self._slice(node.path),
+            type=self._type(node.type),
+            address=self._slice(node.address) if node.address is not None else None,
+            initial=self._value(node.initial) if node.initial is not None else None,
+            comment=said(self._around(node)),
+        )
+        yield Found(variable, node, _span(node))
+
+    # -- types
+
+    def _type_declaration(self, node: d.TypeDeclaration) -> Iterator[Found]:
+        before = self._comments.take(0, _span(node.type)[0])
+        type_ = self._type(node.type)
+        around = [*before, *self._around(node)]
+        texts = self._braces(around)
+        if node.extends is not None:
+            texts["extends"] = self._slice(node.extends)
+        texts |= {"properties": "\n".join(map(self._slice, node.properties))} if node.properties else {}
+        declaration = t.DataTypeDeclaration(
+            name=node.name.identifier,
+            type=type_,
+            initial=self._value(node.initial) if node.initial is not None else None,
+            comment=said(around),
+            carried=keep(texts),
+        )
+        yield Found(declaration, node, _span(node))
+
+    def _type(self, node: d.TypeNode) -> t.DataType:
+        match node:
+            case d.StringType(name, length):
+                wide = name.identifier.upper() == "WSTRING"
+                return t.StringType(wide=wide, length=self._slice(length) if length is not None else None)
+            case d.SubrangeType(base, bounds):
+                inner = self._type(base)
+                unsigned = isinstance(inner, t.ElementaryType) and inner.name in UNSIGNED
+                return t.SubrangeType(bounds=self._dimension(bounds), base=inner, unsigned=unsigned)
+            case d.ArrayType(dimensions, base):
+                return t.ArrayType(dimensions=list(map(self._dimension, dimensions)), base=self._type(base))
+            case d.PointerType(keyword, base):
+                return t.PointerType(base=self._type(base), reference=keyword != "POINTER")
+            case d.EnumType(values, base):
+                listed = [
+                    t.EnumValue(name=v.name.identifier, value=self._slice(v.value) if v.value is not None else None)
+                    for v in values
+                ]
+                return t.EnumType(values=listed, base=self._type(base) if base is not None else None)
+            case d.StructType():
+                return self._struct(node)
+            case d.NamedType():
+                return self._named_type(node)
+
+    def _dimension(self, node: n.Range | d.OpenDimension) -> t.Dimension:
+        if isinstance(node, d.OpenDimension):
+            return t.Dimension(lower="*", upper="*")
+        return t.Dimension(lower=self._slice(node.lower), upper=self._slice(node.upper))
+
+    def _struct(self, node: d.StructType) -> t.StructType:
+        parts = tuple(self._members(node.members, self._variable))
+        members = [part.thing for part in parts if part.thing is not None]
+        rest = self._comments.take(0, _span(node)[1])
+        texts = ({"union": ""} if node.union else {}) | _unreadable(parts) | self._braces(rest)
+        return t.StructType(members=members, comment=said(rest), carried=keep(texts))
+
+    def _named_type(self, node: d.NamedType) -> t.DataType:
+        text = self._slice(node.name)
+        upper = text.upper()
+        if node.arguments is None and upper in ELEMENTARY:
+            return t.ElementaryType(name=ELEMENTARY[upper])
+        name = bare_name(text)
+        texts = {}
+        if node.arguments is not None:
+            texts["constructor"] = self._text[_span(node.name)[1] : _span(node)[1]]
+        if self._scl and (text != name) != is_quoted_in_scl(name):
+            texts["quoted" if text != name else "unquoted"] = ""
+        return t.DerivedType(name=name, carried=keep(texts))
+
+    # -- values
+
+    def _value(self, node: d.InitialValue) -> t.Value:
+        match node:
+            case d.ArrayValue(items):
+                return t.ArrayValue(items=list(map(self._repeated, items)))
+            case d.StructValue(members) if all(isinstance(member, d.MemberValue) for member in members):
+                named = [member for member in members if isinstance(member, d.MemberValue)]
+                return t.StructValue(
+                    members=[t.MemberValue(member=m.member.identifier, value=self._value(m.value)) for m in named]
+                )
+            case _:
+                return t.SimpleValue(text=self._slice(node))
+
+    def _repeated(self, node: d.InitialValue | d.Repetition) -> t.RepeatedValue:
+        if isinstance(node, d.Repetition):
+            value = self._value(node.value) if node.value is not None else t.SimpleValue()
+            return t.RepeatedValue(value=value, repetitions=self._slice(node.count))
+        return t.RepeatedValue(value=self._value(node))
+
+
+_FLAGS = {"CONSTANT": "constant", "RETAIN": "retain", "NON_RETAIN": "nonretain", "PERSISTENT": "persistent"}
+_DIRECTIONS = {"READ_ONLY": AccessDirection.READ_ONLY, "READ_WRITE": AccessDirection.READ_WRITE}
+
+
+def _span(node: Node) -> Span:
+    assert node.span is not None, "a node that was parsed has a place"  # noqa: S101  # says so to the type checker
+    return node.span
+
+
+def _is_void(type_: t.DataType | None) -> bool:
+    return isinstance(type_, t.DerivedType) and type_.name.upper() == "VOID"
+
+
+def _named(name: str, text: str) -> dict[str, str]:
+    return {name: text} if text else {}
+
+
+def _unreadable(parts: Sequence[Found]) -> dict[str, str]:
+    return _named("unreadable", "\n".join(part.node.text for part in parts if isinstance(part.node, n.Unreadable)))
