@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
@@ -15,7 +16,7 @@ from plcopen_sfc.languages.translation import (
     StepReferences,
     Translated,
     TranslationContext,
-    translate_text,
+    translate,
 )
 from plcopen_sfc.model import Interface, Project, Variable
 from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType
@@ -77,13 +78,11 @@ def _translated(piece: Piece, source: Dialect, target: Dialect, renames: Renames
         steps=_steps(piece.site, source, target),
     )
     if piece.reading is Reading.STATEMENTS:
-        statements = translate_text(piece.text, "statements", source, target, context)
-        if not statements.parsed.problems:
-            return statements
-        # the body of a transition may be one expression
-        expression = translate_text(piece.text, "expression", source, target, context)
-        return statements if expression.parsed.problems else expression
-    return translate_text(piece.text, "expression", source, target, context)
+        statements = parse_statements(piece.text, source)
+        # the body of a transition may be a condition
+        condition = parse_condition(piece.text, source) if statements.problems else None
+        return translate(statements if condition is None or condition.problems else condition, target, context)
+    return translate(parse_condition(piece.text, source), target, context)
 
 
 def _interfaces(site: Site) -> Iterator[Interface]:

@@ -10,7 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statements
-from plcopen_sfc.languages.st.parsing import Parsed, parse_expression, parse_statements
+from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.rendering import render, tree_edits
 from plcopen_sfc.languages.st.walking import transform
@@ -93,7 +93,7 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
 def _parse(like: Parsed[Any], text: str, dialect: Dialect) -> Parsed[Any]:
     if isinstance(like.tree, Statements):
         return parse_statements(text, dialect)
-    return parse_expression(text, dialect)
+    return parse_condition(text, dialect)  # an expression, or one with what stands around the condition of a transition
 
 
 def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialect) -> bool:

