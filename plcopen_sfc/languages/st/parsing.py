@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from importlib.resources import files
@@ -73,6 +74,7 @@ def _parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
 
 
 _CACHED = 1000
+_LONG = 100_000
 
 
 @lru_cache(maxsize=16384)
@@ -81,7 +83,8 @@ def _cached_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
 
 
 def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
-    with collector_paused():
+    # turning the collector on again makes it look through everything once, which is dear for a short text
+    with collector_paused() if len(text) > _LONG else nullcontext():
         declares = start == "declarations"
         found = tokenize_declarations(text, dialect) if declares else tokenize(text, dialect)
         with _LOCK:
