@@ -49,7 +49,7 @@ from plcopen_sfc.model.network import (
     Storage,
     VendorElement,
 )
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.pou import Action, DataBlock, DataBlockKind, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.model.project import (
     Chart,
     Configuration,
@@ -162,6 +162,8 @@ __all__ = [
     "Connector",
     "Contact",
     "Continuation",
+    "DataBlock",
+    "DataBlockKind",
     "DataType",
     "DataTypeDeclaration",
     "DerivedType",

@@ -12,12 +12,17 @@ from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.text import Text
 
 
 class BodyBase(Element):
-    """Common to all bodies. `worksheet` names the sheet where a POU has several bodies (TC6 2.0)."""
+    """Common to all bodies. `worksheet` names the sheet where a POU has several bodies (TC6 2.0).
+
+    `title` is that of a network of TIA Portal in a textual language; of graphical ones, see `LogicNetwork.title`.
+    """
 
     worksheet: str | None = None
+    title: Text | None = None
 
 
 class StBody(BodyBase):

@@ -10,6 +10,7 @@ from pydantic import Field
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.variables import Interface
 
 
@@ -52,10 +53,13 @@ class Pou(Element):
 
     `place` says where in the project the POU stands: empty for the pool of types, ``application/NAME`` for a CODESYS or
     TwinCAT application, ``configuration/NAME/resource/NAME`` for a device export. `bodies` holds more than one where
-    the tool knows worksheets.
+    the tool knows worksheets, and in TIA Portal, whose blocks mix languages: one for each run of networks in one
+    language. `number` is that of the block in the controller (``FB 12``).
     """
 
     name: str
+    number: int | None = None
+    title: Text | None = None
     kind: PouKind
     interface: Interface | None = None
     actions: list[Action] = Field(default_factory=list)
@@ -87,3 +91,26 @@ class Pou(Element):
         for part in parts:
             if part.body is not None:
                 yield f"{self.name}.{part.name}", part.body
+
+
+class DataBlockKind(StrEnum):
+    """What a data block of TIA Portal holds: variables of its own, an instance, or one array."""
+
+    GLOBAL = "global"
+    INSTANCE = "instance"
+    ARRAY = "array"
+
+
+class DataBlock(Element):
+    """A data block of TIA Portal: variables that keep their values.
+
+    `type_name` is the function block or data type of which an instance data block is one; its `interface` repeats that
+    of the type, with the start values of this instance. `number` as in `Pou`.
+    """
+
+    name: str
+    number: int | None = None
+    title: Text | None = None
+    kind: DataBlockKind = DataBlockKind.GLOBAL
+    type_name: str | None = None
+    interface: Interface | None = None

@@ -14,7 +14,7 @@ from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
@@ -41,8 +41,8 @@ class FileHeader(Model):
 class Scaling(Model):
     """Units of the drawings of one language; None: the file does not say."""
 
-    x: float = 1
-    y: float = 1
+    x: float = 1.0
+    y: float = 1.0
 
 
 class DrawingScales(Model):
@@ -192,6 +192,7 @@ class Project(Element):
     foreign_data_infos: list[ForeignDataInfo] | None = None
     data_types: list[DataTypeDeclaration] = Field(default_factory=list)
     pous: list[Pou] = Field(default_factory=list)
+    data_blocks: list[DataBlock] = Field(default_factory=list)
     global_variables: list[VariableSection] = Field(default_factory=list)
     tag_tables: list[TagTable] = Field(default_factory=list)
     configurations: list[Configuration] = Field(default_factory=list)

@@ -199,12 +199,17 @@ Value = Annotated[
 
 
 class Variable(Element):
-    """A declared variable or a member of a structure."""
+    """A declared variable or a member of a structure.
+
+    `attributes` are what a tool says of it besides, by name: ``Remanence``, ``Accessibility``, ``ExternalVisible`` ..
+    (TIA Portal), as text.
+    """
 
     name: str
     type: DataType
     address: str | None = None
     initial: Value | None = None
+    attributes: dict[str, str] = Field(default_factory=dict)
 
 
 class DataTypeDeclaration(Element):
@@ -214,6 +219,7 @@ class DataTypeDeclaration(Element):
     """
 
     name: str
+    title: Text | None = None
     type: DataType
     initial: Value | None = None
     place: str = ""
