@@ -12,7 +12,8 @@ from plcopen_sfc.formats.iectext.layout import newlines, taken
 from plcopen_sfc.formats.iectext.outline import Part
 from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
 from plcopen_sfc.languages.il import OPERATORS
-from plcopen_sfc.languages.pragmas import Change, Fields, PathError, apply
+from plcopen_sfc.languages.pragmas import Change, Fields, PathError, StaleError, apply
+from plcopen_sfc.languages.pragmas.remainder import format_path
 from plcopen_sfc.languages.st.lexer import Token
 from plcopen_sfc.model.actions import Qualifier
 
@@ -250,7 +251,7 @@ def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end:
 
 def body_fields(text: str, tokens: list[Token]) -> Fields:
     """The body of this text: instructions or statements."""
-    return {"language": "IL" if is_il(tokens) else "ST", "text": text}
+    return {"language": "IL" if is_il(tokens) else "ST"} | ({"text": text} if text else {})
 
 
 def is_il(tokens: list[Token]) -> bool:
@@ -344,6 +345,9 @@ def change(src: Source, fields: Fields, found: tuple[Change, int], path: str) ->
     """Make a change that a pragma says, or say that it leads nowhere."""
     try:
         apply(fields, found[0])
+    except StaleError as error:
+        message = f"{error}: the pragma {format_path(found[0].path)} was for another text and is left out"
+        src.note("IEC213", message, found[1], path, Severity.INFO)
     except PathError as error:
         src.note("IEC211", f"this pragma does not fit: {error}", found[1], path)
 

@@ -1,15 +1,53 @@
-"""Reads variable sections and types of values. The writer is `declarations_writer`."""
+"""Reads variable sections and types. The writer is `declarations_writer`."""
 
 from __future__ import annotations
 
+from typing import Any
+
+from plcopen_sfc.formats.iectext.layout import newlines
 from plcopen_sfc.formats.iectext.outline import Part
 from plcopen_sfc.formats.iectext.source import Source
-from plcopen_sfc.languages.pragmas import Fields
+from plcopen_sfc.languages.declarations import Declared, read_declarations
+from plcopen_sfc.languages.pragmas import Fields, plain_fields
 
 
 def read_section(src: Source, part: Part, gap: tuple[int, int], place: str) -> list[Fields]:
-    return []
+    """``VAR .. END_VAR`` with the comments before it."""
+    declared = _declared(src, src.core(*gap)[0], part.end, place, "" if part.closed else "\nEND_VAR")
+    return [plain_fields(found.thing) for found in declared.items if found.thing is not None]
+
+
+def read_types(src: Source, part: Part, gap: tuple[int, int]) -> list[Fields]:
+    """``TYPE name : .. END_TYPE`` with the comments before it."""
+    return [plain_fields(thing) for thing in _declared(src, src.core(*gap)[0], part.end, "", "").types]
 
 
 def read_return_type(src: Source, span: tuple[int, int], place: str) -> Fields:
-    return {"kind": "derived", "name": src.text[span[0] : span[1]]}
+    """The type of the result of a function."""
+    text = newlines(src.text[slice(*span)])
+    heads = read_declarations(f"FUNCTION x : {text}\n", src.outline.dialect).heads
+    if heads and heads[0].return_type is not None:
+        return plain_fields(heads[0].return_type)
+    src.note("IEC111", f"{text!r} is no type", span[0], place)
+    return {"kind": "derived", "name": text}
+
+
+def parsed(src: Source, start: int, end: int, place: str) -> Declared:
+    """The declarations between two offsets; what is wrong with them is noted."""
+    return _declared(src, start, end, place, "")
+
+
+def _declared(src: Source, start: int, end: int, place: str, missing: str) -> Declared:
+    text = newlines(src.text[start:end])
+    declared = read_declarations(text + missing, src.outline.dialect)
+    for problem in declared.problems[:_MANY]:
+        src.note("IEC111", problem.message, src.place_of(start, text, problem.span[0]), place)
+    return declared
+
+
+_MANY = 20
+
+
+def things(declared: Declared) -> list[Any]:
+    """What of the model was declared."""
+    return [found.thing for found in declared.items if found.thing is not None]

@@ -1,21 +1,180 @@
-"""Writes headers, variable sections and types. The reader is `declarations_reader`."""
+"""Writes headers, variable sections and types. The reader is `declarations_reader`.
+
+Whatever the declarations of another tool hold, it is written, read back, and what did not come back stands in pragmas.
+"""
 
 from __future__ import annotations
 
+from plcopen_sfc.formats.iectext.declarations_reader import read_return_type, read_section, read_types
+from plcopen_sfc.formats.iectext.layout import newlines
+from plcopen_sfc.formats.iectext.outline import Kind, Part, outline
 from plcopen_sfc.formats.iectext.printing import Printer
+from plcopen_sfc.formats.iectext.source import Source, unwrapped
+from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
-from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
+from plcopen_sfc.model.variables import Interface, VariableSection
 
-
-def write_header_type(interface: Interface | None) -> str:
-    return ""
+_WITHOUT_INTERFACE = frozenset({"ACTION", "TRANSITION"})
 
 
 def write_interface(
-    printer: Printer, keyword: str, name: str, interface: Interface | None, indent: str, meant: Fields, said: Fields
+    printer: Printer, keyword: str, name: str, interface: Interface | None, indent: str, *, meant: Fields, said: Fields
 ) -> str:
-    """The header of a unit and its sections."""
-    if interface is not None:
-        meant["interface"] = plain_fields(interface)
-    colon = ":" if keyword == "ACTION" else ""
-    return f"{indent}{keyword} {name}{colon}\n"
+    """The header of a unit and its sections; what is meant goes into `meant`, what they say into `said`."""
+    if keyword in _WITHOUT_INTERFACE:
+        return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}\n"
+    said["interface"] = {}
+    if interface is None:
+        return _header(printer, keyword, name, None, indent, meant, said)
+    meant["interface"] = plain_fields(interface)
+    typed = _as_typed(printer, keyword, name, interface.declaration)
+    if typed is not None:
+        text, said["interface"] = typed
+        _keep_as_typed(meant["interface"], interface.declaration or "", text)
+        return f"{text}\n"
+    header = _header(printer, keyword, name, interface, indent, meant, said)
+    sections = [write_said_section(printer, section, indent + "  ") for section in interface.sections]
+    if sections:
+        said["interface"]["sections"] = [fields for _, fields in sections]
+    return header + "".join(f"{text}\n" for text, _ in sections)
+
+
+def _header(
+    printer: Printer,
+    keyword: str,
+    name: str,
+    interface: Interface | None,
+    indent: str,
+    meant: Fields,
+    said: Fields,
+) -> str:
+    kept = [(unwrapped(data.get("content", "")), data) for data in meant.get("carried", {}).get("data", [])]
+    words = [keyword, name]
+    for found, data in kept:
+        if found is not None and found[0] in ("modifiers", "header"):
+            words.insert(1 if found[0] == "modifiers" else len(words), found[1])
+            said.setdefault("carried", {}).setdefault("data", []).append(data)
+    header = f"{indent}{' '.join(words)}"
+    type_ = interface.return_type if interface is not None else None
+    if type_ is None or keyword not in ("FUNCTION", "METHOD"):
+        return f"{header}\n"
+    text = f"{header} : {write_type(type_, printer.dialect)}"
+    part, src = _read_back(printer, f"{text}\nEND_{keyword}", keyword)
+    if part is None or part.return_type is None or part.parts or "\n" in text:
+        return f"{header}\n"
+    fields = read_return_type(src, part.return_type, "")
+    if src.diagnostics:
+        return f"{header}\n"
+    said["interface"]["return_type"] = fields
+    return f"{text}\n"
+
+
+def _read_back(printer: Printer, text: str, keyword: str) -> tuple[Part | None, Source]:
+    found = outline(text if keyword != "METHOD" else text, printer.dialect)
+    src = Source(found)
+    if keyword == "METHOD":
+        found = outline(f"FUNCTION_BLOCK x\n{text}\nEND_FUNCTION_BLOCK", printer.dialect)
+        src = Source(found)
+        parts = found.parts[0].parts if len(found.parts) == 1 else []
+    else:
+        parts = found.parts
+    if found.problems or len(parts) != 1 or parts[0].keyword != keyword or not parts[0].closed:
+        return None, src
+    return parts[0], src
+
+
+# -- declarations as they were typed ----------------------------------------------------------------------------------
+
+
+def _as_typed(printer: Printer, keyword: str, name: str, declaration: str | None) -> tuple[str, Fields] | None:
+    """The text of a declaration that can stand as it was typed, and what it says."""
+    if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
+        return None
+    text = declaration.rstrip()
+    part, src = _read_back(printer, f"{text}\nEND_{keyword}", keyword)
+    if part is None or part.name != name or any(inner.kind is not Kind.VAR for inner in part.parts):
+        return None
+    end = part.parts[-1].end if part.parts else part.inside[0]
+    if src.text[end : part.inside[1]].strip() or text != text.lstrip():
+        return None
+    said: Fields = {}
+    if part.return_type is not None:
+        said["return_type"] = read_return_type(src, part.return_type, "")
+    position = part.inside[0]
+    for inner in part.parts:
+        said.setdefault("sections", []).extend(read_section(src, inner, (position, inner.start), ""))
+        position = inner.end
+    return (text, said) if not src.diagnostics else None
+
+
+def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
+    del fields["declaration"]
+    fields["declaration_ends"] = declaration[len(text) :]
+
+
+# -- sections and types -----------------------------------------------------------------------------------------------
+
+
+def write_said_section(printer: Printer, section: VariableSection, indent: str) -> tuple[str, Fields]:
+    """A section as text, and what a reader takes from it."""
+    text = write_section(section, printer.dialect, indent)
+    said = _said_section(printer, text)
+    if said is not None and len(said.get("variables", [])) == len(section.variables):
+        return text, said
+    variables = [_sayable(printer, variable) for variable in section.variables]
+    simple = section.model_copy(update={"variables": variables, "comment": None, "carried": None})
+    text = write_section(simple, printer.dialect, indent)
+    said = _said_section(printer, text)
+    if said is not None and len(said.get("variables", [])) == len(section.variables):
+        return text, said
+    text = f"{indent}VAR\n{indent}END_VAR"
+    return text, _said_section(printer, text) or {}
+
+
+def _said_section(printer: Printer, text: str) -> Fields | None:
+    found = outline(f"PROGRAM x\n{text}\nEND_PROGRAM\n", printer.dialect)
+    if found.problems or len(found.parts) != 1 or [p.kind for p in found.parts[0].parts] != [Kind.VAR]:
+        return None
+    src = Source(found)
+    part = found.parts[0].parts[0]
+    sections = read_section(src, part, (found.parts[0].inside[0], part.start), "")
+    return sections[0] if len(sections) == 1 and not src.diagnostics else None
+
+
+def _sayable(printer: Printer, variable: Variable) -> Variable:
+    """The variable, or one in its place where its declaration does not come back from text."""
+    alone = VariableSection(variables=[variable])
+    said = _said_section(printer, write_section(alone, printer.dialect))
+    if said is not None and len(said.get("variables", [])) == 1:
+        return variable
+    name = variable.name if printer.is_name(variable.name) else printer.new_name(variable.name)
+    return Variable.model_validate({"name": name, "type": "BOOL"})
+
+
+def write_said_type(printer: Printer, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
+    """A declaration of a type as text, what a reader takes from it, and what is meant."""
+    meant = plain_fields(declaration)
+    if declaration.declaration is not None and "plcopen_sfc" not in declaration.declaration:
+        text = declaration.declaration.rstrip()
+        said = _said_type(printer, text)
+        if said is not None and said.get("name") == declaration.name and newlines(text) == text.lstrip():
+            _keep_as_typed(meant, declaration.declaration, text)
+            return text, said, meant
+    text = write_data_type(declaration, printer.dialect)
+    said = _said_type(printer, text)
+    if said is None:
+        name = declaration.name if printer.is_name(declaration.name) else printer.new_name(declaration.name)
+        simple = DataTypeDeclaration.model_validate({"name": name, "type": "BOOL"})
+        text = write_data_type(simple, printer.dialect)
+        said = _said_type(printer, text) or {}
+    return text, said, meant
+
+
+def _said_type(printer: Printer, text: str) -> Fields | None:
+    found = outline(text + "\n", printer.dialect)
+    if found.problems or len(found.parts) != 1 or found.parts[0].kind is not Kind.TYPE:
+        return None
+    src = Source(found)
+    types = read_types(src, found.parts[0], (0, found.parts[0].start))
+    return types[0] if len(types) == 1 and not src.diagnostics else None

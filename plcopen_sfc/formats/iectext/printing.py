@@ -21,6 +21,7 @@ _CLOSERS = frozenset(k for k in KEYWORDS if k.startswith("END_"))
 _RESERVED = frozenset({"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"})
 _FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}")
 _WIDE = 160
+_APART = frozenset({"carried", "drawing", "logic", "settings", "networks"})
 
 
 @dataclass(slots=True)
@@ -128,7 +129,7 @@ def split(found: Iterable[Change]) -> tuple[list[Change], list[Change]]:
 
 
 def _is_big(change: Change) -> bool:
-    return not {"carried", "drawing", "logic"}.isdisjoint(change.path) or len(str(change)) > _WIDE
+    return not _APART.isdisjoint(change.path) or len(str(change)) > _WIDE
 
 
 def _group(change: Change) -> tuple[object, ...]:

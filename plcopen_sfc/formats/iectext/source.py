@@ -17,6 +17,7 @@ from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
 TEXT_DATA = "urn:plcopen-sfc:iec-text"
 """The name of foreign data that holds a piece of text which the model has no place for."""
+_SOLID = re.compile(r"\S+")
 _WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
 
 
@@ -57,12 +58,17 @@ class Remark:
 
 @dataclass(slots=True)
 class Source:
-    """A text that is being read. `ignored` are the offsets of pragmas that do not fit and are left out."""
+    """A text that is being read.
+
+    `ignored` are the offsets of pragmas that do not fit and are left out, `named` the transition objects of the POU that
+    is being read, in lower case.
+    """
 
     outline: Outline
     file: str | None = None
     diagnostics: list[Diagnostic] = field(default_factory=list)
     ignored: set[int] = field(default_factory=set)
+    named: frozenset[str] = frozenset()
     _lines: Lines | None = None
 
     @property
@@ -82,6 +88,15 @@ class Source:
         finding = Diagnostic(code, severity, message, self.location(offset, path))
         if finding not in self.diagnostics:
             self.diagnostics.append(finding)
+
+    def place_of(self, start: int, text: str, offset: int) -> int:
+        """Where the character at `offset` of `text` stands, which was taken from what begins at `start`."""
+        solid = len("".join(text[:offset].split()))
+        for found in _SOLID.finditer(self.text, start):
+            if solid < len(found.group()):
+                return found.start() + solid
+            solid -= len(found.group())
+        return len(self.text)
 
     def remark(self, start: int, end: int, path: str = "") -> Remark:
         """What stands in the comments and pragmas between two offsets."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -61,6 +62,7 @@ def read_pou(src: Source, part: Part, gap: tuple[int, int]) -> Pou:
 
 
 def _pou_fields(src: Source, part: Part, gap: tuple[int, int]) -> Fields:
+    src.named = frozenset(_object_names(src, part))
     container = _container(src, part, gap, "POU ")
     fields = _finished(src, container)
     body = fields.pop("body", None)
@@ -113,9 +115,12 @@ def _container(src: Source, part: Part, gap: tuple[int, int], prefix: str) -> Co
     remark = src.remark(*gap, path)
     container = Container(path, {"name": part.name}, remark)
     _take_declaration(src, part, gap, container)
+    if part.kind is not Kind.ACTION:
+        container.fields["interface"] = {}
     if part.return_type is not None:
-        container.fields["interface"] = {"return_type": read_return_type(src, part.return_type, path)}
-    _keep_header_rest(src, part, container)
+        container.fields["interface"]["return_type"] = read_return_type(src, part.return_type, path)
+    if not _is_as_typed(container.remark):
+        _keep_header_rest(src, part, container)
     has_chart = any(p.kind is Kind.STEP or (p.kind is Kind.TRANSITION and _leads(src, p)) for p in part.parts)
     position, loose = part.inside[0], False
     for inner in part.parts:
@@ -144,10 +149,14 @@ def _take_declaration(src: Source, part: Part, gap: tuple[int, int], container: 
             break
         end = inner.end
     container.declared = (start, end)
-    if any(c.path[-1] == "declaration_ends" for c, _ in container.remark.changes):
+    if _is_as_typed(container.remark):
         container.remark.comments, container.remark.pragmas = [], []
         for comment in src.outline.comments(gap[0], own[0] if own else gap[0]):
             container.remark.extend(src.remark(*comment.span, container.path) if not is_own(comment) else Remark())
+
+
+def _is_as_typed(remark: Remark) -> bool:
+    return any(c.path[-1] == "declaration_ends" for c, _ in remark.changes)
 
 
 def _keep_header_rest(src: Source, part: Part, container: Container) -> None:
@@ -185,6 +194,13 @@ def _leads(src: Source, part: Part) -> bool:
     return False
 
 
+def _object_names(src: Source, part: Part) -> Iterator[str]:
+    """The names of the transition objects of a POU."""
+    for inner in part.parts:
+        if inner.kind is Kind.TRANSITION and not _leads(src, inner):
+            yield from (token.value.casefold() for token in src.outline.tokens(inner.tokens)[:1])
+
+
 def _body_region(
     src: Source, container: Container, gap: tuple[int, int], following: Part | None, *, loose: bool, chart: bool
 ) -> int:
@@ -210,26 +226,14 @@ def _body_region(
 
 def _check_statements(src: Source, body: Fields, start: int, path: str) -> None:
     """Say what is wrong with the statements of a body, at their places in the file."""
-    if body["language"] != "ST" or not body["text"]:
+    if body["language"] != "ST" or "text" not in body:
         return
     for problem in parse_statements(body["text"], src.outline.dialect).problems[:_MANY]:
-        src.note("IEC110", problem.message, start + _offset(src.text[start:], body["text"], problem.span[0]), path)
+        src.note("IEC110", problem.message, src.place_of(start, body["text"], problem.span[0]), path)
 
 
 _MANY = 20
 """Findings of one body that are told; the rest mostly follows from these."""
-
-
-def _offset(source: str, text: str, offset: int) -> int:
-    """Where the character at `offset` of a body stands in the text it was taken from."""
-    solid = len("".join(text[:offset].split()))
-    seen = 0
-    for index, character in enumerate(source):
-        if not character.isspace():
-            if seen == solid:
-                return index
-            seen += 1
-    return len(source)
 
 
 def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
@@ -280,7 +284,7 @@ def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place
     elif condition.get("kind") == "expression":
         fields["body"] = {"language": "ST", "text": condition["text"]}
     else:
-        fields["body"] = condition.get("body", {"language": "ST", "text": ""})
+        fields["body"] = condition.get("body", {"language": "ST"})
     remark.put_into(fields)
     fields = _with_changes(src, remark, fields, path)
     body = _body(fields.pop("body", None), fields.pop("chart", None))
@@ -294,11 +298,10 @@ def _finished(src: Source, container: Container) -> Fields:
     """The fields of a container; its main body under `body`, the chart of that under `chart`."""
     fields = container.fields
     container.remark.put_into(fields)
-    names = frozenset(t["name"].casefold() for t in container.transitions)
-    around = Surroundings(container.in_place, names)
+    around = Surroundings(container.in_place, src.named)
     if container.body is not None and container.body["language"] == "SFC":
         fields["chart"] = chart_fields(src, container.chart, around, container.path)
-    fields["body"] = container.body if container.body is not None else {"language": "ST", "text": ""}
+    fields["body"] = container.body if container.body is not None else {"language": "ST"}
     for name in ("actions", "transitions", "methods"):
         if getattr(container, name):
             fields[name] = getattr(container, name)
@@ -313,6 +316,9 @@ def _finished(src: Source, container: Container) -> Fields:
     return resolved
 
 
+_EDGES = {("layout", edge) for edge in ("margin", "before", "after")}
+
+
 def _with_changes(src: Source, remark: Remark, fields: Fields, path: str, declared: tuple[int, int] = (0, 0)) -> Fields:
     """Make the changes that pragmas say; the edges of bodies and declarations are written apart from their text."""
     layout = Block("")
@@ -320,13 +326,13 @@ def _with_changes(src: Source, remark: Remark, fields: Fields, path: str, declar
         if found.path[-1] == "declaration_ends" and found.path[0] == "interface":
             text = newlines(src.text[declared[0] : declared[1]]) + str(found.value)
             change(src, fields, (Change(("interface", "declaration"), text), offset), path)
-        elif found.path[0] == "body" and found.path[-1] in ("margin", "before", "after") and len(found.path) == 2:
+        elif found.path in _EDGES:
             layout = layout._replace(**{str(found.path[1]): str(found.value)})
         else:
             change(src, fields, (found, offset), path)
     body = fields.get("body")
-    if isinstance(body, dict) and "text" in body and layout != Block(""):
-        body["text"] = layout._replace(text=body["text"]).whole()
+    if isinstance(body, dict) and layout != Block(""):
+        body["text"] = layout._replace(text=body.get("text", "")).whole()
     return fields
 
 
@@ -334,6 +340,6 @@ def _resolved(value: Any, in_place: dict[str, Fields]) -> Any:
     """`value` with the bodies that it refers to by name."""
     if isinstance(value, dict):
         if isinstance(value.get("body_of"), str) and len(value) == 1:
-            return in_place.get(value["body_of"].casefold(), {"language": "ST", "text": ""})
+            return in_place.get(value["body_of"].casefold(), {"language": "ST"})
         return {key: _resolved(item, in_place) for key, item in value.items()}
     return [_resolved(item, in_place) for item in value] if isinstance(value, list) else value

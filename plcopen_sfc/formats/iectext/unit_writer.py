@@ -77,7 +77,7 @@ class _Unit:
         self.indent = indent
         self.inner = indent + INDENT
         self.named = named
-        self.said: Fields = {"language": "ST"}
+        self.alone = True
         self.late: list[Change] = []
         self.in_place: list[tuple[str, Body]] = []
         self.parts: list[Piece | str] = []
@@ -92,11 +92,12 @@ class _Unit:
             said["kind"] = "program" if thing.kind is PouKind.ORGANIZATION_BLOCK else str(thing.kind)
         top = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
         bodies = thing.bodies if isinstance(thing, Pou) else [thing.body] if thing.body is not None else []
+        interface = getattr(thing, "interface", None)
+        declared = write_interface(self.printer, self.keyword, name, interface, self.indent, meant=meant, said=said)
+        self.alone = declared.count("\n") == 1
         body = self._body(bodies[0] if bodies else None, meant, said)
         if len(bodies) > 1:
             meant["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
-        interface = getattr(thing, "interface", None)
-        declared = write_interface(self.printer, self.keyword, name, interface, self.indent, meant, said)
         near, late = split([*(extra or []), *changes(said, meant)])
         for change in (*near, *late):
             if change.path[0] not in ("body", "in_place"):
@@ -134,7 +135,7 @@ class _Unit:
 
     def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[Piece | str]:
         """The lines of the main body; what it says goes into `said`, what is meant into `meant`."""
-        said["body"] = {"language": "ST", "text": ""}
+        said["body"] = {"language": "ST"}
         if body is None:
             return []
         if isinstance(body, SfcBody):
@@ -153,17 +154,16 @@ class _Unit:
     def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece | str]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
         said["body"] = body_fields(lines.text, tokens)
-        meant["body"]["text"] = lines.text
-        for edge in ("after", "before", "margin"):
-            if getattr(lines, edge):
-                meant["body"][edge] = getattr(lines, edge)
+        meant["body"] = _without_text(meant["body"]) | ({"text": lines.text} if lines.text else {})
+        meant["layout"] = {edge: getattr(lines, edge) for edge in _EDGES if getattr(lines, edge)}
+        said["layout"] = {}
         if not lines.text:
             return []
         if self.keyword == "TRANSITION":
             if said["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
                 return [f"{self.inner}:= {lines.text};\n"]
             return [f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}\n"]
-        blank = "" if self.keyword == "ACTION" else "\n"
+        blank = "" if self.alone else "\n"
         return [f"{blank}{indented(lines.text, self.inner)}\n"]
 
     def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[Piece | str]:
@@ -192,3 +192,10 @@ def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None
     path = f"{unit.path} / {name}"
     inner = _Unit(unit.printer, action, "ACTION", path, unit.inner if indent is None else indent, unit.named)
     return inner.piece([Change(("in_place",), True)])
+
+
+_EDGES = ("after", "before", "margin")
+
+
+def _without_text(body: Fields) -> Fields:
+    return {key: value for key, value in body.items() if key != "text"}

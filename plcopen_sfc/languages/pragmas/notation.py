@@ -103,6 +103,13 @@ class Scanner:
             raise NotationError(f"{mark} is expected here", self.position)
         self.position = found.end()
 
+    def word(self, word: str) -> None:
+        """Move over the word `word`."""
+        found = _TOKEN.match(self.text, self.position)
+        if found is None or found.group("word") != word:
+            raise NotationError("nothing may follow the value", self.position)
+        self.position = found.end()
+
     def key(self) -> str:
         """Move over a key."""
         found = self._token("a name is expected here")

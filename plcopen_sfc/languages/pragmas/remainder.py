@@ -42,14 +42,22 @@ Segment: TypeAlias = str | int | Named | Numbered | Append
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """The value at `path` is `value`; `DEFAULT`: nothing is said there."""
+    """The value at `path` is `value`; `DEFAULT`: nothing is said there.
+
+    `instead` is what the text says there, None if it says nothing. Who edits the text means the text: the change is
+    made only as long as the text says that.
+    """
 
     path: tuple[Segment, ...]
     value: Any
+    instead: Any = None
 
     def __str__(self) -> str:
         path = format_path(self.path)
-        return path if self.value is True else f"{path} := {format_value(self.value)}"
+        if self.value is True and self.instead is None:
+            return path
+        text = f"{path} := {format_value(self.value)}"
+        return text if self.instead is None else f"{text} FOR {format_value(self.instead)}"
 
 
 # -- from the model to plain data -----------------------------------------------------------------------------------
@@ -95,7 +103,7 @@ def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[C
     if isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
         for key in sorted(said.keys() | meant.keys()):
             if key not in meant:
-                yield Change((*path, key), DEFAULT)
+                yield Change((*path, key), DEFAULT, _scalar(said[key]))
             elif key not in said:
                 yield from additions(meant[key], (*path, key))
             else:
@@ -109,7 +117,11 @@ def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[C
             yield Change(path, [])
             yield from additions(meant, path)
         else:
-            yield Change(path, meant)
+            yield Change(path, meant, _scalar(said))
+
+
+def _scalar(said: Any) -> Any:
+    return None if isinstance(said, dict | list) else said
 
 
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
@@ -125,7 +137,7 @@ def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
 
 
 def _same_kind(said: Fields, meant: Fields) -> bool:
-    return all(said.get(tag) == meant.get(tag) for tag in _TAGS)
+    return said.get("kind") == meant.get("kind")
 
 
 def _same_items(said: list[Any], meant: list[Any]) -> bool:
@@ -154,8 +166,12 @@ class PathError(ValueError):
     """A path that leads nowhere."""
 
 
+class StaleError(ValueError):
+    """A change that was made for another text than the one that stands there now."""
+
+
 def apply(fields: Fields, change: Change) -> None:
-    """Make `change` in `fields`. Raises `PathError`."""
+    """Make `change` in `fields`. Raises `StaleError` where the text says something new there, and `PathError`."""
     holder: Any = fields
     for segment, following in zip(change.path, change.path[1:], strict=False):
         holder = _enter(holder, segment, following)
@@ -163,6 +179,8 @@ def apply(fields: Fields, change: Change) -> None:
     if isinstance(last, str):
         if not isinstance(holder, dict):
             raise PathError(f"{format_path(change.path)}: there are no fields")
+        if change.instead is not None and holder.get(last) != change.instead:
+            raise StaleError(f"the text says {format_value(holder.get(last))} now")
         if change.value is DEFAULT:
             holder.pop(last, None)
         else:
@@ -231,9 +249,13 @@ def parse_change(text: str, position: int = 0) -> Change:
     if not scanner.at_end():
         scanner.take(":=")
         value = scanner.value()
+    instead: Any = None
+    if not scanner.at_end():
+        scanner.word("FOR")
+        instead = scanner.value()
     if not scanner.at_end():
         raise NotationError("nothing may follow the value", scanner.position)
-    return Change(tuple(path), value)
+    return Change(tuple(path), value, instead)
 
 
 def _bracketed(scanner: Scanner) -> Segment:
