@@ -125,14 +125,7 @@ def standard_block(name: str, tool: Tool | None = None) -> StandardBlock | None:
     if tool is not None and (tool, key) in _BY_TOOL:
         return _BY_TOOL[tool, key]
     found = _BY_NAME.get(key)
-    if found is None and _CONVERSION.fullmatch(name):
-        source, _, target = name.upper().rpartition("TO_")
-        source = source.rstrip("_").removesuffix("_TRUNC") or "ANY"
-        if source in _TYPES | {"ANY"} and target in _TYPES:
-            return StandardBlock(
-                name.upper(), BlockKind.FUNCTION, (Pin("IN", source),), (Pin("OUT", target),), False, None, {}
-            )
-    return found
+    return found if found is not None else _conversion(name.upper())
 
 
 def operator_block(operator: Operator) -> StandardBlock | None:
@@ -145,7 +138,15 @@ def standard_blocks() -> Iterator[StandardBlock]:
     return iter(_BY_NAME.values())
 
 
-_CONVERSION = re.compile(r"(?:[A-Z]+_)?(?:TRUNC_)?TO_[A-Z]+|[A-Z]+_TRUNC_[A-Z]+", re.IGNORECASE)
+def _conversion(name: str) -> StandardBlock | None:
+    matched = _CONVERSION.fullmatch(name)
+    if matched is None or not {matched["source"] or "BOOL", matched["target"]} <= _TYPES:
+        return None
+    inputs, outputs = (Pin("IN", matched["source"] or "ANY"),), (Pin("OUT", matched["target"]),)
+    return StandardBlock(name, BlockKind.FUNCTION, inputs, outputs, extensible=False, operator=None, tools={})
+
+
+_CONVERSION = re.compile(r"(?:(?P<source>\w+)_(?:TRUNC|BCD_TO|TO(?:_BCD)?)|TO|TRUNC)_(?P<target>\w+)")
 _TYPES = frozenset(
     """
     BOOL BYTE WORD DWORD LWORD SINT INT DINT LINT USINT UINT UDINT ULINT REAL LREAL TIME LTIME DATE LDATE

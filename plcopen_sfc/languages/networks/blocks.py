@@ -52,7 +52,7 @@ class BlockReader:
         self._known = known
         self._written: set[int] = set()
         for node in graph.nodes.values():
-            if isinstance(node, Block) and node.instance and node.call is not BlockCall.METHOD:
+            if isinstance(node, Block) and node.instance and node.call not in (BlockCall.ACTION, BlockCall.METHOD):
                 wires.instance(node.instance, node.type_name)
 
     def acts(self, block: Block) -> bool:
@@ -80,32 +80,37 @@ class BlockReader:
             self._argument(block, variable, value_of(block, index))
             for index, variable in enumerate(block_inputs(block))
         ]
-        for variable in block.parameters.in_outs:
-            given = next(a for a in arguments if a.variable is variable)
-            self._give(block, variable, given.value)
         enable = next((a for a in arguments if _is(a.variable, "EN")), None)
         guard = enable.value if enable is not None and enable.value != TRUE else None
         arguments = [a for a in arguments if a is not enable]
         for variable in block.parameters.outputs:
             if _is(variable, "ENO"):
                 if guard is not None and self._is_used(block, variable) and not is_variable(guard):
-                    guard = self._kept(block, guard)
+                    guard = self._kept(block, guard, "BOOL")
                 self._give(block, variable, guard or TRUE)
+        self._call(block, arguments, guard)
+        for argument in arguments[len(arguments) - len(block.parameters.in_outs) :]:
+            source = (block.id, argument.variable.name)
+            product = (Factor(source, argument.value),) if argument.value is not None else None
+            self._wires.store(source, product, lazy=True)
+
+    def _call(self, block: Block, arguments: list[_Argument], guard: Expression | None) -> None:
         outputs = [variable for variable in block.parameters.outputs if not _is(variable, "ENO")]
         if block.code is not None or block.call is BlockCall.EXECUTE:
             self._wires.execute_all(self._guarded(guard, self._wires.code(block.code or "", block.id)))
             return
         standard = standard_block(block.type_name)
         self._check_known(block, standard)
-        if block.instance or (standard is not None and standard.stateful) or block.call is BlockCall.PROGRAM:
+        called_on = block.instance if block.call not in (BlockCall.ACTION, BlockCall.METHOD) else None
+        if called_on or (standard is not None and standard.stateful) or block.call is BlockCall.PROGRAM:
             self._function_block(block, arguments, outputs, guard)
         elif block.call is BlockCall.ACTION:
             self._wires.execute_all(self._guarded(guard, (n.CallStatement(n.Call(self._callee(block))),)))
         else:
             self._function(block, standard, arguments, outputs, guard)
 
-    def _kept(self, block: Block, value: Expression) -> n.Name:
-        helper = self._wires.helper("value", (block.id, None), None, retained=False)
+    def _kept(self, block: Block, value: Expression, type_name: str) -> n.Name:
+        helper = self._wires.helper("value", (block.id, None), type_name, retained=False)
         self._wires.execute(n.Assignment(helper, value))
         return helper
 
@@ -142,7 +147,7 @@ class BlockReader:
     def _give(self, block: Block, variable: BlockVariable, value: Expression | None) -> None:
         """Give an output its value, and write it to the variable that stands at the pin."""
         source = (block.id, variable.name)
-        if value is not None and variable.input is None:
+        if value is not None:
             value = self._wires.edge(variable.edge, inverted(value) if variable.negated else value, (block.id, None))
             if _target(variable):
                 value = self._write_at_pin(block, variable, value)
@@ -154,7 +159,7 @@ class BlockReader:
         """Write an output to the variable that stands at its pin; returns what has its value from now on."""
         target = self._wires.expression(_target(variable), block.id)
         if variable.storage is not Storage.NONE and self._graph.uses[block.id, variable.name]:
-            value = self._kept(block, value)
+            value = self._kept(block, value, "BOOL")
         self._wires.execute(self.assignment(target, value, variable.storage))
         return target if variable.storage is Storage.NONE else value
 
@@ -250,7 +255,8 @@ class BlockReader:
             self._wires.execute_all(self._guarded(guard, (n.Assignment(target, value),)))
             self._written.add(sink.id)
             return None
-        helper = self._wires.helper("value", (block.id, None), None, retained=guard is not None)
+        type_name = self._graph.type_of((block.id, result.name))
+        helper = self._wires.helper("value", (block.id, None), type_name, retained=guard is not None)
         self._wires.execute_all(self._guarded(guard, (n.Assignment(helper, value),)))
         return (Factor((block.id, result.name), helper),)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks.results import NetworkProblem
+from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.network import (
     Block,
     BlockCall,
@@ -152,6 +153,23 @@ class Graph:
                 self.problems.append(NetworkProblem(f"continuation {node.name!r} comes from nowhere", node.id))
         return found
 
+    def type_of(self, source: Source) -> str | None:
+        """The type of an output where the network tells it."""
+        waiting, seen = [source], {source}
+        while waiting:
+            number, pin = waiting.pop()
+            node = self.nodes.get(number)
+            if node is None or isinstance(node, Contact | Coil | LeftPowerRail):
+                return "BOOL"  # what is no element is a step
+            known = _pin_type(node, pin) if isinstance(node, Block) else None
+            if known is not None and not known.startswith("ANY"):
+                return known
+            if known in ("ANY_BIT", "ANY"):
+                feeding = [s for sources in self._sources[number] for s in sources if s not in seen]
+                waiting += feeding
+                seen.update(feeding)
+        return None
+
     def execution(self) -> Iterator[Node]:
         """Every element once, in the order of execution.
 
@@ -189,6 +207,17 @@ class Graph:
                 stack.append((number, True))
                 feeding = [source for sources in self._sources[number] for source, _ in sources]
                 stack.extend((source, False) for source in reversed(feeding))
+
+
+def _pin_type(block: Block, pin: str | None) -> str | None:
+    if pin is not None and pin.casefold() == "eno":
+        return "BOOL"
+    standard = standard_block(block.type_name)
+    name = standard.output_name(pin) if standard is not None and pin else None
+    # SEL and MUX give one of several values, so what feeds them first need not be of their type
+    if standard is None or (standard.result.type == "ANY" and standard.name != "MOVE"):
+        return None
+    return next((p.type for p in standard.outputs if p.name == name), standard.result.type)
 
 
 _ACTING = frozenset(

@@ -117,7 +117,7 @@ class NetworkReader:
         self._outer = [self.graph.resolve(None, pin) for pin in also_used]
         self.graph.uses.update(source for sources in self._outer for source in sources)
         names = {*taken, *_names(self.graph), *self.graph.steps.values()}
-        self.wires = Wires(lambda source: self.graph.uses[source], dialect, names)
+        self.wires = Wires(self.graph, dialect, names)
         self.comments: list[tuple[int, str]] = []
         self.open_ends: list[tuple[int, Expression]] = []
         self._blocks = BlockReader(self.graph, self.wires, known)
@@ -218,6 +218,8 @@ class NetworkReader:
         elif isinstance(node, InOutVariable):
             if is_fed(node.input) or not self.graph.uses[node.id, None]:
                 self._assign(node, node.expression, node.negated_in, node.edge_in, node.storage_in)
+            elif node.input is not None:
+                self.wires.problem(f"nothing leads here, so {node.expression} is only read", node.id, Severity.INFO)
             self.wires.store((node.id, None), (Factor((node.id, None), self._passed_on(node)),), lazy=True)
         elif isinstance(node, LeftPowerRail):
             self.wires.store((node.id, None), ())

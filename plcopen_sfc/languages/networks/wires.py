@@ -6,13 +6,13 @@ must: where it is used more than once and evaluating it again may give something
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Collection, Iterable
 from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import Path, is_impure, is_repeatable, may_change, path_of, reads, writes
-from plcopen_sfc.languages.networks.graph import Source
+from plcopen_sfc.languages.networks.graph import Graph, Source
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
 from plcopen_sfc.languages.networks.values import Factor, Product, expression_of
 from plcopen_sfc.languages.st import nodes as n
@@ -30,14 +30,14 @@ MAX_FACTORS = 200
 class Wires:
     """Values by the output they come from, and the statements executed so far."""
 
-    def __init__(self, uses: Callable[[Source], int], dialect: Dialect, taken: Iterable[str]) -> None:
+    def __init__(self, graph: Graph, dialect: Dialect, taken: Iterable[str]) -> None:
         self.dialect = dialect
         self.statements: list[Statement] = []
         self.helpers: list[Helper] = []
         self.instances: dict[str, str] = {}
         self.problems: list[NetworkProblem] = []
         self.meetings: dict[object, int] = {}
-        self._uses = uses
+        self._graph = graph
         self._taken = {name.casefold() for name in taken}
         self._values: dict[Source, Product | None] = {}
         self._left: dict[Source, int] = {}
@@ -122,7 +122,7 @@ class Wires:
 
     def store(self, source: Source, product: Product | None, *, lazy: bool = False) -> None:
         """Give an output its value, None where it has none. `lazy`: it is not evaluated before its first use."""
-        uses = self._uses(source)
+        uses = self._graph.uses[source]
         self._values[source] = product
         if product is not None:
             helper = self._feedback.get(source)
@@ -140,7 +140,7 @@ class Wires:
         if source not in self._values:
             return self._of_last_cycle(source)
         product = self._values[source]
-        left = self._left.get(source, self._uses(source)) - 1
+        left = self._left.get(source, self._graph.uses[source]) - 1
         if left > 0:
             self._left[source] = left
         else:
@@ -155,7 +155,7 @@ class Wires:
         """The value of an output that is evaluated later: feedback."""
         helper = self._feedback.get(source)
         if helper is None:
-            name = self.helper("last", source, None, retained=True)
+            name = self.helper("last", source, self._graph.type_of(source), retained=True)
             helper = self._feedback[source] = self.helpers[-1]
             self.problem(
                 f"its value feeds what it depends on; {name.identifier} keeps it from the last cycle",
@@ -167,7 +167,7 @@ class Wires:
     def _kept(self, source: Source, product: Product) -> Statement:
         """Let a value go through a variable from here on; the statement that gives it its value."""
         value = expression_of(product)
-        name = self.helper("value", source, _type_of(value), retained=False)
+        name = self.helper("value", source, self._graph.type_of(source) or _type_of(value), retained=False)
         self._values[source] = (Factor(source, name),)
         return n.Assignment(name, value)
 

@@ -42,7 +42,9 @@ def evaluate(expression: Expression, state: State) -> bool:
 def combine(operation: str, values: list[bool]) -> bool:
     if operation == "NOT":
         return not values[0]
-    return {"AND": all, "OR": any, "XOR": lambda v: reduce(xor, v)}[operation](values)
+    if operation == "AND":
+        return all(values)
+    return any(values) if operation == "OR" else reduce(xor, values)
 
 
 def execute(statements: tuple[Statement, ...], state: State) -> State:

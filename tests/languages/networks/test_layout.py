@@ -7,9 +7,9 @@ from itertools import combinations, pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drafting import DrawingRules
 from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_ld
-from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model.network import (
     Block,

@@ -1,0 +1,186 @@
+"""Every FBD and LD body, chart logic and condition of the fixtures and the corpus: to text, drawn again, read again."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression
+from plcopen_sfc.languages.networks.drafting import DrawingRules
+from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_ld
+from plcopen_sfc.languages.networks.normal_form import normal_form
+from plcopen_sfc.languages.networks.reading import body_statements
+from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkStatements
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.model import (
+    Body,
+    BodyCondition,
+    Expression,
+    FbdBody,
+    LdBody,
+    NamedCondition,
+    Pou,
+    SfcBody,
+    WiredCondition,
+)
+from tests.corpus import require_corpus
+from tests.samples import fixture_files, real_files
+
+KINDS = {WiredCondition: "wired", NamedCondition: "named", BodyCondition: "body"}
+
+
+class Found(NamedTuple):
+    """A network of a file, as text."""
+
+    file: str
+    name: str
+    kind: str
+    dialect: Dialect
+    read: NetworkStatements | NetworkExpression
+
+
+def dialect_of(path: Path) -> Dialect:
+    return Dialect.CODESYS if {"codesys", "twincat"} & {part.lower() for part in path.parts} else Dialect.IEC
+
+
+def bodies_in(body: Body | str | None, name: str) -> Iterator[tuple[str, FbdBody | LdBody]]:
+    """The networks in a body, those of the steps of its chart included."""
+    if isinstance(body, FbdBody | LdBody):
+        yield name, body
+    elif isinstance(body, SfcBody):
+        for step in body.chart.steps:
+            inner = [step.entry_action, step.main_action, step.exit_action, *(a.body for a in step.actions)]
+            for one in [*inner, step.macro.body if step.macro is not None else None]:
+                yield from bodies_in(one, f"{name}.{step.name}")
+        for transition in body.chart.transitions:
+            if isinstance(transition.condition, BodyCondition):
+                yield from bodies_in(transition.condition.body, f"{name}.{transition.id}")
+
+
+def networks_in(path: Path, pou: Pou, dialect: Dialect) -> Iterator[Found]:
+    for name, body in pou.named_bodies():
+        for inner, network in bodies_in(body, name):
+            yield Found(path.name, inner, network.language, dialect, body_statements(network, dialect))
+        if isinstance(body, SfcBody):
+            chart = body.chart
+            if chart.logic:
+                yield Found(path.name, name, "chart logic", dialect, chart_statements(chart, dialect))
+            for transition in chart.transitions:
+                if transition.condition is not None and not isinstance(transition.condition, Expression):
+                    read = condition_expression(chart, transition, dialect, transitions=pou.transitions)
+                    kind = f"condition ({KINDS[type(transition.condition)]})"
+                    yield Found(path.name, f"{name}: {chart.label(transition)}", kind, dialect, read)
+
+
+@cache
+def networks(corpus: bool) -> list[Found]:
+    """Every network, each text of a network once."""
+    found: dict[object, Found] = {}
+    for path in real_files() if corpus else fixture_files():
+        for pou in sfc.load(path).pous:
+            for one in networks_in(path, pou, dialect_of(path)):
+                found.setdefault((path.parent.name, path.name, one.name, one.kind, one.read.tree), one)
+    return list(found.values())
+
+
+def again(found: Found, *, ladder: bool) -> NetworkStatements:
+    """A text drawn and read again. Of a condition, what must be executed before it is drawn too."""
+    rules = DrawingRules(found.dialect, instances=found.read.instances)
+    drawn = (draw_ld if ladder else draw_fbd)(statements_of(found).statements, rules)
+    return body_statements(drawn.body, found.dialect)
+
+
+def statements_of(found: Found) -> n.Statements:
+    read = found.read
+    if isinstance(read, NetworkStatements):
+        return read.tree
+    assert read.tree is not None
+    return n.Statements((*read.before, n.Assignment(n.Name("Condition"), read.tree)))
+
+
+def errors(found: Found) -> list[str]:
+    return [problem.message for problem in found.read.problems if problem.severity is Severity.ERROR]
+
+
+def unstable(all_networks: list[Found]) -> list[str]:
+    """The networks that do not come back the same from being drawn."""
+    failed = []
+    for found in all_networks:
+        for ladder in (False, True):
+            second = again(found, ladder=ladder)
+            if normal_form(second.tree) != normal_form(statements_of(found)) or second.helpers or not second.complete:
+                failed.append(f"{found.file}: {found.name} as {'LD' if ladder else 'FBD'}")
+    return failed
+
+
+def test_every_network_of_the_fixtures_is_stable() -> None:
+    assert not unstable(networks(False))
+
+
+def test_what_of_the_fixtures_does_not_translate() -> None:
+    assert {(found.name, message) for found in networks(False) for message in errors(found)} == {
+        (name, message)
+        for name in ("Mixer", "Mixer.ACT_Release")
+        for message in (
+            "an error of the tool that made the file: Unknown block PID_2 of library Control 1.4",
+            "an element that only its tool understands: Trend recorder, 3 channels",
+            "an input cannot set anything",
+        )
+    }
+
+
+@pytest.mark.corpus
+def test_every_network_of_the_corpus_is_stable() -> None:
+    require_corpus()
+    assert not unstable(networks(True))
+
+
+@pytest.mark.corpus
+def test_how_many_networks_of_the_corpus_are_said_completely() -> None:
+    require_corpus()
+    count = Counter(found.kind for found in networks(True))
+    complete = Counter(found.kind for found in networks(True) if not errors(found))
+    assert {kind: (complete[kind], count[kind]) for kind in count} == {
+        "FBD": (16, 19),
+        "LD": (12, 14),
+        "chart logic": (5, 6),
+        "condition (wired)": (9, 9),
+        "condition (named)": (7, 7),
+        "condition (body)": (6, 6),
+    }
+
+
+DANGLING = "its value leads nowhere"
+NOT_FED = "nothing leads to this contact; taken as connected to the left power rail"
+
+
+@pytest.mark.corpus
+def test_what_of_the_corpus_does_not_translate_and_why() -> None:
+    """Networks that are drawn incompletely: a value that is wired to nothing, a contact without power."""
+    require_corpus()
+    failures = sorted({(found.file, found.name, message) for found in networks(True) for message in errors(found)})
+    assert failures == [
+        ("SFC_example_9.4_version2.xml", "sfc1", DANGLING),
+        ("TC001.xml", "DEBOUNCE", DANGLING),
+        ("TC001.xml", "functionBlock1", NOT_FED),
+        ("TC001_failed.xml", "DEBOUNCE", DANGLING),
+        ("TC001_failed.xml", "functionBlock1", NOT_FED),
+        ("plc.xml", "plc_prg", DANGLING),
+    ]
+
+
+@pytest.mark.corpus
+def test_what_of_the_corpus_is_assumed() -> None:
+    require_corpus()
+    assumed = {p.message for f in networks(True) for p in f.read.problems if p.severity is Severity.WARNING}
+    assert assumed == {
+        "a wire starts at the output 'isSorting' of element 26, which TOF does not have; taken as 'Q'",
+    }
