@@ -98,9 +98,9 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
             )
     undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in found if o.may_refer_to(declaration))
     changed = tuple(occurrence.use for occurrence in uses)
-    externals = names.externals(declaration)
+    repeated = list(names.resolver.repeated(declaration))
     _edit(uses, new)
-    for holder in (*declaration.holders, *externals):
+    for holder in (*declaration.holders, *repeated):
         holder.name = new
     return RenameResult(path, old, new, changed, undecided)
 

@@ -24,6 +24,7 @@ class Kind(StrEnum):
     MEMBER = "member"
     ENUM_VALUE = "enumeration value"
     DATA_TYPE = "data type"
+    DATA_BLOCK = "data block"
     GLOBAL_LIST = "list of global variables"
     INSTANCE = "program instance"
     NAMESPACE = "application"

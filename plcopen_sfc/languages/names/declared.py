@@ -16,11 +16,13 @@ from plcopen_sfc.languages.st.walking import children
 
 def in_declarations(text: str, dialect: Dialect) -> Iterator[Reference]:
     """Every name in a text of declarations, those that it declares too."""
-    yield from _in(parse_declarations(text, dialect).tree, dialect, "")
+    yield from _in(parse_declarations(text, dialect).tree, dialect, ())
 
 
-def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None = None) -> Iterator[Reference]:
-    """The names in `node`, which declares what belongs to the type `within`; `type_` is that of initial values."""
+def _in(
+    node: n.Node, dialect: Dialect, within: tuple[str, ...], type_: n.Expression | None = None
+) -> Iterator[Reference]:
+    """The names in `node`, which belongs to the type of what `within` leads to; `type_` is that of initial values."""
     if isinstance(node, d.PouHead):
         if isinstance(node.name, n.Name):
             yield replace(named(node.name), role=Role.HEAD)
@@ -32,7 +34,7 @@ def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None 
         yield replace(named(node.name), role=Role.TYPE)
         if node.extends is not None:
             yield from _types(node.extends, dialect)
-        yield from _in(node.type, dialect, node.name.identifier)
+        yield from _in(node.type, dialect, (node.name.identifier,))
         if node.initial is not None:
             own = node.name if isinstance(node.type, d.EnumType) else _innermost(node.type)
             yield from _in(node.initial, dialect, within, own)
@@ -45,7 +47,8 @@ def _in(node: n.Node, dialect: Dialect, within: str, type_: n.Expression | None 
             yield named(name, declares=True, within=within)
         if node.address is not None:
             yield from in_tree(node.address, dialect)
-        yield from _in(node.type, dialect, within)
+        inside = (*within, node.names[0].identifier) if node.names else within
+        yield from _in(node.type, dialect, inside)
         if node.initial is not None:
             yield from _in(node.initial, dialect, within, _innermost(node.type))
     elif isinstance(node, d.EnumValue):

@@ -18,7 +18,7 @@ from plcopen_sfc.model import types as t
 from plcopen_sfc.model.actions import ActionAssociation, ForcingOrder
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.conditions import Expression, NamedCondition
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
+from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, Task, TaskSettings, TreeNode
 from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interface, VariableSection
 
@@ -163,6 +163,7 @@ NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
     Tag: {"type": _TYPE},
     Task: {"interval": _EXPRESSION, "single": _EXPRESSION},
     TaskSettings: {"interval": _EXPRESSION, "event": _EXPRESSION},
+    DataBlock: {"type_name": _TYPE},
     PouInstance: {"name": _TYPE, "type_name": _TYPE},
     TreeNode: {"name": (Reading.NAME, Role.OBJECT)},
 }
@@ -171,8 +172,8 @@ NAMING: dict[type[Model], dict[str, tuple[Reading, Role]]] = {
 NAMELESS: dict[str, frozenset[str]] = {
     "names of the objects themselves": frozenset(
         """
-        Action.name Configuration.name DataTypeDeclaration.name EnumValue.name Method.name NamedTransition.name
-        PartialChart.name Pou.name Project.name Resource.name Step.name Tag.name TagTable.name Task.name
+        Action.name Configuration.name DataBlock.name DataTypeDeclaration.name EnumValue.name Method.name
+        NamedTransition.name PartialChart.name Pou.name Project.name Resource.name Step.name Tag.name TagTable.name Task.name
         Transition.name Variable.name VariableSection.name AccessVariable.alias BodyCondition.name
         """.split()
     ),
@@ -186,7 +187,9 @@ NAMELESS: dict[str, frozenset[str]] = {
         """
         AlarmCategory.name AlarmCategory.text CommentBox.content ErrorBox.content LogicNetwork.title
         PermanentOperation.title Sequence.title Step.title Supervised.title Supervised.alarm Transition.title
-        VendorElement.alternative_text ForeignDataInfo.description Project.content_comment StructType.comment
+        VendorElement.alternative_text ForeignDataInfo.description Project.content_comment
+        BodyBase.title StBody.title IlBody.title FbdBody.title LdBody.title SfcBody.title OpaqueBody.title Pou.title
+        DataBlock.title DataTypeDeclaration.title
         """.split()
     ),
     "the same text with its markup": frozenset({"StBody.markup", "IlBody.markup"}),
@@ -197,7 +200,7 @@ NAMELESS: dict[str, frozenset[str]] = {
         FileHeader.version FileHeader.release FileHeader.created FileHeader.description ForeignData.name
         ForeignDataInfo.name ForeignDataInfo.vendor ForeignDataInfo.version Carried.attributes
         GraphSettings.version GraphSettings.initial_values_acquisition GraphSettings.network_language Project.version
-        Project.modified Project.organization Project.author Project.language RuntimeLibrary.title
+        Project.modified Project.organization Project.author RuntimeLibrary.title Variable.attributes
         RuntimeLibrary.company RuntimeLibrary.version RuntimeLibrary.namespace TaskSettings.interval_unit
         TaskWatchdog.time TaskWatchdog.time_unit TaskWatchdog.sensitivity VendorElement.element_type
         VendorElement.attributes DataTypeDeclaration.place Pou.place
@@ -365,6 +368,7 @@ _ENTERING: dict[type[Model], _Entering] = {
     Action: _action,
     NamedTransition: _named_transition,
     Method: _method,
+    DataBlock: lambda block, where: replace(where, path=block.name, language="declaration"),
     Interface: lambda _, where: replace(where, language="declaration"),
     VariableSection: _section,
     t.Variable: lambda v, where: replace(where.at(v.name), language="declaration"),

@@ -24,7 +24,8 @@ class Reference:
     `span` is that of the bare word, without quotes. `base`: it is a member of this (``base.name``); `callee`: it is a
     parameter in a call of this; `access`: the member of it that is meant (``name.access``); `expected`: it stands
     where a value of the type of this is expected (``expected := name``), or of the type that this names. `unread`: why
-    nobody can read the text that it stands in. `declares`: it is declared here, in the type `within`.
+    nobody can read the text that it stands in. `declares`: it is declared here, in the type of what
+    `within` leads to.
     """
 
     name: str
@@ -37,7 +38,7 @@ class Reference:
     expected: n.Expression | None = None
     unread: str = ""
     declares: bool = False
-    within: str = ""
+    within: tuple[str, ...] = ()
 
 
 def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
@@ -156,6 +157,10 @@ def _in_literal(literal: n.Literal) -> Iterator[Reference]:
 
 def _in_expression(text: str, role: Role, dialect: Dialect) -> Iterator[Reference]:
     if _DURATION.fullmatch(text):
+        return
+    if role is Role.TYPE and dialect is Dialect.SCL:  # a name with any characters in it
+        quotes = len(text) - len(text.lstrip('"'))
+        yield Reference(text.strip('"'), (quotes, len(text) - quotes), role)
         return
     tree = parse_condition(text, dialect).tree
     outermost = tree.name if isinstance(tree, n.Member) else tree

@@ -18,7 +18,7 @@ from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.network import Block
-from plcopen_sfc.model.pou import Method, Pou, PouKind
+from plcopen_sfc.model.pou import DataBlock, Method, Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, TreeNode
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.variables import VariableSection
@@ -185,7 +185,18 @@ class Resolver:
                 return Meaning(found[0])
         return Meaning(declaration)
 
-    def externals(self, declaration: Declaration, site: Site) -> Iterator[Named]:
+    def repeated(self, declaration: Declaration) -> Iterator[Named]:
+        """The variables that repeat a declaration: in VAR_EXTERNAL, and in instance data blocks."""
+        for pou in self.project.pous:
+            for site in (Site(pou, place=pou.place), *(Site(pou, method, place=pou.place) for method in pou.methods)):
+                yield from self._externals(declaration, site)
+        for block in self.project.data_blocks:
+            if block.type_name and declaration.kind in (Kind.VARIABLE, Kind.MEMBER):
+                type_ = self.settled(_named_type(block.type_name), "")
+                if any(declaration in level for level in self._members(type_)):
+                    yield from (own.holder for own in self.scopes.data_block(block).named(declaration.name))
+
+    def _externals(self, declaration: Declaration, site: Site) -> Iterator[Named]:
         """The variables in VAR_EXTERNAL of a POU or method that are this global variable."""
         for level in self.scopes.local(site)[:1]:
             for own in level.named(declaration.name):
@@ -274,6 +285,9 @@ class Resolver:
                 for variable in variables_in(section):  # type: ignore[arg-type]  # only sections are lists
                     level.add(variable)
             return level
+        if isinstance(holder, DataBlock):
+            type_ = self.settled(_named_type(holder.type_name), "") if holder.type_name else Untyped.ELSEWHERE
+            return self.scopes.data_block(holder) if type_ is Untyped.ELSEWHERE else type_
         if isinstance(holder, Tag):
             return self.settled(_named_type(holder.type), "")
         if isinstance(holder, PouInstance):
@@ -287,12 +301,14 @@ class Resolver:
         for _ in range(_MOST_ALIASES):
             if not isinstance(type_, t.DerivedType):
                 return type_
-            tree = parse_expression(type_.name, self.dialect).tree
-            if not isinstance(tree, n.Name):
-                return Untyped.UNKNOWN
-            meaning = self.lookup(named(tree, role=Role.TYPE), Site(place=place))
+            name = type_.name
+            if self.dialect is not Dialect.SCL:  # where a name can be anything, and stands alone here
+                tree = parse_expression(name, self.dialect).tree
+                if not isinstance(tree, n.Name):
+                    return Untyped.UNKNOWN
+            meaning = self.lookup(Reference(name.strip('"'), (0, 0), Role.TYPE), Site(place=place))
             if meaning.declaration is None:
-                known = standard_block(tree.identifier) is not None or tree.identifier.upper() in _FOREIGN_TYPES
+                known = standard_block(name) is not None or name.upper() in _FOREIGN_TYPES
                 return Untyped.FOREIGN if known else Untyped.ELSEWHERE
             holder: Any = meaning.declaration.holder
             if isinstance(holder, Pou):
@@ -412,32 +428,37 @@ class Resolver:
     def _declared(self, reference: Reference, piece: Piece) -> Meaning:
         """What a text of declarations declares with this name."""
         holder = piece.holder
-        levels: list[Level] = []
+        within = reference.within
+        type_: t.DataType | None = None
+        level = Level()
         if isinstance(holder, t.DataTypeDeclaration):
-            levels += self._values_and_members(holder.type)
+            type_, within = holder.type, within[1:]
         elif isinstance(holder, VariableSection):
-            level = Level()
             for variable in variables_in(holder):
                 level.add(variable)
-            levels.append(level)
         else:
-            levels += self.scopes.local(piece.site)[len(piece.site.charts) :][:1]
-        for level in levels:
-            kinds = (Kind.VARIABLE, Kind.MEMBER, Kind.ENUM_VALUE)
-            found = [d for d in level.named(reference.name) if d.kind in kinds]
-            if found:
-                return self._of_external(found[0], piece.site)
-        return NOTHING
+            own = self.scopes.local(piece.site)[len(piece.site.charts) :]
+            level = own[0] if own else level
+        for name in within:
+            if type_ is not None:
+                level = self._in_place(type_)
+            variables = [d.holder for d in level.named(name)]
+            type_ = next((variable.type for variable in variables if isinstance(variable, t.Variable)), None)
+            if type_ is None:
+                return NOTHING
+        if type_ is not None:
+            level = self._in_place(type_)
+        kinds = (Kind.VARIABLE, Kind.MEMBER, Kind.ENUM_VALUE)
+        found = [d for d in level.named(reference.name) if d.kind in kinds]
+        return self._of_external(found[0], piece.site) if found else NOTHING
 
-    def _values_and_members(self, type_: t.DataType) -> Iterator[Level]:
+    def _in_place(self, type_: t.DataType) -> Level:
+        """What a type declares itself: the members of a structure, the values of an enumeration."""
+        while isinstance(type_, t.ArrayType | t.PointerType):
+            type_ = type_.base
         if isinstance(type_, t.EnumType):
-            yield self.scopes.enumeration(type_)
-        elif isinstance(type_, t.StructType):
-            yield self.scopes.structure(type_)
-            for member in type_.members:
-                yield from self._values_and_members(member.type)
-        elif isinstance(type_, t.ArrayType | t.PointerType):
-            yield from self._values_and_members(type_.base)
+            return self.scopes.enumeration(type_)
+        return self.scopes.structure(type_) if isinstance(type_, t.StructType) else Level()
 
 
 def _name(pou: Pou | None) -> str:

@@ -21,7 +21,7 @@ from plcopen_sfc.languages.st.nodes import Name
 from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
-from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
+from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, EnumType, StructType
@@ -109,6 +109,15 @@ class Scopes:
             level = self._levels[id(method),] = Level()
             path = f"{pou.name}.{method.name}"
             for declaration in (*self._variables(method.interface, path, pou), *_steps(method.body, path, pou)):
+                level.add(declaration)
+        return level
+
+    def data_block(self, block: DataBlock) -> Level:
+        """The variables of a data block."""
+        level = self._levels.get((id(block),))
+        if level is None:
+            level = self._levels[id(block),] = Level()
+            for declaration in variables_of(block.interface, block.name, None):
                 level.add(declaration)
         return level
 
@@ -216,6 +225,8 @@ class Scopes:
             yield pou.place, Declaration(Kind.POU, pou.name, (pou,))
         for type_ in project.data_types:
             yield type_.place, Declaration(Kind.DATA_TYPE, type_.name, (type_,))
+        for block in project.data_blocks:
+            yield "", Declaration(Kind.DATA_BLOCK, block.name, (block,))
         for section in project.global_variables:
             yield from (("", d) for d in _listed(section))
         for table in project.tag_tables:
@@ -321,6 +332,9 @@ def _types(project: Project) -> Iterator[tuple[DataType, str, Pou | None]]:
         for interface, path in interfaces:
             for variable in interface.variables() if interface is not None else ():
                 yield from _inner(variable.type, f"{path}.{variable.name}", pou)
+    for block in project.data_blocks:
+        for variable in block.interface.variables() if block.interface is not None else ():
+            yield from _inner(variable.type, f"{block.name}.{variable.name}", None)
     for section in sections_of(project):
         for variable in section.variables:
             path = f"{section.name}.{variable.name}" if section.name else variable.name

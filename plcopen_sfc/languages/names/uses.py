@@ -8,8 +8,8 @@ from difflib import get_close_matches
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level, Named
-from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
+from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
 from plcopen_sfc.languages.names.references import Reference, references
 from plcopen_sfc.languages.names.resolving import Meaning, Resolver
 from plcopen_sfc.languages.problems import Lines
@@ -87,26 +87,26 @@ class Names:
     def occurrences(self, word: str) -> Iterator[Occurrence]:
         """Every place where `word` stands as a name, in upper or lower case, with what it means there."""
         key = word.casefold()
+        for piece in self._all_pieces():
+            if key in piece.text.casefold():
+                for reference in references(piece, self.dialect):
+                    if reference.name.casefold() == key:
+                        yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+
+    def everything(self) -> Iterator[Occurrence]:
+        """Every name in every text."""
+        for piece in self._all_pieces():
+            for reference in references(piece, self.dialect):
+                yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+
+    def _all_pieces(self) -> list[Piece]:
         if self._pieces is None:
             self._pieces = list(pieces(self.project))
-        for piece in self._pieces:
-            if key not in piece.text.casefold():
-                continue
-            for reference in references(piece, self.dialect):
-                if reference.name.casefold() == key:
-                    yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+        return self._pieces
 
     def uses(self, declaration: Declaration) -> list[Occurrence]:
         """Every use of a declaration."""
         return [found for found in self.occurrences(declaration.name) if found.refers_to(declaration)]
-
-    def externals(self, declaration: Declaration) -> list[Named]:
-        """The variables in VAR_EXTERNAL that are this global variable."""
-        found: list[Named] = []
-        for pou in self.project.pous:
-            for site in (Site(pou, place=pou.place), *(Site(pou, method, place=pou.place) for method in pou.methods)):
-                found += self.resolver.externals(declaration, site)
-        return found
 
     def declarations(self) -> Iterator[Declaration]:
         """Everything that is declared and that a name can mean."""
@@ -126,6 +126,7 @@ class Names:
             for method in pou.methods:
                 yield scopes.method(pou, method)
         yield from scopes.every_type()
+        yield from (scopes.data_block(block) for block in self.project.data_blocks)
 
     def declaration_of(self, thing: Model) -> Declaration:
         """The declaration of an object of the model: a step, a variable, a POU .. Raises `ModelError`."""
