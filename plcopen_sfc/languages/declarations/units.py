@@ -27,8 +27,8 @@ class Unit:
     """A unit of a source text. All places are offsets into it.
 
     `head` is what declares: from the keyword up to the body; of what has no body (types) all of it. `body` is what
-    stands between it and the end; `end` is the place of ``END_FUNCTION_BLOCK``, None if it is missing. Lists of global variables are
-    units with the keyword ``VAR_GLOBAL``.
+    stands between it and the end; `end` is the place of ``END_FUNCTION_BLOCK``, None if it is missing. Lists of global
+    variables are units with the keyword ``VAR_GLOBAL``.
     """
 
     keyword: str

@@ -1,0 +1,293 @@
+"""What text formats share: encodings, and saving an edited project into the text that was read.
+
+A writer makes *pieces*: the text of an object, or of what it consists of. A reader of the same format makes *slices*:
+where those objects stand in the file. To save an edit, the model is written as it was read and as it is now; only the
+pieces that differ are put into the text, in its own layout as far as that goes.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from difflib import SequenceMatcher
+from typing import NamedTuple, TypeAlias
+
+from plcopen_sfc.languages.edits import Edit, apply_edits
+
+# -- encodings
+
+
+class SourceText(NamedTuple):
+    """The text of a file as it stands there, line ends and all, its encoding, and whether that is only a guess."""
+
+    text: str
+    encoding: str
+    guessed: bool = False
+
+    @property
+    def newline(self) -> str:
+        """The first line end of the text."""
+        found = re.search(r"\r\n|\r|\n", self.text)
+        return found.group() if found is not None else "\n"
+
+    def encode(self, text: str) -> tuple[bytes, bool]:
+        """`text` in the encoding of the file, and False; True: it needs UTF-8, which has a byte order mark then."""
+        try:
+            return text.encode(self.encoding), False
+        except UnicodeEncodeError:
+            return text.encode("utf-8-sig", errors="replace"), True
+
+
+_MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be"))
+
+
+def decode(data: bytes) -> SourceText:
+    """The text of a file: in the encoding of its byte order mark, in UTF-8, else in a code page (a guess)."""
+    marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "utf-8")
+    for encoding in (marked, "cp1252"):
+        try:
+            return SourceText(data.decode(encoding), encoding, guessed=encoding != marked)
+        except UnicodeDecodeError:
+            continue
+    return SourceText(data.decode("latin-1"), "latin-1", guessed=True)
+
+
+# -- pieces and slices
+
+Key: TypeAlias = tuple[str, str]
+"""The kind of an object and its name; among its neighbours it is the only one with both."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """An object as a writer writes it: `text` in whole lines, or `pieces` on lines below each other.
+
+    `apart`: an empty line stands before it. `verbatim`: the text is as it stands in the model, layout and all.
+    """
+
+    key: Key
+    text: str = ""
+    pieces: tuple[Piece, ...] = ()
+    apart: bool = False
+    verbatim: bool = False
+
+    def lines(self) -> Iterator[str]:
+        """The text, its pieces joined."""
+        if not self.pieces:
+            yield self.text
+        for number, piece in enumerate(self.pieces):
+            if piece.apart and number:
+                yield ""
+            yield from piece.lines()
+
+    def whole(self) -> str:
+        """The text in one."""
+        return "\n".join(self.lines())
+
+
+@dataclass(frozen=True)
+class Slice:
+    """Where objects stand in a text: usually one, several where they are declared together (``a, b : INT``)."""
+
+    keys: tuple[Key, ...]
+    span: tuple[int, int]
+    slices: tuple[Slice, ...] = field(default=())
+
+
+def numbered(keys: Sequence[Key]) -> list[Key]:
+    """`keys` with a number behind the names of those that occur more than once."""
+    seen: dict[Key, int] = {}
+    unique: list[Key] = []
+    for kind, name in keys:
+        count = seen[kind, name] = seen.get((kind, name), 0) + 1
+        unique.append((kind, f"{name}#{count}" if count > 1 else name))
+    return unique
+
+
+# -- patching
+
+
+def patch(source: SourceText, slices: Slice, before: Piece, after: Piece) -> str:
+    """The text of `source` with what differs between the pieces `before` and `after` put into it."""
+    return apply_edits(source.text, _Patch(source.text, source.newline).edits(slices, before, after))
+
+
+class _Patch:
+    def __init__(self, text: str, newline: str) -> None:
+        self._text = text
+        self._newline = newline
+
+    def edits(self, slice_: Slice, before: Piece, after: Piece) -> list[Edit]:
+        if before == after:
+            return []
+        known = [key for inner in slice_.slices for key in inner.keys]
+        if not (before.pieces and after.pieces and sorted(known) == sorted(piece.key for piece in before.pieces)):
+            return [self._replaced(slice_, before, after)]
+        return self._children(slice_, before, after)
+
+    def _children(self, slice_: Slice, before: Piece, after: Piece) -> list[Edit]:
+        pairs = _pairs(before.pieces, after.pieces)
+        old_pieces = {piece.key: piece for piece in before.pieces}
+        edits: list[Edit] = []
+        following: dict[int, list[Piece]] = {}  # new pieces by the number of the slice that they stand behind
+        new_of: dict[Key, Piece] = {}
+        number_of = {key: number for number, inner in enumerate(slice_.slices) for key in inner.keys}
+        last = -1
+        for old, new in pairs:
+            if old is not None:
+                last = number_of[old.key]
+                if new is not None:
+                    new_of[old.key] = new
+            elif new is not None:
+                following.setdefault(last, []).append(new)
+        for number, inner in enumerate(slice_.slices):
+            olds = [old_pieces[key] for key in inner.keys]
+            news = [new_of[key] for key in inner.keys if key in new_of]
+            if not news:
+                edits.append(self._removed(inner))
+            elif len(olds) == 1:
+                edits += self.edits(inner, olds[0], news[0])
+            elif olds != news:
+                together = "\n".join(new.whole() for new in news)
+                edits.append(Edit(*inner.span, self._laid_out(together, inner.span[0])))
+            if number in following:
+                edits.append(self._inserted(slice_.slices, number, following[number]))
+        if -1 in following:
+            edits.append(self._put_first(slice_, following[-1]))
+        return _joined(edits)
+
+    # -- single edits
+
+    def _replaced(self, slice_: Slice, before: Piece, after: Piece) -> Edit:
+        start, end = slice_.span
+        source = self._text[start:end]
+        old, new = before.whole(), after.whole()
+        if after.verbatim:
+            return Edit(start, end, self._with_newlines(new))
+        text = _merged(source, old.strip(), new.strip()) if source.count("\n") < _LONG else None
+        if text is None:
+            text = self._laid_out(new, start)
+        return Edit(start, end, self._with_newlines(text))
+
+    def _removed(self, slice_: Slice) -> Edit:
+        start, end = slice_.span
+        line = self._line_start(start)
+        if line is None:
+            return Edit(start, end, "")
+        rest = re.compile(r"[ \t]*(?:\r\n|\r|\n|$)").match(self._text, end)
+        return Edit(line, rest.end(), "") if rest is not None else Edit(start, end, "")
+
+    def _inserted(self, slices: Sequence[Slice], number: int, pieces: list[Piece]) -> Edit:
+        behind = slices[number]
+        text = ""
+        for piece in pieces:
+            kinds = {piece.key[0]}
+            neighbours = [*slices[number::-1], *slices[number + 1 :]]
+            like = next((s for s in neighbours if kinds & {kind for kind, _ in s.keys}), None)
+            lines = self._reindented(piece.whole(), self._indent(like.span[0])) if like is not None else piece.whole()
+            text += ("\n\n" if piece.apart else "\n") + lines
+        return Edit(behind.span[1], behind.span[1], self._with_newlines(text))
+
+    def _put_first(self, slice_: Slice, pieces: list[Piece]) -> Edit:
+        at = slice_.slices[0].span[0] if slice_.slices else slice_.span[1]
+        line = self._line_start(at)
+        at = line if line is not None else at
+        text = "".join(piece.whole() + ("\n\n" if piece.apart else "\n") for piece in pieces)
+        return Edit(at, at, self._with_newlines(text))
+
+    # -- layout
+
+    def _laid_out(self, text: str, start: int) -> str:
+        """`text` for a place in the middle of a line: without the indent of its first line."""
+        return self._with_newlines(self._reindented(text, self._indent(start)).lstrip(" \t"))
+
+    def _reindented(self, text: str, indent: str) -> str:
+        own = re.match(r"[ \t]*", text)
+        old = own.group() if own is not None else ""
+        lines = text.split("\n")
+        return "\n".join(indent + line[len(old) :] if line.startswith(old) and line else line for line in lines)
+
+    def _indent(self, offset: int) -> str:
+        start = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
+        found = re.compile(r"[ \t]*").match(self._text, start)
+        return found.group() if found is not None else ""
+
+    def _line_start(self, offset: int) -> int | None:
+        """Where the line of `offset` starts, if nothing but spaces stands before it there."""
+        start = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
+        return start if not self._text[start:offset].strip() else None
+
+    def _with_newlines(self, text: str) -> str:
+        return re.sub(r"\r\n|\r|\n", self._newline, text)
+
+
+_LONG = 200
+"""Texts of more lines are not merged word by word, which takes the square of their length."""
+
+
+def _pairs(before: Sequence[Piece], after: Sequence[Piece]) -> Iterator[tuple[Piece | None, Piece | None]]:
+    """Which old piece became which new one; None where it is removed or added."""
+    matcher = SequenceMatcher(a=[p.key for p in before], b=[p.key for p in after], autojunk=False)
+    for _, low, high, new_low, new_high in matcher.get_opcodes():
+        old, new = list(before[low:high]), list(after[new_low:new_high])
+        while old and new and old[0].key[0] == new[0].key[0]:  # of the same kind: it was renamed
+            yield old.pop(0), new.pop(0)
+        yield from ((piece, None) for piece in old)
+        yield from ((None, piece) for piece in new)
+
+
+def _joined(edits: list[Edit]) -> list[Edit]:
+    """Insertions at the place where something is removed, in one edit with it."""
+    joined: list[Edit] = []
+    for edit in sorted(edits):
+        if joined and edit.start < joined[-1].end:
+            last = joined.pop()
+            joined.append(Edit(last.start, max(last.end, edit.end), last.text + edit.text))
+        else:
+            joined.append(edit)
+    return joined
+
+
+_WORDS = re.compile(r"\w+|[^\w\s]")
+
+
+def _merged(source: str, old: str, new: str) -> str | None:
+    """`source`, which says `old` in its own layout, changed to say `new`; None where they differ too much."""
+    words, old_words, new_words = (list(_WORDS.finditer(text)) for text in (source, old, new))
+    place = _places([w.group() for w in old_words], [w.group() for w in words])
+    matcher = SequenceMatcher(a=[w.group() for w in old_words], b=[w.group() for w in new_words], autojunk=False)
+    edits: list[Edit] = []
+    for operation, low, high, new_low, new_high in matcher.get_opcodes():
+        if operation == "equal":
+            continue
+        at = [place.get(index) for index in range(low, high)]
+        if None in at:
+            return None
+        left, right = place.get(low - 1), place.get(high)
+        if low == high:
+            if (left is None and low > 0) or (right is None and high < len(old_words)):
+                return None
+            begin = words[left].end() if left is not None else 0
+            gap_start = new_words[new_low - 1].end() if new_low else 0
+            inserted = new[gap_start : new_words[new_high - 1].end()]
+            edits.append(Edit(begin, begin, inserted))
+        else:
+            first, last = at[0], at[-1]
+            if first is None or last is None or last - first != high - low - 1:
+                return None
+            begin, end = words[first].start(), words[last].end()
+            if new_low == new_high:  # removed, with the spaces before it
+                begin = words[first - 1].end() if first else begin
+                inserted = ""
+            else:
+                inserted = new[new_words[new_low].start() : new_words[new_high - 1].end()]
+            edits.append(Edit(begin, end, inserted))
+    return apply_edits(source, edits)
+
+
+def _places(old: Sequence[str], words: Sequence[str]) -> dict[int, int]:
+    """Which word of the source each old word is; case does not matter."""
+    matcher = SequenceMatcher(a=[w.casefold() for w in old], b=[w.casefold() for w in words], autojunk=False)
+    return {block.a + i: block.b + i for block in matcher.get_matching_blocks() for i in range(block.size)}
