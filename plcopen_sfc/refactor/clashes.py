@@ -55,6 +55,6 @@ def _captures(names: Names, declaration: Declaration, occurrence: Occurrence) ->
     for level in names.resolver.levels(reference, occurrence.piece):
         if declaration in level:
             return True
-        if fitting(level.named(reference.name), reference.role):
+        if occurrence.meaning.declaration in level:
             return False
     return False

@@ -65,7 +65,7 @@ def rename(project: Project, what: Declaration | Model | str, new: str) -> Renam
         what = the_one(names, what)
     elif isinstance(what, Model):
         what = names.declaration_of(what)
-    return _rename(names, what, new)
+    return _rename(names, names.resolver.original(what), new)
 
 
 def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:

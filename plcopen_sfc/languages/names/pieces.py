@@ -173,8 +173,8 @@ NAMELESS: dict[str, frozenset[str]] = {
     "names of the objects themselves": frozenset(
         """
         Action.name Configuration.name DataBlock.name DataTypeDeclaration.name EnumValue.name Method.name
-        NamedTransition.name PartialChart.name Pou.name Project.name Resource.name Step.name Tag.name TagTable.name Task.name
-        Transition.name Variable.name VariableSection.name AccessVariable.alias BodyCondition.name
+        NamedTransition.name PartialChart.name Pou.name Project.name Resource.name Step.name Tag.name TagTable.name
+        Task.name Transition.name Variable.name VariableSection.name AccessVariable.alias BodyCondition.name
         """.split()
     ),
     "names within a drawing or a body, which nothing else uses": frozenset(

@@ -82,7 +82,7 @@ class Resolver:
         if reference.declares:
             return self._declared(reference, piece)
         if reference.base is not None:
-            return self.member(self.type_of(reference.base, site), reference.name)
+            return self.member(self.type_of(reference.base, site, reference.name), reference.name)
         if reference.callee is not None:
             return self._parameter(self._callable(reference.callee, site), reference.name)
         meaning = self.lookup(reference, site)
@@ -112,7 +112,7 @@ class Resolver:
         if reference.role is Role.MEMBER:
             return self._members(self._type_of_value(piece.owner, site))
         if reference.base is not None:
-            return self._members(self.type_of(reference.base, site))
+            return self._members(self.type_of(reference.base, site, reference.name))
         if reference.callee is not None:
             return self._parameters(self._callable(reference.callee, site))
         return self._visible(reference, site)
@@ -127,19 +127,23 @@ class Resolver:
                 Declaration(Kind.TRANSITION, f"{_name(site.pou)}.{reference.name}", (site.transition,), site.pou)
             )
         levels = self._visible(reference, site)
-        charts = len(site.charts)
+        nearest: list[Declaration] = []
         for index, level in enumerate(levels):
             found = fitting(level.named(reference.name), reference.role)
-            if not found:
-                continue
-            if index < charts and reference.quoting is not Quoting.GLOBAL:
+            if found and index < len(site.charts):
                 # steps are variables of the POU: they have no scope of their own in which they hide its names
-                for outer in levels[charts : len(self.scopes.local(site))]:
-                    found += [
-                        d for d in fitting(outer.named(reference.name), reference.role) if d.kind is not Kind.STEP
-                    ]
-            return self._choose(found, reference, site)
-        return NOTHING
+                found += self._beside_steps(reference, site)
+            if found and reference.access and not any(self._may_have(d, reference.access) for d in found):
+                # a variable may be called after its type: before a dot the thing is meant that has such a member
+                nearest = nearest or found
+            elif found:
+                return self._choose(found, reference, site)
+        return self._choose(nearest, reference, site) if nearest else NOTHING
+
+    def _beside_steps(self, reference: Reference, site: Site) -> list[Declaration]:
+        levels = self.scopes.local(site)[len(site.charts) :]
+        found = [d for level in levels for d in fitting(level.named(reference.name), reference.role)]
+        return [d for d in found if d.kind is not Kind.STEP]
 
     def _visible(self, reference: Reference, site: Site) -> Sequence[Level]:
         if reference.role is Role.TYPE or reference.quoting is Quoting.GLOBAL:
@@ -168,7 +172,8 @@ class Resolver:
     def _may_have(self, declaration: Declaration, member: str) -> bool:
         if declaration.kind is Kind.STEP:
             return member.casefold() in _STEP_VARIABLES
-        return self._has(declaration, member) or self.type_of_declaration(declaration) is Untyped.UNKNOWN
+        unknown = self.type_of_declaration(declaration) in (Untyped.UNKNOWN, Untyped.ELSEWHERE)
+        return unknown or self._has(declaration, member)
 
     def _has(self, declaration: Declaration, member: str) -> bool:
         return self.member(self.type_of_declaration(declaration), member).declaration is not None
@@ -184,6 +189,16 @@ class Resolver:
             if found:
                 return Meaning(found[0])
         return Meaning(declaration)
+
+    def original(self, declaration: Declaration) -> Declaration:
+        """The declaration that a variable in VAR_EXTERNAL or in an instance data block repeats, or itself."""
+        if declaration.pou is not None:
+            return self._of_external(declaration, Site(place=declaration.pou.place)).declaration or declaration
+        for block in self.project.data_blocks:
+            if block.type_name and declaration in self.scopes.data_block(block):
+                type_ = self.settled(_named_type(block.type_name), "")
+                return self.member(type_, declaration.name).declaration or declaration
+        return declaration
 
     def repeated(self, declaration: Declaration) -> Iterator[Named]:
         """The variables that repeat a declaration: in VAR_EXTERNAL, and in instance data blocks."""
@@ -230,8 +245,8 @@ class Resolver:
             return self._members(self.settled(type_.base, ""))
         return ()
 
-    def type_of(self, expression: n.Expression | n.Node, site: Site) -> Type:
-        """The type of an expression, or the thing that it names."""
+    def type_of(self, expression: n.Expression | n.Node, site: Site, access: str = "") -> Type:
+        """The type of an expression, or the thing that it names; `access` is the member of it that is meant."""
         if isinstance(expression, n.Parenthesized):
             return self.type_of(expression.inner, site)
         if isinstance(expression, n.Peripheral):
@@ -245,11 +260,11 @@ class Resolver:
             own = self._own(expression.identifier, site)
             if own is not None:
                 return own
-            meaning = self.lookup(named(expression), site)
+            meaning = self.lookup(named(expression, access=access), site)
             if meaning is NOTHING and standard_block(expression.identifier) is not None:
                 return Untyped.FOREIGN
         elif isinstance(expression, n.Member):
-            base = self.type_of(expression.base, site)
+            base = self.type_of(expression.base, site, expression.name.identifier)
             if base is Untyped.FOREIGN:
                 return base
             meaning = self.member(base, expression.name.identifier)
@@ -335,7 +350,8 @@ class Resolver:
             if meaning.declaration is None and not meaning.doubt and standard_block(callee.identifier) is not None:
                 return Untyped.FOREIGN
         elif isinstance(callee, n.Member):
-            meaning = self.member(self.type_of(callee.base, site), callee.name.identifier)
+            name = callee.name.identifier
+            meaning = self.member(self.type_of(callee.base, site, name), name)
         else:
             return self.type_of(callee, site)
         declaration = meaning.declaration

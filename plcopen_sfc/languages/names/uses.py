@@ -152,6 +152,7 @@ def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
         what = the_one(names, what)
     elif isinstance(what, Model):
         what = names.declaration_of(what)
+    what = names.resolver.original(what)
     return [occurrence.use for occurrence in names.uses(what)]
 
 
