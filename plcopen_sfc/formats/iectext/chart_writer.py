@@ -27,6 +27,7 @@ from plcopen_sfc.formats.iectext.printing import (
     split,
 )
 from plcopen_sfc.formats.iectext.source import unwrapped, wrapped
+from plcopen_sfc.formats.text import Key
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -56,7 +57,7 @@ class ChartWriter:
     unique: bool = True
     late: list[Change] = field(default_factory=list)
 
-    def pieces(self) -> Iterator[tuple[str, str]]:
+    def pieces(self) -> Iterator[tuple[Key, str]]:
         """The steps and transitions, each with a key that stays when it is renamed."""
         self._choose_names()
         rest = plain_fields(self.chart, leave=frozenset({"steps", "transitions"}))
@@ -69,13 +70,13 @@ class ChartWriter:
         shown: set[int] = set()
         known = {step.id for step in self.chart.steps}
         for index, step in enumerate(self.chart.steps):
-            yield f"step {step.id}", self.step(index, step)
+            yield ("step", str(step.id)), self.step(index, step)
             shown.add(step.id)
             last = index + 1 == len(self.chart.steps)
             while transitions and (last or set(transitions[0].sources) & known <= shown):
-                yield f"transition {transitions[0].id}", self.transition(transitions.pop(0))
+                yield ("transition", str(transitions[0].id)), self.transition(transitions.pop(0))
         for transition in transitions:
-            yield f"transition {transition.id}", self.transition(transition)
+            yield ("transition", str(transition.id)), self.transition(transition)
 
     def _choose_names(self) -> None:
         taken: set[str] = set()

@@ -17,4 +17,4 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 
 def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
     """Write a text anew."""
-    return write_project(project, options, report).text.encode()
+    return (write_project(project, options, report).whole() + "\n").encode()

@@ -20,24 +20,24 @@ _WITHOUT_INTERFACE = frozenset({"ACTION", "TRANSITION"})
 
 def write_interface(
     printer: Printer, keyword: str, name: str, interface: Interface | None, indent: str, *, meant: Fields, said: Fields
-) -> str:
+) -> tuple[str, list[str]]:
     """The header of a unit and its sections; what is meant goes into `meant`, what they say into `said`."""
     if keyword in _WITHOUT_INTERFACE:
-        return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}\n"
+        return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}", []
     said["interface"] = {}
     if interface is None:
-        return _header(printer, keyword, name, None, indent, meant, said)
+        return _header(printer, keyword, name, None, indent, meant, said), []
     meant["interface"] = plain_fields(interface)
     typed = _as_typed(printer, keyword, name, interface.declaration)
     if typed is not None:
         text, said["interface"] = typed
         _keep_as_typed(meant["interface"], interface.declaration or "", text)
-        return f"{text}\n"
+        return text, []
     header = _header(printer, keyword, name, interface, indent, meant, said)
     sections = [write_said_section(printer, section, indent + "  ") for section in interface.sections]
     if sections:
         said["interface"]["sections"] = [fields for _, fields in sections]
-    return header + "".join(f"{text}\n" for text, _ in sections)
+    return header, [text for text, _ in sections]
 
 
 def _header(
@@ -58,16 +58,16 @@ def _header(
     header = f"{indent}{' '.join(words)}"
     type_ = interface.return_type if interface is not None else None
     if type_ is None or keyword not in ("FUNCTION", "METHOD"):
-        return f"{header}\n"
+        return header
     text = f"{header} : {write_type(type_, printer.dialect)}"
     part, src = _read_back(printer, f"{text}\nEND_{keyword}", keyword)
     if part is None or part.return_type is None or part.parts or "\n" in text:
-        return f"{header}\n"
+        return header
     fields = read_return_type(src, part.return_type, "")
     if src.diagnostics:
-        return f"{header}\n"
+        return header
     said["interface"]["return_type"] = fields
-    return f"{text}\n"
+    return text
 
 
 def _read_back(printer: Printer, text: str, keyword: str) -> tuple[Part | None, Source]:
@@ -130,6 +130,21 @@ def write_said_section(printer: Printer, section: VariableSection, indent: str) 
         return text, said
     text = f"{indent}VAR\n{indent}END_VAR"
     return text, _said_section(printer, text) or {}
+
+
+def said_listing(printer: Printer, section: VariableSection, meant: Fields) -> tuple[str, Fields] | None:
+    """A list of global variables as it was typed, and what it says; None where that cannot stand in the text."""
+    declaration = section.declaration
+    if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
+        return None
+    text = declaration.rstrip()
+    said = _said_section(printer, text)
+    if said is None or text != text.lstrip():
+        return None
+    said.pop("comment", None)
+    said.pop("carried", None)
+    _keep_as_typed(meant, declaration, text)
+    return text, said
 
 
 def _said_section(printer: Printer, text: str) -> Fields | None:

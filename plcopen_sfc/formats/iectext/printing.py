@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pydantic import BaseModel
 
 from plcopen_sfc.formats.iectext.layout import Block, block, format_comment, indented, taken
 from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
 from plcopen_sfc.formats.iectext.source import OWN_PRAGMA, is_own, unwrapped
+from plcopen_sfc.formats.text import Piece, numbered
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
@@ -24,17 +25,10 @@ _WIDE = 160
 _APART = frozenset({"carried", "drawing", "logic", "settings", "networks"})
 
 
-@dataclass(slots=True)
-class Piece:
-    """The text of an object, made of own text and of the pieces in it. `key` stays when the object is renamed."""
-
-    key: str
-    parts: list[Piece | str]
-
-    @property
-    def text(self) -> str:
-        """The whole text."""
-        return "".join(part if isinstance(part, str) else part.text for part in self.parts)
+def numbered_pieces(pieces: list[Piece]) -> tuple[Piece, ...]:
+    """`pieces` with keys that are unique among them."""
+    keys = numbered([piece.key for piece in pieces])
+    return tuple(replace(piece, key=key) for piece, key in zip(pieces, keys, strict=True))
 
 
 @dataclass(slots=True)

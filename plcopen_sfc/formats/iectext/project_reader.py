@@ -8,8 +8,11 @@ from pydantic import ValidationError
 
 from plcopen_sfc.errors import StructureError
 from plcopen_sfc.formats.iectext.chart_reader import change
-from plcopen_sfc.formats.iectext.outline import POUS, outline
-from plcopen_sfc.formats.iectext.source import Remark, Source
+from plcopen_sfc.formats.iectext.config_reader import read_configuration, read_global_section
+from plcopen_sfc.formats.iectext.declarations_reader import read_types
+from plcopen_sfc.formats.iectext.layout import newlines
+from plcopen_sfc.formats.iectext.outline import POUS, Kind, Part, outline
+from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
 from plcopen_sfc.formats.iectext.unit_reader import read_pou
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, Fields
@@ -25,18 +28,21 @@ def read_project(text: str, file: str | None) -> tuple[Project, Source]:
     for problem in src.outline.problems:
         src.note("IEC101", problem.message, problem.span[0])
     remark = Remark()
+    fields: Fields = {}
     pous: list[Pou] = []
     position = 0
     for part in src.outline.parts:
-        if part.kind in POUS:
-            own = _project_changes(src, position, part.start, remark)
-            pous.append(read_pou(src, part, (own, part.start)))
+        gap = (_project_changes(src, position, part.start, remark), part.start)
         position = part.end
+        if part.kind in POUS:
+            pous.append(read_pou(src, part, gap))
+        else:
+            _read_unit(src, part, gap, fields)
     remark.extend(src.remark(position, len(text)))
-    fields: Fields = {}
+    remark.put_into(fields)
     for found, offset in remark.changes:
         if found.path[0] == "project" and len(found.path) > 1:
-            change(src, fields, (Change(found.path[1:], found.value), offset), "project")
+            change(src, fields, (Change(found.path[1:], found.value, found.instead), offset), "project")
     try:
         project = Project.model_validate(fields | {"pous": pous})
     except ValidationError as error:
@@ -44,6 +50,39 @@ def read_project(text: str, file: str | None) -> tuple[Project, Source]:
         message = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         raise StructureError(message, location=src.location(0)) from error
     return project, src
+
+
+def _read_unit(src: Source, part: Part, gap: tuple[int, int], fields: Fields) -> None:
+    if part.kind is Kind.TYPE:
+        fields.setdefault("data_types", []).extend(_read_types(src, part, gap))
+    elif part.kind is Kind.VAR:
+        fields.setdefault("global_variables", []).extend(read_global_section(src, part, gap, ""))
+    elif part.kind is Kind.CONFIGURATION:
+        found, application = read_configuration(src, part, gap)
+        if application:
+            fields.setdefault("applications", []).extend(found.get("resources", []))
+        else:
+            fields.setdefault("configurations", []).append(found)
+    else:
+        if part.kind is Kind.LOOSE:
+            src.note("IEC107", "this belongs to no unit: PROGRAM, FUNCTION_BLOCK, FUNCTION, TYPE ..", part.start)
+        data = wrapped("unit", newlines(src.text[gap[0] : part.end]).strip())
+        fields.setdefault("carried", {}).setdefault("data", []).append(data)
+
+
+def _read_types(src: Source, part: Part, gap: tuple[int, int]) -> list[Fields]:
+    types = read_types(src, part, gap)
+    remark = src.remark(*gap)
+    for fields in types[:1]:
+        typed = [c for c, _ in remark.changes if c.path == ("declaration_ends",)]
+        if typed:
+            start = src.core(*gap)[0]
+            start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
+            fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
+        for found in remark.changes:
+            if found[0].path != ("declaration_ends",):
+                change(src, fields, found, f"data type {fields.get('name', '')}")
+    return types
 
 
 def _project_changes(src: Source, start: int, end: int, remark: Remark) -> int:

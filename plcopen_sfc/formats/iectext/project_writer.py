@@ -2,30 +2,61 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.iectext.printing import Piece, Printer, comment_lines, pragmas, split
+from plcopen_sfc.formats.iectext.config_writer import write_application, write_configuration, write_global_section
+from plcopen_sfc.formats.iectext.declarations_writer import write_said_type
+from plcopen_sfc.formats.iectext.printing import Printer, numbered_pieces, pragmas, split
 from plcopen_sfc.formats.iectext.unit_writer import write_pou
+from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport, Fate
 
 VERSION = 1
-_UNITS = frozenset({"pous"})
+_UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", "applications"})
 
 
 def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> Piece:
     """The text of a project."""
     printer = Printer(project.dialect, report)
-    meant = plain_fields(project, leave=_UNITS)
     said: Fields = {}
-    found = [Change(("project", *c.path), c.value) for c in changes(said, meant)]
+    found = [Change(("project", *c.path), c.value) for c in changes(said, plain_fields(project, leave=_UNITS))]
     for change in found:
         printer.note(Fate.CARRIED, str(change.path[1]).replace("_", " "), "project", "IEC text cannot say it")
     near, late = split(found)
-    top = pragmas([Change(("format",), VERSION), *near], "")
-    parts: list[Piece | str] = [(comment_lines(meant, said, "") and "") or "", top]
-    for pou in project.pous:
-        parts += ["\n", write_pou(printer, pou)]
+    late += [change for change in near if Append() in change.path]
+    near = [change for change in near if Append() not in change.path]
+    pieces = [Piece(("head", ""), pragmas([Change(("format",), VERSION), *near], "").rstrip("\n"))]
+    names = Counter(one.name.casefold() for one in project.data_types)
+    for declaration in project.data_types:
+        text = _type(printer, declaration, late, unique=names[declaration.name.casefold()] == 1)
+        pieces.append(Piece(("type", declaration.name), text, apart=True))
+    for section in project.global_variables:
+        text = write_global_section(printer, section, "").rstrip("\n")
+        pieces.append(Piece(("global variables", section.name or ""), text, apart=True))
+    pieces += [write_pou(printer, pou) for pou in project.pous]
+    for configuration in project.configurations:
+        text = write_configuration(printer, configuration)
+        pieces.append(Piece(("configuration", configuration.name), text, apart=True))
+    for application in project.applications:
+        text = write_application(printer, application)
+        pieces.append(Piece(("configuration", application.name), text, apart=True))
     if late:
-        parts.append("\n" + pragmas(late, ""))
-    return Piece("project", parts)
+        pieces.append(Piece(("late", ""), pragmas(late, "").rstrip("\n"), apart=True))
+    return Piece(("project", ""), pieces=numbered_pieces(pieces))
+
+
+def _type(printer: Printer, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:
+    text, said, meant = write_said_type(printer, declaration)
+    printer.note(Fate.KEPT, "data type", f"data type {declaration.name}")
+    near, far = split(changes(said, meant))
+    if unique:
+        place = ("project", "data_types", Named(declaration.name))
+        late += [Change((*place, *change.path), change.value, change.instead) for change in far]
+    else:
+        near += far
+    return pragmas(near, "") + text

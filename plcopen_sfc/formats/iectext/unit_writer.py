@@ -10,15 +10,16 @@ from plcopen_sfc.formats.iectext.declarations_writer import write_interface
 from plcopen_sfc.formats.iectext.layout import INDENT, Block, indented
 from plcopen_sfc.formats.iectext.outline import KEYWORDS
 from plcopen_sfc.formats.iectext.printing import (
-    Piece,
     Printer,
     comment_lines,
     foreign_pragmas,
     is_text_body,
     label,
+    numbered_pieces,
     pragmas,
     split,
 )
+from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, SfcBody
@@ -80,7 +81,6 @@ class _Unit:
         self.alone = True
         self.late: list[Change] = []
         self.in_place: list[tuple[str, Body]] = []
-        self.parts: list[Piece | str] = []
 
     def piece(self, extra: list[Change] | None = None) -> Piece:
         """The text of the container; `extra` is more to say of it."""
@@ -93,8 +93,10 @@ class _Unit:
         top = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
         bodies = thing.bodies if isinstance(thing, Pou) else [thing.body] if thing.body is not None else []
         interface = getattr(thing, "interface", None)
-        declared = write_interface(self.printer, self.keyword, name, interface, self.indent, meant=meant, said=said)
-        self.alone = declared.count("\n") == 1
+        head, sections = write_interface(
+            self.printer, self.keyword, name, interface, self.indent, meant=meant, said=said
+        )
+        self.alone = "\n" not in head and not sections
         body = self._body(bodies[0] if bodies else None, meant, said)
         if len(bodies) > 1:
             meant["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
@@ -104,20 +106,17 @@ class _Unit:
                 self.printer.note(Fate.CARRIED, label(change), self.path, "IEC text cannot say it")
         late += self.late
         top += pragmas(near, self.indent)
-        parts: list[Piece | str] = [top + declared]
-        parts += [part for method in getattr(thing, "methods", []) for part in ("\n", self._inner("METHOD", method))]
-        if body:
-            parts += body
-        for other, part_body in self.in_place:
-            parts += ["\n", write_in_place(self, other, part_body)]
-        for transition in getattr(thing, "transitions", []):
-            parts += ["\n", self._inner("TRANSITION", transition)]
-        for action in getattr(thing, "actions", []):
-            parts += ["\n", self._inner("ACTION", action)]
+        pieces = [Piece(("head", ""), (top + head).rstrip("\n"))]
+        pieces += [Piece(("section", ""), text) for text in sections]
+        pieces += [self._inner("METHOD", method) for method in getattr(thing, "methods", [])]
+        pieces += body
+        pieces += [write_in_place(self, other, part_body) for other, part_body in self.in_place]
+        pieces += [self._inner("TRANSITION", transition) for transition in getattr(thing, "transitions", [])]
+        pieces += [self._inner("ACTION", action) for action in getattr(thing, "actions", [])]
         if late:
-            parts.append("\n" + pragmas(late, self.inner))
-        parts.append(f"{self.indent}END_{self.keyword}\n")
-        return Piece(f"{self.keyword} {thing.name}", parts)
+            pieces.append(Piece(("late", ""), pragmas(late, self.inner).rstrip("\n"), apart=True))
+        pieces.append(Piece(("end", ""), f"{self.indent}END_{self.keyword}"))
+        return Piece((self.keyword.lower(), thing.name), pieces=numbered_pieces(pieces), apart=True)
 
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> Piece:
         path = f"{self.path} / {keyword.lower()} {thing.name}"
@@ -133,7 +132,7 @@ class _Unit:
 
     # -- bodies -------------------------------------------------------------------------------------------------------
 
-    def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[Piece | str]:
+    def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[Piece]:
         """The lines of the main body; what it says goes into `said`, what is meant into `meant`."""
         said["body"] = {"language": "ST"}
         if body is None:
@@ -151,7 +150,7 @@ class _Unit:
         meant["body"] = plain_fields(body)
         return []
 
-    def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece | str]:
+    def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
         said["body"] = body_fields(lines.text, tokens)
         meant["body"] = _without_text(meant["body"]) | ({"text": lines.text} if lines.text else {})
@@ -161,12 +160,11 @@ class _Unit:
             return []
         if self.keyword == "TRANSITION":
             if said["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
-                return [f"{self.inner}:= {lines.text};\n"]
-            return [f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}\n"]
-        blank = "" if self.alone else "\n"
-        return [f"{blank}{indented(lines.text, self.inner)}\n"]
+                return [Piece(("body", ""), f"{self.inner}:= {lines.text};")]
+            return [Piece(("body", ""), f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}")]
+        return [Piece(("body", ""), indented(lines.text, self.inner), apart=not self.alone)]
 
-    def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[Piece | str]:
+    def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[Piece]:
         chart = body.chart
         rest = frozenset({"steps", "transitions"})
         meant["chart"] = plain_fields(chart, self._lift, rest)
@@ -176,14 +174,12 @@ class _Unit:
         said["body"] = {"language": "SFC"}
         said["chart"] = {}
         writer = ChartWriter(self.printer, chart, self.path, self.named, self._action_in_place, self.inner)
-        parts: list[Piece | str] = []
-        for key, text in writer.pieces():
-            parts += ["\n", Piece(key, [text])]
+        pieces = [Piece(key, text.rstrip("\n"), apart=True) for key, text in writer.pieces()]
         self.late += writer.late
-        return parts
+        return pieces
 
     def _action_in_place(self, name: str, body: Body, indent: str) -> str:
-        return write_in_place(self, name, body, indent).text
+        return write_in_place(self, name, body, indent).whole() + "\n"
 
 
 def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None) -> Piece:
