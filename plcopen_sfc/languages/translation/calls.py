@@ -199,7 +199,14 @@ class CallTranslator:
     # -- arguments ----------------------------------------------------------------------------------------------------
 
     def _arguments(self, arguments: tuple[Argument, ...], block: StandardBlock | None) -> tuple[Argument, ...]:
-        found = [self._argument(argument, block) for argument in arguments if not self._says_nothing(argument)]
+        found = []
+        for argument in arguments:
+            if self._says_nothing(argument):
+                self._notes.add(
+                    Severity.INFO, "a parameter without a value was left out: it keeps what it has", argument
+                )
+            else:
+                found.append(self._argument(argument, block))
         same = len(found) == len(arguments) and all(a is b for a, b in zip(found, arguments, strict=True))
         return arguments if same else tuple(found)
 

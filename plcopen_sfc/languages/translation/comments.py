@@ -16,6 +16,7 @@ from plcopen_sfc.languages.translation.notes import Outcome
 
 _CARRIED = re.compile(r"\(\*pragma (\{[^}]*\})\*\)")
 _REGION = re.compile(r"""\{\s*region\s*(?:\(?\s*(?:'([^\r\n]*)'|"([^\r\n]*)")\s*\)?\s*)?\}""", re.IGNORECASE)
+_END_OF_REGION = re.compile(r"END_REGION", re.IGNORECASE)
 _END_REGION = re.compile(r"\{\s*endregion\s*\}", re.IGNORECASE)
 
 
@@ -79,7 +80,7 @@ def region_edits(text: str, tree: Node) -> list[Edit]:
         if isinstance(node, n.Region) and node.span is not None:
             start, end = node.span
             title_end = min((text.find(mark, start, end) for mark in "\r\n" if mark in text[start:end]), default=end)
-            last = text.upper().rindex("END_REGION", start, end)
+            last = max(found.start() for found in _END_OF_REGION.finditer(text, start, end))
             edits.append(Edit(start, title_end, f"{{region '{_escaped(node.title)}'}}"))
             edits.append(Edit(last, end, "{endregion}" + text[last + len("END_REGION") : end].replace(";", "")))
     return edits

@@ -100,7 +100,6 @@ def test_functions_that_differ(
         ("c.RESET := a;", CODESYS, IEC, "c.R := a;"),
         ("many[3](CU := a, RESET := b);", CODESYS, SCL, "#many[3](CU := #a, R := #b);"),
         ("st.c(CU := a, RESET := b);", CODESYS, SCL, "#st.c(CU := #a, R := #b);"),
-        ("t(IN := , PT := T#1s, Q => );", CODESYS, IEC, "t(PT := T#1s);"),
         ("prog(In := a, Out => b);", CODESYS, SCL, '"prog"(In := #a, Out => #b);'),
     ],
 )
@@ -128,6 +127,7 @@ def test_instances(text: str, source: Dialect, target: Dialect, expected: str) -
         ("s(S1 := a, R := b);", IEC, SCL, "#s(S1 := #a, R := #b);", (ERROR, "no function block SR")),
         ("s(S1 := a, Foo := b);", IEC, CODESYS, "s(SET1 := a, Foo := b);", (ERROR, "no parameter Foo")),
         ("x(EN := a, ENO => b);", IEC, CODESYS, "x(EN := a, ENO => b);", (ERROR, "no EN")),
+        ("x(IN := , PT := T#1s);", CODESYS, IEC, "x(PT := T#1s);", (INFO, "keeps what it has")),
         ("x(NOT Q => b);", IEC, SCL, "#x(NOT Q => #b);", (ERROR, "no negated outputs")),
     ],
 )

@@ -92,3 +92,7 @@ def test_comments_inside_of_what_changes_are_translated() -> None:
     found = translated("y := a /* x */ ** b;", IEC, CODESYS)
     assert found.text.count("(* x *)") == 1
     assert "/*" not in found.text
+
+
+def test_regions_behind_letters_that_grow_in_capitals() -> None:
+    assert translated("REGION ßß\n; End_Region", SCL, IEC).text == "{region 'ßß'}\n; {endregion}"
