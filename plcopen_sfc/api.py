@@ -12,7 +12,7 @@ from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
-from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, WriteOptions
+from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, TextCodec, WriteOptions
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
 from plcopen_sfc.model.body import FINGERPRINT, SfcBody
 from plcopen_sfc.model.compare import differences
@@ -128,6 +128,8 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
             return origin.content, report
         if not fresh and kind.xml:
             return _patched(project, origin, kind, report), report
+        if not fresh and kind.text:
+            return _patched_text(project, origin, kind, report), report
     same = origin is not None and origin.format == kind.name and origin.version == version and not flavour
     options = WriteOptions(version, flavour, same=same)
     prepared = _prepared(project, kind, options, report)
@@ -214,7 +216,9 @@ def _text_of(content: bytes, kind: Format) -> str:
         from plcopen_sfc.formats.xml.source import decode  # noqa: PLC0415
 
         return decode(content)[0]
-    return content.decode("utf-8-sig", "replace")
+    from plcopen_sfc.formats.text import decode as decode_text  # noqa: PLC0415
+
+    return decode_text(content).text
 
 
 def _note_limits(project: Project, report: ConversionReport) -> None:
@@ -259,4 +263,25 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
         options = WriteOptions(origin.version, same=True, baseline=before)
         prepare(project, style, positions=kind.positions)
         data = codec.write(project, options, report)
+    return data
+
+
+def _patched_text(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:
+    """The text that was read with the edits in it."""
+    from plcopen_sfc.formats.text import patch  # noqa: PLC0415  # only to save edits
+
+    codec: TextCodec = kind.codec()
+    before = codec.read(origin.content).project
+    options = WriteOptions(origin.version, same=True, baseline=before)
+    source, slices = codec.slices(origin.content)
+    after = codec.to_pieces(project, options, report)
+    data, recoded = source.encode(patch(source, slices, codec.to_pieces(before, options, ConversionReport()), after))
+    if recoded:
+        why = f"{source.encoding} does not have all of its characters; the file is in UTF-8 now"
+        report.add(Fate.TRANSLATED, "encoding", origin.path or "", why)
+    if next(differences(project, codec.read(data).project), None) is not None:
+        # rather a large diff than a lost edit
+        report.add(Fate.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
+        data = codec.write(project, options, ConversionReport())
+        _verify(project, kind, data, report)
     return data

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from lxml import etree
 
     from plcopen_sfc.diagnostics import Diagnostic
+    from plcopen_sfc.formats.text import Piece, Slice, SourceText
     from plcopen_sfc.formats.xml.writing import XmlStyle
     from plcopen_sfc.model.project import Project
     from plcopen_sfc.report import ConversionReport
@@ -61,6 +62,16 @@ class Codec(Protocol):
         """Write a file anew."""
 
 
+class TextCodec(Codec, Protocol):
+    """The module of a text format, whose files can be patched: see `formats.text`."""
+
+    def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+        """The text of a project, object by object."""
+
+    def slices(self, content: bytes) -> tuple[SourceText, Slice]:
+        """The text of a file, and where the objects stand in it."""
+
+
 class XmlCodec(Codec, Protocol):
     """The module of an XML format, whose files can be patched."""
 
@@ -80,7 +91,8 @@ class Format:
 
     `module` is imported when the format is used. `recognises` looks at the start of a file (see
     `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
-    is that of the structured text in its files; None: a file may hold any and says which.
+    is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`: the module is
+    an `XmlCodec`, a `TextCodec`.
     """
 
     name: str
@@ -92,6 +104,7 @@ class Format:
     versions: tuple[str, ...] = field(default=())
     flavours: tuple[str, ...] = field(default=())
     xml: bool = False
+    text: bool = False
     drawing: DrawingNeed = DrawingNeed.NONE
     positions: bool = False
     dialect: Dialect | None = None

@@ -55,6 +55,19 @@ def _is_iec_text(head: Head) -> bool:
     return _TEXT_UNIT.match(head.text) is not None and _TEXT_PART.search(head.text) is not None
 
 
+_SCL_UNIT = re.compile(
+    r"(?:ORGANIZATION_BLOCK|DATA_BLOCK|(?:FUNCTION_BLOCK|FUNCTION|TYPE)\s+(?:\"|(?:FB|FC|UDT)\d+\b))", re.IGNORECASE
+)
+_BEFORE_UNITS = re.compile(r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\(/\*.*?\*/\)|/\*.*?\*/)\s*+)*+", re.DOTALL)
+_OWN_SCL = "// {plcopen_sfc "
+
+
+def _is_scl(head: Head) -> bool:
+    start = _BEFORE_UNITS.match(head.text)
+    position = start.end() if start is not None else 0
+    return _SCL_UNIT.match(head.text, position) is not None or head.text.startswith(_OWN_SCL)
+
+
 FORMATS: tuple[Format, ...] = (
     Format(
         name="codesys",
@@ -105,6 +118,16 @@ FORMATS: tuple[Format, ...] = (
         extensions=(".json",),
         recognises=_is_native,
         capabilities=("everything",),
+    ),
+    Format(
+        name="scl",
+        title="external sources of TIA Portal and STEP 7 in SCL",
+        module="plcopen_sfc.formats.scl.codec",
+        extensions=(".scl",),
+        recognises=_is_scl,
+        capabilities=("declarations", "program text", "the rest in comments"),
+        text=True,
+        dialect=Dialect.SCL,
     ),
     Format(
         name="iec-text",

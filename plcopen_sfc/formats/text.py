@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from typing import NamedTuple, TypeAlias
@@ -146,7 +146,7 @@ class _Patch:
             olds = [old_pieces[key] for key in inner.keys]
             news = [new_of[key] for key in inner.keys if key in new_of]
             if not news:
-                edits.append(self._removed(inner))
+                edits.append(self._removed(inner, apart=olds[0].apart))
             elif len(olds) == 1:
                 edits += self.edits(inner, olds[0], news[0])
             elif olds != news:
@@ -171,13 +171,11 @@ class _Patch:
             text = self._laid_out(new, start)
         return Edit(start, end, self._with_newlines(text))
 
-    def _removed(self, slice_: Slice) -> Edit:
+    def _removed(self, slice_: Slice, *, apart: bool) -> Edit:
         start, end = slice_.span
         line = self._line_start(start)
-        if line is None:
-            return Edit(start, end, "")
-        rest = re.compile(r"[ \t]*(?:\r\n|\r|\n|$)").match(self._text, end)
-        return Edit(line, rest.end(), "") if rest is not None else Edit(start, end, "")
+        rest = re.compile(rf"{_REST_OF_LINE}(?:{_REST_OF_LINE})?" if apart else _REST_OF_LINE).match(self._text, end)
+        return Edit(start, end, "") if line is None or rest is None else Edit(line, rest.end(), "")
 
     def _inserted(self, slices: Sequence[Slice], number: int, pieces: list[Piece]) -> Edit:
         behind = slices[number]
@@ -223,19 +221,36 @@ class _Patch:
         return re.sub(r"\r\n|\r|\n", self._newline, text)
 
 
+_REST_OF_LINE = r"[ \t]*(?:\r\n|\r|\n|\Z)"
 _LONG = 200
 """Texts of more lines are not merged word by word, which takes the square of their length."""
 
 
 def _pairs(before: Sequence[Piece], after: Sequence[Piece]) -> Iterator[tuple[Piece | None, Piece | None]]:
-    """Which old piece became which new one; None where it is removed or added."""
-    matcher = SequenceMatcher(a=[p.key for p in before], b=[p.key for p in after], autojunk=False)
-    for _, low, high, new_low, new_high in matcher.get_opcodes():
-        old, new = list(before[low:high]), list(after[new_low:new_high])
-        while old and new and old[0].key[0] == new[0].key[0]:  # of the same kind: it was renamed
-            yield old.pop(0), new.pop(0)
-        yield from ((piece, None) for piece in old)
-        yield from ((None, piece) for piece in new)
+    """Which old piece became which new one; None where it is removed or added.
+
+    First those that say the same, then those of the same key, then those of the same kind at the same place: renamed.
+    """
+    for old, new in _runs(before, after, [p.whole() for p in before], [p.whole() for p in after]):
+        for olds, news in _runs(old, new, [p.key for p in old], [p.key for p in new]):
+            left, right = list(olds), list(news)
+            while left and right and left[0].key[0] == right[0].key[0]:
+                yield left.pop(0), right.pop(0)
+            yield from ((piece, None) for piece in left)
+            yield from ((None, piece) for piece in right)
+
+
+def _runs(
+    before: Sequence[Piece], after: Sequence[Piece], old_marks: Sequence[Hashable], new_marks: Sequence[Hashable]
+) -> Iterator[tuple[Sequence[Piece], Sequence[Piece]]]:
+    """Pieces that belong to each other: one by one where their marks are equal, else in runs."""
+    matcher = SequenceMatcher(a=old_marks, b=new_marks, autojunk=False)
+    for operation, low, high, new_low, new_high in matcher.get_opcodes():
+        if operation == "equal":
+            for offset in range(high - low):
+                yield before[low + offset : low + offset + 1], after[new_low + offset : new_low + offset + 1]
+        else:
+            yield before[low:high], after[new_low:new_high]
 
 
 def _joined(edits: list[Edit]) -> list[Edit]:
@@ -250,7 +265,7 @@ def _joined(edits: list[Edit]) -> list[Edit]:
     return joined
 
 
-_WORDS = re.compile(r"\w+|[^\w\s]")
+_WORDS = re.compile(r"\w+|'[^'\r\n]*'|:=|=>|\.\.|[^\w\s]")
 
 
 def _merged(source: str, old: str, new: str) -> str | None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from plcopen_sfc.languages.declarations.attributes import read_attributes
 from plcopen_sfc.languages.declarations.comments import Comments, pragmas, said
 from plcopen_sfc.languages.declarations.kept import keep
 from plcopen_sfc.languages.declarations.names import ELEMENTARY, SECTIONS, UNSIGNED, bare_name, is_quoted_in_scl
@@ -13,7 +14,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.languages.st.nodes import Node, Span
 from plcopen_sfc.languages.st.parsing import Parsed, parse_declarations
 from plcopen_sfc.model import types as t
@@ -33,8 +34,8 @@ from plcopen_sfc.model.variables import (
 class Head:
     """The head of a POU: its keyword in capitals, and what the model has for it.
 
-    `qualifiers`, `extends` and `implements` are as written; `comment` stands before it, `properties` and `attributes`
-    belong to SCL.
+    `extends` and `implements` are as written. `comment`, at `comment_span`, stands before it; in SCL also between it
+    and the sections, where TIA Portal has it. `attributes` are what stands there in braces, `properties` belong to SCL.
     """
 
     keyword: str
@@ -45,6 +46,7 @@ class Head:
     implements: tuple[str, ...]
     properties: tuple[d.Property, ...]
     comment: str | None
+    comment_span: Span | None
     attributes: str
 
 
@@ -52,7 +54,8 @@ class Head:
 class Found:
     """What stands at `span`: `thing` is of the model, a `Head`, or None for an end or a text that does not parse.
 
-    The names of one declaration (``a, b : INT``) are parts with the same span.
+    The comments of a variable, type or section are in its span. The names of one declaration (``a, b : INT``) are parts
+    with the same span.
     """
 
     thing: Any
@@ -110,10 +113,11 @@ class _Reader:
         self._comments = Comments(parsed.text, parsed.comments)
 
     def items(self) -> Iterator[Found]:
-        for node in self._tree.items:
+        starts = [_span(node)[0] for node in self._tree.items]
+        for node, following in zip(self._tree.items, [*starts[1:], len(self._text)], strict=True):
             match node:
                 case d.PouHead():
-                    yield self._head(node)
+                    yield self._head(node, following)
                 case d.Section():
                     yield self._section(node)
                 case d.StructBody(type=struct):
@@ -152,10 +156,10 @@ class _Reader:
 
     # -- heads
 
-    def _head(self, node: d.PouHead) -> Found:
+    def _head(self, node: d.PouHead, following: int) -> Found:
         start, end = _span(node)
         before = self._comments.take(0, start)
-        inside = self._comments.take(start, end)
+        behind = self._comments.take(start, following if self._scl else end)
         type_ = self._type(node.type) if node.type is not None else None
         head = Head(
             node.keyword,
@@ -165,10 +169,12 @@ class _Reader:
             tuple(map(self._slice, node.extends)),
             tuple(map(self._slice, node.implements)),
             node.properties,
-            said([*before, *inside]),
-            pragmas([*before, *inside]),
+            said([*before, *behind]),
+            _comment_span(before) or _comment_span(behind),
+            pragmas([*before, *behind]),
         )
-        return Found(head, node, _span(node))
+        braces = [comment.span for comment in behind if comment.kind is CommentKind.PRAGMA]
+        return Found(head, node, (start, max([end, *(stop for _, stop in braces)])))
 
     def _name(self, node: n.Expression) -> str:
         return bare_name(self._slice(node))
@@ -192,7 +198,7 @@ class _Reader:
             carried=keep(texts),
             **{_FLAGS[word]: True for word in node.qualifiers if word in _FLAGS},
         )
-        return Found(section, node, (start, end), parts)
+        return Found(section, node, _with_comments((start, end), before), parts)
 
     def _struct_body(self, node: d.StructBody, struct: d.StructType) -> Found:
         start, end = _span(node)
@@ -202,7 +208,7 @@ class _Reader:
         texts = {"keyword": "STRUCT"} | self._braces([*before, *rest]) | _unreadable(parts)
         variables = [part.thing for part in parts if part.thing is not None]
         section = VariableSection(variables=variables, comment=said([*before, *rest]), carried=keep(texts))
-        return Found(section, node, (start, end), parts)
+        return Found(section, node, _with_comments((start, end), before), parts)
 
     def _variable(self, node: d.VariableDeclaration) -> Iterator[Found]:
         before = self._comments.take(0, _span(node.type)[0])
@@ -210,6 +216,10 @@ class _Reader:
         initial = self._value(node.initial) if node.initial is not None else None
         around = [*before, *self._around(node)]
         texts = self._braces(around) | _named("edge", node.edge)
+        attributes = read_attributes(texts.get("attributes", ""))
+        if attributes:
+            del texts["attributes"]
+        span = _with_comments(_span(node), around)
         for name in [name.identifier for name in node.names] or [""]:
             variable = t.Variable(
                 name=name,
@@ -217,9 +227,10 @@ class _Reader:
                 address=bare_name(self._slice(node.address)) if node.address is not None else None,
                 initial=initial.model_copy(deep=True) if initial is not None else None,
                 comment=said(around),
+                attributes=dict(attributes or {}),
                 carried=keep(texts),
             )
-            yield Found(variable, node, _span(node))
+            yield Found(variable, node, span)
 
     def _access(self, node: d.AccessSection) -> Found:
         start, end = _span(node)
@@ -276,7 +287,7 @@ class _Reader:
             comment=said(around),
             carried=keep(texts),
         )
-        yield Found(declaration, node, _span(node))
+        yield Found(declaration, node, _with_comments(_span(node), around))
 
     def _type(self, node: d.TypeNode) -> t.DataType:
         match node:
@@ -355,6 +366,17 @@ _DIRECTIONS = {"READ_ONLY": AccessDirection.READ_ONLY, "READ_WRITE": AccessDirec
 def _span(node: Node) -> Span:
     assert node.span is not None, "a node that was parsed has a place"  # noqa: S101  # says so to the type checker
     return node.span
+
+
+def _with_comments(span: Span, comments: Sequence[Comment]) -> Span:
+    starts = [comment.span[0] for comment in comments]
+    ends = [comment.span[1] for comment in comments]
+    return (min([span[0], *starts]), max([span[1], *ends]))
+
+
+def _comment_span(comments: Sequence[Comment]) -> Span | None:
+    spans = [comment.span for comment in comments if comment.kind is not CommentKind.PRAGMA]
+    return (spans[0][0], spans[-1][1]) if spans else None
 
 
 def _is_void(type_: t.DataType | None) -> bool:

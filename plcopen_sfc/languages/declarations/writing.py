@@ -6,6 +6,7 @@ lose it reads the text back and compares.
 
 from __future__ import annotations
 
+from plcopen_sfc.languages.declarations.attributes import write_attributes
 from plcopen_sfc.languages.declarations.comments import comment_lines
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.declarations.names import (
@@ -20,6 +21,12 @@ from plcopen_sfc.languages.st.printing import INDENT
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.model.variables import AccessDirection, AccessSection, ConfigSection, Interface, VariableSection
+
+
+def indent_of(dialect: Dialect) -> str:
+    """What a level of declarations is indented by: TIA Portal takes three spaces."""
+    return "   " if dialect is Dialect.SCL else INDENT
+
 
 # -- types
 
@@ -95,7 +102,7 @@ def _enum_value(value: t.EnumValue, dialect: Dialect) -> str:
 def _struct(type_: t.StructType, dialect: Dialect, indent: str) -> str:
     texts = kept(type_.carried)
     word = "UNION" if "union" in texts else "Struct" if dialect is Dialect.SCL else "STRUCT"
-    deeper = indent + INDENT
+    deeper = indent + indent_of(dialect)
     lines = [write_variable(member, dialect, deeper) for member in type_.members]
     lines += _kept_lines(texts, deeper)
     lines += [deeper + line for line in _comment(type_.comment, dialect)]
@@ -142,7 +149,7 @@ def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent:
     """The lines of a variable: a short comment stands behind it, a longer one before it."""
     texts = kept(variable.carried)
     scl = dialect is Dialect.SCL
-    attributes = f" {texts['attributes']}" if scl and "attributes" in texts else ""
+    attributes = _attributes(variable, texts) if scl else ""
     name = written_name(variable.name, dialect) if variable.name or variable.address is None else ""
     address = f" AT {_address(variable.address, dialect)}" if variable.address is not None else ""
     edge = f" {texts['edge']}" if "edge" in texts else ""
@@ -150,6 +157,11 @@ def write_variable(variable: t.Variable, dialect: Dialect = Dialect.IEC, indent:
     text = f"{name}{attributes}{address} : {write_type(variable.type, dialect, indent)}{edge}".lstrip()
     text += f" := {initial};" if initial else ";"
     return _with_comment(variable.comment, text, dialect, indent, [] if scl else _pragmas(texts, dialect))
+
+
+def _attributes(variable: t.Variable, texts: dict[str, str]) -> str:
+    written = [write_attributes(variable.attributes)] if variable.attributes else []
+    return "".join(f" {text}" for text in [*written, *texts.get("attributes", "").splitlines()])
 
 
 def _address(address: str, dialect: Dialect) -> str:
@@ -177,7 +189,7 @@ def _comment(comment: Text | None, dialect: Dialect) -> list[str]:
 
 def write_section(section: VariableSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
     """``VAR .. END_VAR`` with a comment before it."""
-    deeper = indent + INDENT
+    deeper = indent + indent_of(dialect)
     lines = [indent + line for line in section_head(section, dialect)]
     lines += [write_variable(variable, dialect, deeper) for variable in section.variables]
     return "\n".join([*lines, *section_rest(section, deeper), f"{indent}END_VAR"])
@@ -211,7 +223,7 @@ def write_interface(interface: Interface, dialect: Dialect = Dialect.IEC, indent
 
 def write_access_section(section: AccessSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
     """``VAR_ACCESS .. END_VAR``."""
-    deeper = indent + INDENT
+    deeper = indent + indent_of(dialect)
     lines = [f"{indent}VAR_ACCESS"]
     for variable in section.variables:
         direction = f" {_DIRECTIONS[variable.direction]}" if variable.direction is not None else ""
@@ -225,7 +237,7 @@ _DIRECTIONS = {AccessDirection.READ_ONLY: "READ_ONLY", AccessDirection.READ_WRIT
 
 def write_config_section(section: ConfigSection, dialect: Dialect = Dialect.IEC, indent: str = "") -> str:
     """``VAR_CONFIG .. END_VAR``."""
-    deeper = indent + INDENT
+    deeper = indent + indent_of(dialect)
     lines = [f"{indent}VAR_CONFIG"]
     for variable in section.variables:
         address = f" AT {variable.address}" if variable.address is not None else ""
@@ -249,14 +261,14 @@ def write_data_type(declaration: t.DataTypeDeclaration, dialect: Dialect = Diale
     extends = f" EXTENDS {texts['extends']}" if "extends" in texts else ""
     initial = write_value(declaration.initial, dialect) if declaration.initial is not None else ""
     value = f" := {initial}" if initial else ""
-    deeper = indent + INDENT
+    deeper = indent + indent_of(dialect)
     text = f"{deeper}{written_name(declaration.name, dialect)}{extends} : "
     text += f"{write_type(declaration.type, dialect, deeper)}{value};"
     return "\n".join([*lines, f"{indent}TYPE", text, f"{indent}END_TYPE"])
 
 
 def _scl_type(declaration: t.DataTypeDeclaration, texts: dict[str, str], indent: str) -> list[str]:
-    deeper = indent + INDENT
+    deeper = indent + indent_of(Dialect.SCL)
     head = [f'{indent}TYPE "{declaration.name}"', *_pragmas(texts, Dialect.SCL)]
     head += [indent + line for line in texts.get("properties", "").splitlines()]
     return [*head, f"{deeper}{write_type(declaration.type, Dialect.SCL, deeper)};", f"{indent}END_TYPE"]

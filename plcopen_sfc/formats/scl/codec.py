@@ -1,0 +1,33 @@
+"""External source files in SCL: read, write, and put edits into the text."""
+
+from __future__ import annotations
+
+from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.scl.reader import read_source
+from plcopen_sfc.formats.scl.writer import write_pieces
+from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport
+
+
+def read(data: bytes, *, file: str | None = None) -> Reading:
+    """Read a source. What does not parse is kept and reported."""
+    found = read_source(decode(data), file)
+    return Reading(found.project, found.diagnostics)
+
+
+def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+    """Write a source anew: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
+    text = to_pieces(project, options, report).whole() + "\n"
+    return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
+
+
+def to_pieces(project: Project, _options: WriteOptions, report: ConversionReport) -> Piece:
+    """The text of a project, in the pieces that an edit replaces."""
+    return write_pieces(project, report)
+
+
+def slices(content: bytes) -> tuple[SourceText, Slice]:
+    """Where the objects of a source stand in its text."""
+    source = decode(content)
+    return source, read_source(source).slices
