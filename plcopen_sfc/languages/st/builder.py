@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from lark.visitors import Transformer
@@ -61,7 +62,7 @@ class _Labels:
         self.span = span
 
 
-def over(items: Items) -> Span:
+def over(items: Sequence[Any]) -> Span:
     """From the start of the first item to the end of the last."""
     return (items[0].span[0], items[-1].span[1])
 
@@ -121,25 +122,29 @@ class Builder(Transformer[Token, Any]):
             operator = _OPERATORS[token.value.upper()]
             strength = PRECEDENCE[operator]
             while waiting and PRECEDENCE[waiting[-1]] >= strength:
-                self._join(operands, waiting.pop())
+                if waiting[-1] is operator and operator in ASSOCIATIVE:
+                    break  # one more in the row
+                self._join(operands, waiting)
             operands.append(operand)
             waiting.append(operator)
         while waiting:
-            self._join(operands, waiting.pop())
+            self._join(operands, waiting)
         return operands[0]
 
-    def _join(self, operands: list[Expression], operator: Operator) -> None:
-        right = operands.pop()
-        left = operands.pop()
-        span = over([left, right])
-        joined: Expression
-        if self._signs_below_power and operator is Operator.POWER and isinstance(left, n.Unary):
-            joined = _power_of_signed(left, right, span)
-        elif operator in ASSOCIATIVE and isinstance(left, n.Operation) and left.operator is operator:
-            joined = n.Operation(operator, (*left.operands, right), span=span)
+    def _join(self, operands: list[Expression], waiting: list[Operator]) -> None:
+        """Join the last operands by the last operator, all of a row at once."""
+        operator = waiting.pop()
+        count = 2
+        while waiting and waiting[-1] is operator:
+            waiting.pop()
+            count += 1
+        members = tuple(operands[-count:])
+        del operands[-count:]
+        span = over(members)
+        if self._signs_below_power and operator is Operator.POWER and isinstance(members[0], n.Unary):
+            operands.append(_power_of_signed(members[0], members[1], span))
         else:
-            joined = n.Operation(operator, (left, right), span=span)
-        operands.append(joined)
+            operands.append(n.Operation(operator, members, span=span))
 
     def literal(self, items: Items) -> Any:
         token: Token = items[0]

@@ -52,6 +52,9 @@ class Tokens:
     problems: list[Problem]
 
 
+MAX_PROBLEMS = 50
+"""So many wrong tokens of one text are told, and so many wrong statements; the rest is kept unread."""
+
 STATEMENT_KEYWORDS = frozenset(
     """IF THEN ELSIF ELSE END_IF CASE OF END_CASE FOR TO BY DO END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT
     EXIT CONTINUE RETURN NOT""".split()
@@ -96,9 +99,9 @@ def _pattern(dialect: Dialect) -> re.Pattern[str]:
     scl = dialect is Dialect.SCL
     codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
     groups = [
-        # 1 COMMENT, 2 the start of a block comment, whose end the lexer looks for because comments nest
-        r"(//[^\r\n]*|/\*[\s\S]*?\*/|\(/\*[\s\S]*?\*/\)|\{[^}]*\})",
-        r"(\(\*)",
+        # 1 COMMENT to the end of the line, 2 the start of a block, whose end `_Blocks` finds
+        r"(//[^\r\n]*)",
+        r"(\(\*|/\*|\(/\*|\{)",
         # 3 LITERAL
         r"((?i:(?:L?TIME|L?T|S5T|S5TIME)\#[-+]?(?:\w|\.(?=\d))+"
         r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d_-]|[:.](?=\d))*)"
@@ -154,6 +157,7 @@ def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str]
     match = _compiled(dialect).match
     position, end = 0, len(text)
     previous = ""
+    blocks = _Blocks(text)
     while position < end:
         found = match(text, position)
         if found is None:  # spaces at the end
@@ -182,14 +186,16 @@ def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str]
         elif group == _NAME:
             kind = "NAME"
         elif group == _COMMENT:
-            comments.append(Comment(_comment_kind(value), value, (start, position)))
+            comments.append(Comment(CommentKind.LINE, value, (start, position)))
             continue
         elif group == _BLOCK:
-            position = _comment_end(text, start)
+            position = blocks.end(value, start)
+            block = CommentKind.PRAGMA if value == "{" else CommentKind.BLOCK
             if position < 0:
-                problems.append(Problem("this comment has no end: *) is missing", (start, end)))
+                what = "pragma" if value == "{" else "comment"
+                problems.append(Problem(f"this {what} has no end: {_BLOCK_ENDS[value]} is missing", (start, end)))
                 position = end
-            comments.append(Comment(CommentKind.BLOCK, text[start:position], (start, position)))
+            comments.append(Comment(block, text[start:position], (start, position)))
             continue
         elif group == _ADDRESS:
             kind = "ADDRESS"
@@ -200,11 +206,13 @@ def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str]
                 append(Token("NAME", value[:-1], (start, position - 1)))
                 kind, value, start = "OPERATOR", "=", position - 1
         elif group == _OPEN_QUOTE:
-            problems.append(Problem("this string has no end on its line", (start, position)))
             kind = "BAD"
+            if len(problems) < MAX_PROBLEMS:
+                problems.append(Problem("this string has no end on its line", (start, position)))
         else:
-            problems.append(Problem(f"{_shown(value)} cannot stand here", (start, position)))
             kind = "BAD"
+            if len(problems) < MAX_PROBLEMS:
+                problems.append(Problem(f"{_shown(value)} cannot stand here", (start, position)))
         append(Token(kind, value, (start, position)))
         previous = kind
     return Tokens(tokens, comments, problems)
@@ -219,28 +227,42 @@ def _line_end(text: str, position: int) -> int:
     return found.start() if found is not None else len(text)
 
 
-def _comment_kind(value: str) -> CommentKind:
-    if value.startswith("{"):
-        return CommentKind.PRAGMA
-    return CommentKind.LINE if value.startswith("//") else CommentKind.BLOCK
-
-
+_BLOCK_ENDS = {"(*": "*)", "/*": "*/", "(/*": "*/)", "{": "}"}
 _COMMENT_MARK = re.compile(r"\(\*|\*\)")
 
 
-def _comment_end(text: str, start: int) -> int:
-    """Where the block comment at `start` ends, -1 if nowhere.
+class _Blocks:
+    """Where block comments and pragmas of a text end.
 
-    Comments nest, in IEC 61131-3 ed. 3 always, in tools by an option. If they do not close when nested they are taken
+    ``(* *)`` nest, in IEC 61131-3 ed. 3 always, in tools by an option. If they do not close when nested they are taken
     as not nested.
     """
-    depth = 0
-    for mark in _COMMENT_MARK.finditer(text, start):
-        depth += 1 if mark.group() == "(*" else -1
-        if depth == 0:
-            return mark.end()
-    end = text.find("*)", start + 2)
-    return end + 2 if end >= 0 else -1
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._nested: dict[int, int] | None = None
+
+    def end(self, opening: str, start: int) -> int:
+        """The end of the block that starts with `opening` at `start`, -1 if it has none."""
+        if opening == "(*":
+            if self._nested is None:
+                self._nested = self._pairs(start)
+            if start in self._nested:
+                return self._nested[start]
+        closing = _BLOCK_ENDS[opening]
+        found = self._text.find(closing, start + len(opening))
+        return found + len(closing) if found >= 0 else -1
+
+    def _pairs(self, start: int) -> dict[int, int]:
+        """The ends of all comments from `start` on that close when nested: in one go, for any number of comments."""
+        ends: dict[int, int] = {}
+        opened: list[int] = []
+        for mark in _COMMENT_MARK.finditer(self._text, start):
+            if mark.group() == "(*":
+                opened.append(mark.start())
+            elif opened:
+                ends[opened.pop()] = mark.end()
+        return ends
 
 
 def _shown(character: str) -> str:

@@ -15,11 +15,8 @@ from lark.exceptions import UnexpectedToken
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st.builder import Builder, StatementList
 from plcopen_sfc.languages.st.expected import expectation
-from plcopen_sfc.languages.st.lexer import Token, Tokens
+from plcopen_sfc.languages.st.lexer import MAX_PROBLEMS, Token, Tokens
 from plcopen_sfc.languages.st.nodes import Unreadable
-
-MAX_PROBLEMS = 50
-"""So many problems of one text are told; the rest of it is not read."""
 
 _CLOSED_BY = {
     "IF": "END_IF",
