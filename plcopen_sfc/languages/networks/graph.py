@@ -139,19 +139,25 @@ class Graph:
 
     def _by_name(self) -> dict[str, Connector]:
         found: dict[str, Connector] = {}
-        continued = {n.name.casefold(): n for n in self.nodes.values() if isinstance(n, Continuation)}
+        continuations = [node for node in self.nodes.values() if isinstance(node, Continuation)]
+        continued = {node.name.casefold() for node in continuations}
         for node in self.nodes.values():
             if isinstance(node, Connector):
                 key = node.name.casefold()
                 if key in found:
-                    self.problems.append(NetworkProblem(f"there are two connectors {node.name!r}", node.id))
+                    self._say(f"there are two connectors {node.name!r}", node)
                 if key not in continued:
-                    self.problems.append(NetworkProblem(f"connector {node.name!r} goes on nowhere", node.id))
+                    self._say(f"connector {node.name!r} goes on nowhere", node)
+                if not is_fed(node.input):
+                    self._say(f"nothing leads to connector {node.name!r}", node)
                 found.setdefault(key, node)
-        for key, node in continued.items():
-            if key not in found:
-                self.problems.append(NetworkProblem(f"continuation {node.name!r} comes from nowhere", node.id))
+        for node in continuations:
+            if node.name.casefold() not in found:
+                self._say(f"continuation {node.name!r} comes from nowhere", node)
         return found
+
+    def _say(self, message: str, node: Node) -> None:
+        self.problems.append(NetworkProblem(message, node.id))
 
     def type_of(self, source: Source) -> str | None:
         """The type of an output where the network tells it."""
@@ -190,8 +196,12 @@ class Graph:
         if (node.execution_order or 0) > 0:
             return True
         if isinstance(node, Block):
-            used = any(self.uses[node.id, variable.name] for variable in block_outputs(node))
-            return not used or node.instance is not None or node.call in _ACTING
+            outputs = block_outputs(node)
+            if any(v.output is not None and v.output.expression for v in outputs):
+                return True
+            used = any(self.uses[node.id, variable.name] for variable in outputs)
+            acts = node.instance is not None or node.call in _ACTING
+            return acts or (not used and standard_block(node.type_name) is None)
         return isinstance(node, OutputVariable | Coil | Jump | Return | Label) or (
             isinstance(node, InOutVariable) and is_fed(node.input)
         )

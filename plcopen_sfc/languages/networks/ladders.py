@@ -176,7 +176,7 @@ class LadderDrafter(Drafter):
         """A plain wire."""
         row = y + ROW / 2
         if inflow is None:
-            self._rail.outputs.append(OutputPin(position=(RAIL_WIDTH, row - self._rail.position[1])))
+            self._rail.outputs.append(OutputPin(name="", position=(RAIL_WIDTH, row - self._rail.position[1])))
             ends = [End(self._rail.id, None, (self._rail.position[0] + RAIL_WIDTH, row))]
         else:
             ends = [end if end.at[1] == row else _led(end, x, row) for end in inflow]

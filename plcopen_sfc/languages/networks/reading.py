@@ -211,13 +211,15 @@ class NetworkReader:
         elif isinstance(node, Contact):
             self._contact(node)
         elif isinstance(node, OutputVariable):
-            self._assign(node, node.expression, node.negated, node.edge, node.storage)
+            self._assign(node, node.expression, negated=node.negated, edge=node.edge, storage=node.storage)
         elif isinstance(node, Coil):
-            flow = self._assign(node, node.variable, node.negated, node.edge, node.storage)
-            self.wires.store((node.id, None), flow)
+            flow = (node.id, None)
+            self._assign(
+                node, node.variable, negated=node.negated, edge=node.edge, storage=node.storage, passes_on=flow
+            )
         elif isinstance(node, InOutVariable):
             if is_fed(node.input) or not self.graph.uses[node.id, None]:
-                self._assign(node, node.expression, node.negated_in, node.edge_in, node.storage_in)
+                self._assign(node, node.expression, negated=node.negated_in, edge=node.edge_in, storage=node.storage_in)
             elif node.input is not None:
                 self.wires.problem(f"nothing leads here, so {node.expression} is only read", node.id, Severity.INFO)
             self.wires.store((node.id, None), (Factor((node.id, None), self._passed_on(node)),), lazy=True)
@@ -260,18 +262,24 @@ class NetworkReader:
         source = (node.id, None)
         self.wires.store(source, (*before, Factor(source, value)))
 
-    def _assign(self, node: Node, target: str, negated: bool, edge: Edge, storage: Storage) -> Product | None:
-        """Write what comes to an element to its variable; returns what comes to it."""
+    def _assign(
+        self, node: Node, target: str, *, negated: bool, edge: Edge, storage: Storage, passes_on: Source | None = None
+    ) -> None:
+        """Write what comes to an element to its variable. What comes to a coil also leaves it, at `passes_on`."""
         variable = self.wires.expression(target, node.id)
-        self.wires.prepare(frozenset({path_of(variable)}), self.graph.sources(node)[0])
+        written = frozenset({path_of(variable)})
+        self.wires.prepare(written, self.graph.sources(node)[0])
         product = self._value(node)
+        if passes_on is not None:
+            self.wires.store(passes_on, product)
+            self.wires.prepare(written)
+            product = self.wires.value(passes_on)
         if product is None:
             if not self._blocks.is_written(node):
                 self.wires.problem(f"nothing leads here, so {target} is not written", node.id)
-            return None
+            return
         value = self._modified(node, expression_of(product), negated=negated, edge=edge)
         self.wires.execute(self._blocks.assignment(variable, value, storage))
-        return product
 
     def _passed_on(self, node: InOutVariable) -> Expression:
         if node.storage_out is not Storage.NONE or node.edge_out is not Edge.NONE:
@@ -319,7 +327,9 @@ class NetworkReader:
             for source in sources:
                 if not self.graph.uses[source] and self.wires.is_stored(source):
                     product = self.wires.take(source)
-                    if product is not None:
+                    if product is None:
+                        self.wires.problem("it has no value, and leads nowhere", node.id)
+                    else:
                         self.open_ends.append((node.id, expression_of(product)))
 
 

@@ -65,6 +65,8 @@ def product_of(products: Sequence[Product]) -> Product:
 
 def meeting(products: Sequence[Product], meetings: dict[Hashable, int]) -> Product:
     """The value where wires meet: TRUE if one of them is. `meetings` numbers the meetings of a network."""
+    if len(products) == 1:
+        return products[0]
     shared = _shared_start(products)
     start, rests = products[0][:shared], [product[shared:] for product in products]
     if not any(rests):

@@ -147,6 +147,10 @@ class Wires:
             self._left.pop(source, None)
         return product
 
+    def value(self, source: Source) -> Product | None:
+        """The value of an output, which is not one of its uses."""
+        return self._values[source]
+
     def is_stored(self, source: Source) -> bool:
         """Whether the output has its value, or has none for good."""
         return source in self._values
@@ -177,7 +181,8 @@ def _changes(factor: Factor, written: frozenset[Path], private: frozenset[str]) 
 
 
 def _is_deep(product: Product) -> bool:
-    return any(_depth(factor.expression) > MAX_DEPTH for factor in product)
+    # of a long rung all factors but the last have been looked at before
+    return any(_depth(factor.expression) > MAX_DEPTH for factor in product[-20:])
 
 
 def _is_costly(product: Product) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.dialects import Dialect
@@ -23,6 +23,7 @@ def shown(tree: n.Node) -> str:
     return print_node(normal_form(tree))
 
 
+@settings(deadline=None)
 @given(booleans | numbers, tools)
 def test_an_expression_drawn_as_fbd_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
     drawn = draw_fbd_expression(expression, DrawingRules(tool=tool))
@@ -35,6 +36,7 @@ def test_an_expression_drawn_as_fbd_reads_as_itself(expression: n.Expression, to
     assert normal_form(found) == normal_form(expression)
 
 
+@settings(deadline=None)
 @given(booleans, tools)
 def test_a_condition_drawn_as_ld_reads_as_itself(expression: n.Expression, tool: Tool | None) -> None:
     drawn = draw_ld_expression(expression, DrawingRules(tool=tool))
@@ -47,6 +49,7 @@ def test_a_condition_drawn_as_ld_reads_as_itself(expression: n.Expression, tool:
     assert normal_form(found) == normal_form(expression)
 
 
+@settings(deadline=None)
 @given(programs, tools, st.booleans(), st.sampled_from(["FBD", "LD"]))
 def test_statements_drawn_read_as_themselves(
     program: n.Statements, tool: Tool | None, divided: bool, language: str
@@ -60,6 +63,7 @@ def test_statements_drawn_read_as_themselves(
     assert normal_form(read.tree) == normal_form(program)
 
 
+@settings(deadline=None)
 @given(booleans)
 def test_the_normal_form_is_normal(expression: n.Expression) -> None:
     assert normal_form(normal_form(expression)) == normal_form(expression)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations, pairwise
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.dialects import Dialect
@@ -87,6 +87,7 @@ def check_wire(nodes: dict[int, Node], node: Node, pin: InputPin, wire: Connecti
         assert not through, (node.id, wire, through)
 
 
+@settings(deadline=None)
 @given(programs, st.sampled_from(["FBD", "LD"]), st.booleans())
 def test_nothing_overlaps(program: n.Statements, language: str, divided: bool) -> None:
     draw = draw_fbd if language == "FBD" else draw_ld
@@ -101,6 +102,7 @@ def test_nothing_overlaps(program: n.Statements, language: str, divided: bool) -
         assert set(rails) <= ({1} if language == "LD" else {0})
 
 
+@settings(deadline=None)
 @given(programs, st.sampled_from(["FBD", "LD"]))
 def test_rungs_stand_below_each_other(program: n.Statements, language: str) -> None:
     """Who goes by the places alone executes in the same order as who goes by the order that is written down."""

@@ -79,6 +79,13 @@ def test_coils_behind_each_other_all_get_what_comes_to_the_first() -> None:
     assert lines(result) == ["x := NOT a;", "y := a;", "z := a AND b;"]
 
 
+def test_what_passes_a_coil_is_what_came_before_it_wrote() -> None:
+    result = read(rail(), contact(1, "a", 0), coil(2, "a", 1, negated=True), coil(3, "x", 2))
+    assert lines(result) == ["value_2 := a;", "a := NOT value_2;", "x := value_2;"]
+    result = read(variable(1, "Test()"), coil(2, "x", 1), coil(3, "y", 2))
+    assert lines(result) == ["value_2 := Test();", "x := value_2;", "y := value_2;"]
+
+
 def test_set_and_reset() -> None:
     nodes = [rail(), contact(1, "a", 0), coil(2, "x", 1, storage=Storage.SET), coil(3, "y", 1, storage=Storage.RESET)]
     assert lines(read(*nodes)) == ["IF a THEN", "    x := TRUE;", "END_IF;", "IF a THEN", "    y := FALSE;", "END_IF;"]

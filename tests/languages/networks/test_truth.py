@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 from typing import Any
 
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_ld
@@ -38,12 +38,14 @@ def states() -> list[dict[str, bool]]:
     return [dict(zip(VARIABLES, values, strict=True)) for values in product([False, True], repeat=len(VARIABLES))]
 
 
+@settings(deadline=None)
 @given(pure_booleans)
 def test_the_normal_form_means_the_same(expression: n.Expression) -> None:
     normal = normal_form(expression)
     assert all(evaluate(normal, state) == evaluate(expression, state) for state in states())
 
 
+@settings(deadline=None)
 @given(pure_booleans, st.booleans())
 def test_what_is_drawn_means_the_same(expression: n.Expression, ladder: bool) -> None:
     statement = n.Assignment(n.Name("a"), expression)
@@ -110,6 +112,7 @@ def networks(draw: Any) -> LogicNetwork:
     return LogicNetwork(nodes=nodes)
 
 
+@settings(deadline=None)
 @given(networks())
 def test_what_is_read_does_the_same(network: LogicNetwork) -> None:
     written = [node for node in network.nodes if isinstance(node, OutputVariable | Coil)]
