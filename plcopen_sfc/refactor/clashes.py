@@ -6,27 +6,44 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.languages.names.declarations import Declaration, Kind
-from plcopen_sfc.languages.names.resolving import fitting
 from plcopen_sfc.languages.names.uses import Names, Occurrence
 
 
-def clashes(names: Names, declaration: Declaration, uses: Sequence[Occurrence], new: str) -> Iterator[str]:
-    """Why `declaration`, which has these uses, cannot be called `new`; nothing if it can."""
+def visible_clashes(names: Names, declaration: Declaration, uses: Sequence[Occurrence], new: str) -> Iterator[str]:
+    """What is called `new` already: in the scope of `declaration`, or where it is used."""
     beside = list(_beside(names, declaration, new))
-    if beside:
-        yield from (f"there is a {other} already" for other in beside)
-        return
-    for use in uses:
+    yield from (f"there is a {other} already" for other in beside)
+    for use in uses if not beside else ():
         meaning = names.resolver.meaning(replace(use.reference, name=new), use.piece)
         candidates = (meaning.declaration,) if meaning.declaration is not None else meaning.candidates or ()
         for other in candidates:
             if other != declaration and not _is_hidden(declaration, other):
                 yield f"{use.use} would mean the {other}"
-    for occurrence in names.occurrences(new):
-        if not occurrence.refers_to(declaration) and _captures(names, declaration, occurrence):
-            now = occurrence.meaning.declaration
-            what = f"the {now}" if now is not None else "something that the project does not declare"
-            yield f"{occurrence.use} means {what} now"
+
+
+def changed_meanings(
+    declaration: Declaration, before: Sequence[Occurrence], after: Sequence[Occurrence]
+) -> Iterator[str]:
+    """The names that mean something else after the rename; `before` and `after` are the same places of a project.
+
+    Those that could not be decided before may be so now, but for the renamed thing.
+    """
+    if len(before) != len(after):
+        yield "a text that names it would be read in another way"
+        return
+    for old, new in zip(before, after, strict=True):
+        was, now = old.meaning.declaration, new.meaning.declaration
+        if now == was if not old.meaning.doubt else now != declaration:
+            continue
+        if was == declaration:
+            others = (now,) if now is not None else new.meaning.candidates or ()
+            yield f"{old.use} would mean {_said(next((d for d in others if d not in (None, declaration)), None))}"
+        else:
+            yield f"{old.use} means {_said(was)} now"
+
+
+def _said(declaration: Declaration | None) -> str:
+    return f"the {declaration}" if declaration is not None else "something that the project does not declare"
 
 
 def _beside(names: Names, declaration: Declaration, new: str) -> Iterator[Declaration]:
@@ -45,16 +62,3 @@ def _is_hidden(declaration: Declaration, other: Declaration) -> bool:
     Values are visible everywhere in most tools, and people do call steps after them.
     """
     return other.kind is Kind.ENUM_VALUE and other.pou is None and declaration.pou is not None
-
-
-def _captures(names: Names, declaration: Declaration, occurrence: Occurrence) -> bool:
-    """Whether a name that means something else now would mean `declaration` if that were called so."""
-    reference = occurrence.reference
-    if not fitting([declaration], reference.role):
-        return False
-    for level in names.resolver.levels(reference, occurrence.piece):
-        if declaration in level:
-            return True
-        if occurrence.meaning.declaration in level:
-            return False
-    return False

@@ -6,6 +6,7 @@ as it is and is listed.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project, projects_with
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.refactor.clashes import clashes
+from plcopen_sfc.refactor.clashes import changed_meanings, visible_clashes
 
 _SHOWN = 10
 
@@ -85,36 +86,79 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
     problem = objection(new, names.project.dialect)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
-    found = list(names.occurrences(old))
+    found = list(names.occurrences(old, new))
     uses = [occurrence for occurrence in found if occurrence.refers_to(declaration)]
     if new.casefold() != old.casefold():
-        objections = list(dict.fromkeys(clashes(names, declaration, uses, new)))
-        if objections:
-            shown = objections[:_SHOWN] + [f".. and {len(objections) - _SHOWN} more"] * (len(objections) > _SHOWN)
-            raise ModelError(
-                f"{old!r} cannot be called {new!r}: {objections[0]}",
-                location=Location(path=str(declaration)),
-                hint="\n  ".join(shown[1:]),
-            )
-    undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in found if o.may_refer_to(declaration))
-    changed = tuple(occurrence.use for occurrence in uses)
-    repeated = list(names.resolver.repeated(declaration))
-    _edit(uses, new)
-    for holder in (*declaration.holders, *repeated):
-        holder.name = new
-    return RenameResult(path, old, new, changed, undecided)
+        _refuse(declaration, new, visible_clashes(names, declaration, uses, new))
+    # what is said of the places is how they are before the rename
+    undecided = tuple(
+        Undecided(o.use, o.meaning.doubt)
+        for o in found
+        if o.may_refer_to(declaration) and o.reference.name.casefold() == old.casefold()
+    )
+    result = RenameResult(path, old, new, tuple(occurrence.use for occurrence in uses), undecided)
+    holders = (*declaration.holders, *names.resolver.repeated(declaration))
+    edits = _edits(uses, new)
+    changes = [_Change(holder, "name", holder.name, new) for holder in holders]
+    changes += [change for piece, edit in edits for change in _text_changes(piece, edit)]
+    for change in changes:
+        change.make()
+    after = list(names.after_edits().occurrences(old, new))
+    objections = list(changed_meanings(declaration, found, after))
+    if objections:
+        for change in changes:
+            change.take_back()
+        before = list(changed_meanings(declaration, found, after))  # worded with the names as they are again
+        _refuse(declaration, new, before)
+    return result
 
 
-def _edit(uses: list[Occurrence], new: str) -> None:
-    """Put the new name where the old one stands."""
+def _refuse(declaration: Declaration, new: str, reasons: Iterable[str]) -> None:
+    """Raise `ModelError` if there are reasons."""
+    objections = list(dict.fromkeys(reasons))
+    if objections:
+        shown = objections[:_SHOWN] + [f".. and {len(objections) - _SHOWN} more"] * (len(objections) > _SHOWN)
+        raise ModelError(
+            f"{declaration.name!r} cannot be called {new!r}: {objections[0]}",
+            location=Location(path=str(declaration)),
+            hint="\n  ".join(shown[1:]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """Another text in a field, or at an index of a list."""
+
+    holder: Any
+    key: str | int
+    old: str | None
+    new: str | None
+
+    def make(self) -> None:
+        self._put(self.new)
+
+    def take_back(self) -> None:
+        self._put(self.old)
+
+    def _put(self, text: str | None) -> None:
+        if isinstance(self.key, int):
+            self.holder[self.key] = text
+        else:
+            setattr(self.holder, self.key, text)
+
+
+def _edits(uses: list[Occurrence], new: str) -> list[tuple[Piece, list[Edit]]]:
+    """What to put where, by text."""
     edits: dict[tuple[int, str | int], tuple[Piece, list[Edit]]] = {}
     for occurrence in uses:
-        piece, span = occurrence.piece, occurrence.reference.span
-        _, changes = edits.setdefault((id(piece.holder), piece.key), (piece, []))
-        changes.append(Edit(*span, new))
-    for piece, changes in edits.values():
-        text = piece.text
-        markup: Any = getattr(piece.holder, "markup", None)
-        if markup is not None:
-            piece.holder.markup = edit_markup(markup, text, changes)
-        piece.put(apply_edits(text, changes))
+        piece = occurrence.piece
+        _, own = edits.setdefault((id(piece.holder), piece.key), (piece, []))
+        own.append(Edit(*occurrence.reference.span, new))
+    return list(edits.values())
+
+
+def _text_changes(piece: Piece, edits: list[Edit]) -> Iterator[_Change]:
+    yield _Change(piece.holder, piece.key, piece.text, apply_edits(piece.text, edits))
+    markup: str | None = getattr(piece.holder, "markup", None)
+    if markup is not None:
+        yield _Change(piece.holder, "markup", markup, edit_markup(markup, piece.text, edits))

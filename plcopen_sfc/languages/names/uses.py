@@ -84,13 +84,20 @@ class Names:
         self.resolver = Resolver(project, self.dialect)
         self._pieces: list[Piece] | None = None
 
-    def occurrences(self, word: str) -> Iterator[Occurrence]:
-        """Every place where `word` stands as a name, in upper or lower case, with what it means there."""
-        key = word.casefold()
+    def after_edits(self) -> Names:
+        """The names of the project anew, after texts and names in it have changed but nothing else."""
+        anew = Names(self.project)
+        anew._pieces = self._pieces
+        return anew
+
+    def occurrences(self, *words: str) -> Iterator[Occurrence]:
+        """Every place where one of `words` stands as a name, in upper or lower case, with what it means there."""
+        keys = {word.casefold() for word in words}
         for piece in self._all_pieces():
-            if key in piece.text.casefold():
+            text = piece.text.casefold()
+            if any(key in text for key in keys):
                 for reference in references(piece, self.dialect):
-                    if reference.name.casefold() == key:
+                    if reference.name.casefold() in keys:
                         yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
 
     def everything(self) -> Iterator[Occurrence]:
