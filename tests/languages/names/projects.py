@@ -89,11 +89,10 @@ def project(*things: m.Pou | m.DataTypeDeclaration | m.VariableSection) -> m.Pro
     )
 
 
-def meanings(made: m.Project) -> list[tuple[str, object, bool]]:
-    """What every name of a project means, in order: where it stands, the object, and whether that is in doubt."""
+def meanings(made: m.Project) -> list[tuple[object, bool]]:
+    """What every name of a project means, in order: the object, and whether that is in doubt."""
     return [
         (
-            occurrence.piece.path.partition(" /")[0].partition(".")[0],
             occurrence.meaning.declaration and id(occurrence.meaning.declaration.holder),
             bool(occurrence.meaning.doubt),
         )
