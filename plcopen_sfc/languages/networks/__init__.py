@@ -1,1 +1,50 @@
-"""FBD and LD networks: to structured text and back."""
+"""FBD and LD networks: to structured text and back.
+
+`body_statements`, `network_statements` and `network_expression` read networks, `condition_expression` the condition of
+a transition and `chart_statements` the rest of the logic drawn in a chart. `draw_fbd` and `draw_ld` draw statements,
+`draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
+"""
+
+from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression
+from plcopen_sfc.languages.networks.drawing import (
+    DrawnExpression,
+    DrawnFbd,
+    DrawnLd,
+    draw_fbd,
+    draw_fbd_expression,
+    draw_ld,
+    draw_ld_expression,
+)
+from plcopen_sfc.languages.networks.normal_form import normal_form
+from plcopen_sfc.languages.networks.reading import body_statements, network_expression, network_statements
+from plcopen_sfc.languages.networks.results import (
+    Helper,
+    NetworkExpression,
+    NetworkProblem,
+    NetworkStatements,
+    NetworkText,
+)
+from plcopen_sfc.languages.networks.rules import DrawingRules, declared_rules
+
+__all__ = [
+    "DrawingRules",
+    "DrawnExpression",
+    "DrawnFbd",
+    "DrawnLd",
+    "Helper",
+    "NetworkExpression",
+    "NetworkProblem",
+    "NetworkStatements",
+    "NetworkText",
+    "body_statements",
+    "chart_statements",
+    "condition_expression",
+    "declared_rules",
+    "draw_fbd",
+    "draw_fbd_expression",
+    "draw_ld",
+    "draw_ld_expression",
+    "network_expression",
+    "network_statements",
+    "normal_form",
+]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -27,6 +27,7 @@ from plcopen_sfc.model.network import (
     Block,
     BlockCall,
     BlockVariable,
+    Contact,
     Edge,
     Node,
     OutputVariable,
@@ -76,10 +77,11 @@ class BlockReader:
 
     def execute(self, block: Block, value_of: Callable[[Node, int], Product | None]) -> None:
         """Execute a block: give its outputs their values."""
-        arguments = [
-            self._argument(block, variable, value_of(block, index))
-            for index, variable in enumerate(block_inputs(block))
-        ]
+        arguments = []
+        for index, variable in enumerate(block_inputs(block)):
+            arguments.append(self._argument(block, variable, value_of(block, index)))
+            if variable.negated:
+                self._check_negation(block, variable, self._graph.sources(block)[index])
         enable = next((a for a in arguments if _is(a.variable, "EN")), None)
         guard = enable.value if enable is not None and enable.value != TRUE else None
         arguments = [a for a in arguments if a is not enable]
@@ -132,6 +134,13 @@ class BlockReader:
         value = expression_of(product)
         value = self._wires.edge(variable.edge, inverted(value) if variable.negated else value, (block.id, None))
         return _Argument(variable, value, None)
+
+    def _check_negation(self, block: Block, variable: BlockVariable, sources: Sequence[Source]) -> None:
+        """A ladder of CODESYS with one negation at a box was seen exported with it at the contact and at the pin."""
+        before = self._graph.nodes.get(sources[0][0]) if len(sources) == 1 else None
+        if isinstance(before, Contact) and before.negated:
+            text = f"its input {variable.name!r} is negated, and so is contact {before.id} before it; both are counted"
+            self._wires.problem(text, block.id, Severity.WARNING)
 
     def _missing(self, block: Block, variable: BlockVariable) -> None:
         if _is(variable, "EN") or variable.hidden:

@@ -5,8 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
@@ -22,6 +21,7 @@ from plcopen_sfc.languages.networks.pictures import (
     text_width,
 )
 from plcopen_sfc.languages.networks.results import NetworkProblem
+from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
@@ -44,22 +44,6 @@ from plcopen_sfc.model.network import (
 
 _MAX_WAITING = 8
 """How many calls of function blocks may wait to be drawn together with the statement that uses them."""
-
-
-@dataclass(frozen=True, slots=True)
-class DrawingRules:
-    """How networks are drawn.
-
-    `dialect`: of the texts in their elements. `tool`: pins have its names instead of those of IEC 61131-3.
-    `instances`: the types of function block instances by name, without which their calls cannot be drawn as blocks.
-    `booleans`: which variables are of type BOOL, by name in lower case. In a ladder, one that is not there is taken as
-    BOOL where it stands in a logic operation.
-    """
-
-    dialect: Dialect = Dialect.IEC
-    tool: Tool | None = None
-    instances: Mapping[str, str] = field(default_factory=dict)
-    booleans: Mapping[str, bool] = field(default_factory=dict)
 
 
 class Rung(NamedTuple):

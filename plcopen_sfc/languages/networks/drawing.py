@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from plcopen_sfc.languages.networks.drafting import Drafter, DrawingRules, Rung
+from plcopen_sfc.languages.networks.drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.ladders import LadderDrafter
 from plcopen_sfc.languages.networks.results import NetworkProblem
+from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.network import Connection, LogicNetwork, Node

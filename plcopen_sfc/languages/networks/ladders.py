@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from plcopen_sfc.languages.networks.drafting import Drafter, DrawingRules, is_boolean_result
+from plcopen_sfc.languages.networks.drafting import Drafter, is_boolean_result
 from plcopen_sfc.languages.networks.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.pictures import (
@@ -20,6 +20,7 @@ from plcopen_sfc.languages.networks.pictures import (
     placed,
     text_width,
 )
+from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, is_true, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator

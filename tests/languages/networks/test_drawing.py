@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.plcopen.schema import validate
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.drafting import DrawingRules
 from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_fbd_expression, draw_ld, draw_ld_expression
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.reading import body_statements, network_expression
+from plcopen_sfc.languages.networks.rules import DrawingRules, declared_rules
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -32,6 +32,7 @@ from plcopen_sfc.model import (
 )
 from plcopen_sfc.model.network import BlockCall, Node, Storage
 from tests.languages.networks.programs import INSTANCES, programs
+from tests.samples import FIXTURES
 
 
 def statements(text: str, dialect: Dialect = Dialect.CODESYS) -> tuple[n.Statement, ...]:
@@ -119,6 +120,16 @@ def test_what_is_no_bool_is_no_contact() -> None:
     assert kinds(ld("x := y AND z;", booleans={"y": False})) == [
         *("leftPowerRail", "input", "input", "AND", "output", "rightPowerRail")
     ]
+
+
+def test_declarations_tell_what_is_an_instance_and_what_is_a_bool() -> None:
+    pou = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml").pou("FillingStation")
+    assert pou.interface is not None
+    rules = declared_rules(pou.interface.variables(), Dialect.CODESYS, Tool.CODESYS)
+    assert rules.instances["DripTimer"] == "TON"
+    assert rules.booleans["s3_door"] is True
+    assert rules.booleans["levelraw"] is False
+    assert (rules.dialect, rules.tool) == (Dialect.CODESYS, Tool.CODESYS)
 
 
 def test_what_has_no_graphical_form_is_kept_as_text_and_told() -> None:

@@ -306,6 +306,17 @@ def test_enable() -> None:
     assert lines(read(*nodes)) == ["IF a THEN", "    x := b + 1;", "END_IF;", "y := a;"]
 
 
+def test_a_negation_at_the_contact_and_at_the_pin_is_suspicious() -> None:
+    box = block(2, "EXECUTE", {"EN": 1}, "ENO", call=BlockCall.EXECUTE, code="Stop();")
+    assert isinstance(box, Block)
+    box.parameters.inputs[0].negated = True
+    result = read(rail(), contact(1, "a", 0, negated=True), box)
+    assert lines(result) == ["IF a THEN", "    Stop();", "END_IF;"]
+    assert said(result) == [
+        "warning: element 2: its input 'EN' is negated, and so is contact 1 before it; both are counted"
+    ]
+
+
 def test_enable_where_the_result_goes_on() -> None:
     result = read(
         variable(1, "a"),

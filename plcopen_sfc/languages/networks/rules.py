@@ -1,0 +1,45 @@
+"""What must be known to draw a text: how the tool does it, and what the names in it are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, StringType, Variable
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingRules:
+    """How networks are drawn.
+
+    `dialect`: of the texts in their elements. `tool`: pins have its names instead of those of IEC 61131-3.
+    `instances`: the types of function block instances by name, without which their calls cannot be drawn as blocks.
+    `booleans`: which variables are of type BOOL, by name in lower case. In a ladder, one that is not there is taken as
+    BOOL where it stands in a logic operation.
+    """
+
+    dialect: Dialect = Dialect.IEC
+    tool: Tool | None = None
+    instances: Mapping[str, str] = field(default_factory=dict)
+    booleans: Mapping[str, bool] = field(default_factory=dict)
+
+
+def declared_rules(
+    variables: Iterable[Variable], dialect: Dialect = Dialect.IEC, tool: Tool | None = None
+) -> DrawingRules:
+    """The rules for texts whose names are those of `variables` (`Interface.variables`).
+
+    A variable of a derived type counts as an instance: a structure is not called.
+    """
+    instances: dict[str, str] = {}
+    booleans: dict[str, bool] = {}
+    for variable in variables:
+        kind = variable.type
+        if isinstance(kind, DerivedType):
+            instances[variable.name] = kind.name
+        elif isinstance(kind, ElementaryType | StringType):
+            is_bool = isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL
+            booleans[variable.name.lower()] = is_bool
+    return DrawingRules(dialect, tool, instances, booleans)
