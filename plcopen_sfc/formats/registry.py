@@ -142,6 +142,7 @@ FORMATS: tuple[Format, ...] = (
             "comments",
             "the rest in pragmas",
         ),
+        text=True,
     ),
 )
 """Every format, in the order in which they are tried."""

@@ -65,6 +65,7 @@ class Piece:
     """An object as a writer writes it: `text` in whole lines, or `pieces` on lines below each other.
 
     `apart`: an empty line stands before it. `verbatim`: the text is as it stands in the model, layout and all.
+    `block`: it is put into the text as whole lines, indented as its first line is there, never word by word.
     """
 
     key: Key
@@ -72,6 +73,7 @@ class Piece:
     pieces: tuple[Piece, ...] = ()
     apart: bool = False
     verbatim: bool = False
+    block: bool = False
 
     def lines(self) -> Iterator[str]:
         """The text, its pieces joined."""
@@ -166,7 +168,8 @@ class _Patch:
         old, new = before.whole(), after.whole()
         if after.verbatim:
             return Edit(start, end, self._with_newlines(new))
-        text = _merged(source, old.strip(), new.strip()) if source.count("\n") < _LONG else None
+        mergeable = not after.block and source.count("\n") < _LONG
+        text = _merged(source, old.strip(), new.strip()) if mergeable else None
         if text is None:
             text = self._laid_out(new, start)
         return Edit(start, end, self._with_newlines(text))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import count
 from typing import Any
 
 from plcopen_sfc.diagnostics import Severity
@@ -163,6 +164,7 @@ def read_transition(src: Source, part: Part, remark: Remark, place: str) -> Said
             condition = {"kind": "body", "body": _opaque(newlines(src.text[rest[0].span[0] : end]))}
         if condition:
             header.fields["condition"] = condition
+        src.check_code(condition.get("body", condition), begin, end, header.path)
         if condition.get("kind") == "expression":
             remark.extend(src.remark(rest[-1].span[1], end, header.path))
     return transition
@@ -297,14 +299,17 @@ def chart_fields(src: Source, chart: ChartText, around: Surroundings, place: str
 
 
 def number(src: Source, chart: ChartText, fields: Fields) -> None:
-    """Give an id to every step, association and transition without one, and resolve the names in FROM and TO."""
+    """Give an id to every step, association and transition without one, and resolve the names in FROM and TO.
+
+    They get the numbers that are free, in the order of the text; ``unused_ids`` are not.
+    """
     steps, transitions = fields.get("steps", []), fields.get("transitions", [])
     numbered = [thing for step in steps for thing in (step, *step.get("actions", []))] + transitions
-    following = max(ids_within(fields), default=-1) + 1
+    taken = {*ids_within(fields), *fields.pop("unused_ids", [])}
+    free = (number for number in count() if number not in taken)
     for thing in numbered:
         if "id" not in thing:
-            thing["id"] = following
-            following += 1
+            thing["id"] = next(free)
     by_name: dict[str, int] = {}
     for said, step in zip(chart.steps, steps, strict=True):
         if said.name.casefold() in by_name:

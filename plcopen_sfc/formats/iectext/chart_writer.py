@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import count
 
 from pydantic import BaseModel
 
@@ -53,7 +54,8 @@ class ChartWriter:
     write_action: WriteAction
     indent: str = INDENT
     names: dict[int, str] = field(default_factory=dict)
-    explicit: bool = True
+    explicit: frozenset[int] = frozenset()
+    unused: list[int] = field(default_factory=list)
     unique: bool = True
     late: list[Change] = field(default_factory=list)
 
@@ -63,8 +65,11 @@ class ChartWriter:
         rest = plain_fields(self.chart, leave=frozenset({"steps", "transitions"}))
         ids = self._ids()
         self.unique = len(set(ids)) == len(ids)
-        self.explicit = ids != list(range(len(ids))) or any(True for _ in ids_within(rest)) or self._has_big_parts()
-        if self.explicit and (self.chart.steps or self.chart.transitions):
+        if not self.unique or any(True for _ in ids_within(rest)) or self._has_big_parts():
+            self.explicit = frozenset(ids)
+        else:
+            self.explicit, self.unused = _explicit_ids(ids)
+        if self.explicit:
             self.printer.note(Fate.CARRIED, "ids", self.path, "IEC text knows names only")
         transitions = list(self.chart.transitions)
         shown: set[int] = set()
@@ -114,7 +119,7 @@ class ChartWriter:
         lift = self._lifter(self.names[index], in_place)
         leave = frozenset({"id", "actions", *(f"{kind}_action" for kind in STEP_ACTIONS)})
         meant = plain_fields(step, lift, leave)
-        if self.explicit:
+        if step.id in self.explicit:
             meant["id"] = step.id
         said: Fields = {"name": self.names[index]} | ({"initial": True} if step.initial else {})
         text = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
@@ -180,7 +185,7 @@ class ChartWriter:
         body = association.body
         alone = body is not None and association.target is None and is_text_body(body)
         meant = plain_fields(association, self._lifter(name, in_place), frozenset({"id", "body"} if alone else {"id"}))
-        if self.explicit:
+        if association.id in self.explicit:
             meant["id"] = association.id
         wanted: Fields = {k: meant[k] for k in ("target", "qualifier", "duration", "indicator") if k in meant}
         if alone and body is not None:
@@ -226,7 +231,7 @@ class ChartWriter:
         in_place: list[tuple[str, Body]] = []
         name = transition.name if self.printer.is_name(transition.name) else ""
         meant = plain_fields(transition, leave=frozenset({"id", "condition"}))
-        if self.explicit:
+        if transition.id in self.explicit:
             meant["id"] = transition.id
         said: Fields = {"name": name} if name else {}
         text = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
@@ -265,7 +270,7 @@ class ChartWriter:
         wish = transition.name or "Transition"
         if isinstance(condition, Expression | NamedCondition):
             meant["condition"] = plain_fields(condition)
-            text = condition.text if isinstance(condition, Expression) else condition.name
+            text = (condition.text if isinstance(condition, Expression) else condition.name).strip()
             if not self.printer.is_expression(text):
                 return "", {}
             said: Fields = {"kind": "expression", "text": text}
@@ -289,6 +294,28 @@ class ChartWriter:
                 return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
         meant["condition"] = plain_fields(condition, self._lifter(wish, in_place))
         return "", {}
+
+
+_MOST_GAPS = 8
+
+
+def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
+    """Which of these ids must be written, and which numbers nobody has: readers give free numbers in order."""
+    given = set(ids)
+    explicit: set[int] = set()
+    unused: list[int] = []
+    following = 0
+    for one in ids:
+        gap = list(range(following, one)) if following < one <= following + _MOST_GAPS else []
+        if one == following or (gap and given.isdisjoint(gap)):
+            unused += gap
+            following = one + 1
+        else:
+            explicit.add(one)
+    taken = explicit | set(unused)
+    numbers = (number for number in count() if number not in taken)
+    fits = all(one in explicit or one == next(numbers) for one in ids)
+    return (frozenset(explicit), unused) if fits and len(unused) <= _MOST_GAPS else (frozenset(ids), [])
 
 
 def _beside(near: list[Change], indent: str) -> str:

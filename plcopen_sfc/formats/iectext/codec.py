@@ -1,18 +1,44 @@
-"""Textual IEC 61131-3: read and write."""
+"""Textual IEC 61131-3: read and write, and the pieces for patching."""
 
 from __future__ import annotations
 
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.project_writer import write_project
+from plcopen_sfc.formats.iectext.slices import file_slices
+from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 
 def read(data: bytes, *, file: str | None = None) -> Reading:
-    """Read a text. Raises `FormatError`."""
-    project, src = read_project(data.decode("utf-8-sig"), file)
+    """Read a text. Raises `FormatError`; what is wrong inside of it is in the diagnostics."""
+    source = decode(data)
+    if source.text.count("\0") > len(source.text) // _MOST_NULS:
+        hint = "UTF-16 needs a byte order mark."
+        raise EncodingError("this is no text: it is full of NUL bytes", location=Location(file, 1, 1), hint=hint)
+    project, src = read_project(source.text, file)
+    if source.guessed:
+        message = f"not UTF-8; taken as {source.encoding}, which is a guess"
+        src.diagnostics.append(Diagnostic("IEC200", Severity.WARNING, message, Location(file)))
     return Reading(project, src.diagnostics)
+
+
+_MOST_NULS = 8
+
+
+def to_pieces(project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+    """The text of a project by its objects."""
+    return write_project(project, options, report)
+
+
+def slices(content: bytes) -> tuple[SourceText, Slice]:
+    """Where those objects stand in the text of a file."""
+    source = decode(content)
+    project, src = read_project(source.text, None)
+    return source, file_slices(project, src, to_pieces(project, WriteOptions(), ConversionReport()))
 
 
 def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:

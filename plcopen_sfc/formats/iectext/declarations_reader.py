@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from plcopen_sfc.formats.iectext.layout import newlines
 from plcopen_sfc.formats.iectext.outline import Part
 from plcopen_sfc.formats.iectext.source import Source
@@ -32,22 +30,8 @@ def read_return_type(src: Source, span: tuple[int, int], place: str) -> Fields:
     return {"kind": "derived", "name": text}
 
 
-def parsed(src: Source, start: int, end: int, place: str) -> Declared:
-    """The declarations between two offsets; what is wrong with them is noted."""
-    return _declared(src, start, end, place, "")
-
-
 def _declared(src: Source, start: int, end: int, place: str, missing: str) -> Declared:
     text = newlines(src.text[start:end])
     declared = read_declarations(text + missing, src.outline.dialect)
-    for problem in declared.problems[:_MANY]:
-        src.note("IEC111", problem.message, src.place_of(start, text, problem.span[0]), place)
+    src.check(declared.problems, start, end, text, code="IEC111", path=place)
     return declared
-
-
-_MANY = 20
-
-
-def things(declared: Declared) -> list[Any]:
-    """What of the model was declared."""
-    return [found.thing for found in declared.items if found.thing is not None]

@@ -103,8 +103,10 @@ def _as_typed(printer: Printer, keyword: str, name: str, declaration: str | None
         said["return_type"] = read_return_type(src, part.return_type, "")
     position = part.inside[0]
     for inner in part.parts:
-        said.setdefault("sections", []).extend(read_section(src, inner, (position, inner.start), ""))
+        sections = read_section(src, inner, (position, inner.start), "")
         position = inner.end
+        if any(section.get("variables") for section in sections):
+            said.setdefault("sections", []).extend(sections)
     return (text, said) if not src.diagnostics else None
 
 

@@ -85,13 +85,18 @@ class Part:
 
 @dataclass(slots=True)
 class Outline:
-    """The parts of a text, its tokens, and what is wrong with its structure."""
+    """The parts of a text, its tokens, and what is wrong with its `structure`."""
 
     text: str
     dialect: Dialect
     found: Tokens
     parts: list[Part]
-    problems: list[Problem]
+    structure: list[Problem]
+
+    @property
+    def problems(self) -> list[Problem]:
+        """All that is wrong: with tokens, and with the structure."""
+        return [*self.found.problems, *self.structure]
 
     def comments(self, start: int, end: int) -> list[Comment]:
         """The comments and pragmas that stand wholly between two offsets."""
@@ -110,7 +115,7 @@ def outline(text: str, dialect: Dialect) -> Outline:
     found = tokenize(text, dialect, KEYWORDS)
     scan = _Scan(text, found.tokens)
     parts = scan.units()
-    return Outline(text, dialect, found, parts, [*found.problems, *scan.problems])
+    return Outline(text, dialect, found, parts, scan.problems)
 
 
 class _Scan:

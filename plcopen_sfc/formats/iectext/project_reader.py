@@ -25,7 +25,7 @@ _DIALECT = re.compile(r"\{\s*plcopen_sfc\s+project\.dialect\s*:=\s*'(\w+)'\s*\}"
 def read_project(text: str, file: str | None) -> tuple[Project, Source]:
     """The project that a text says."""
     src = Source(outline(text, _dialect(text)), file)
-    for problem in src.outline.problems:
+    for problem in src.outline.structure:
         src.note("IEC101", problem.message, problem.span[0])
     remark = Remark()
     fields: Fields = {}
@@ -38,6 +38,9 @@ def read_project(text: str, file: str | None) -> tuple[Project, Source]:
             pous.append(read_pou(src, part, gap))
         else:
             _read_unit(src, part, gap, fields)
+    for problem in src.outline.found.problems:  # those in bodies were told with their bodies
+        if not any(start <= problem.span[0] < end for start, end in src.checked):
+            src.note("IEC100", problem.message, problem.span[0])
     remark.extend(src.remark(position, len(text)))
     remark.put_into(fields)
     for found, offset in remark.changes:

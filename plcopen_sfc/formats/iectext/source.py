@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import islice
 from xml.sax.saxutils import escape, unescape
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
@@ -11,12 +13,15 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.iectext.layout import taken_comment
 from plcopen_sfc.formats.iectext.outline import Outline
 from plcopen_sfc.languages.pragmas import Change, Fields, NotationError, parse_change
-from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.problems import Lines, Problem
+from plcopen_sfc.languages.st import parse_expression, parse_statements
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 
 OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
 TEXT_DATA = "urn:plcopen-sfc:iec-text"
 """The name of foreign data that holds a piece of text which the model has no place for."""
+_MANY = 20
+"""Findings of one body that are told; the rest mostly follows from these."""
 _SOLID = re.compile(r"\S+")
 _WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
 
@@ -61,7 +66,7 @@ class Source:
     """A text that is being read.
 
     `ignored` are the offsets of pragmas that do not fit and are left out, `named` the transition objects of the POU that
-    is being read, in lower case.
+    is being read, in lower case, `checked` the places whose text was parsed.
     """
 
     outline: Outline
@@ -69,6 +74,7 @@ class Source:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     ignored: set[int] = field(default_factory=set)
     named: frozenset[str] = frozenset()
+    checked: list[tuple[int, int]] = field(default_factory=list)
     _lines: Lines | None = None
 
     @property
@@ -88,6 +94,20 @@ class Source:
         finding = Diagnostic(code, severity, message, self.location(offset, path))
         if finding not in self.diagnostics:
             self.diagnostics.append(finding)
+
+    def check(self, problems: Iterable[Problem], start: int, end: int, text: str, *, code: str, path: str) -> None:
+        """Say what is wrong with `text`, which was taken from between two offsets."""
+        self.checked.append((start, end))
+        for problem in islice(problems, _MANY):
+            self.note(code, problem.message, self.place_of(start, text, problem.span[0]), path)
+
+    def check_code(self, body: Fields, start: int, end: int, path: str) -> None:
+        """Say what is wrong with the statements of a body, or with an expression."""
+        text = body.get("text", "")
+        if body.get("language") == "IL" or not text:
+            return
+        parse = parse_expression if body.get("kind") == "expression" else parse_statements
+        self.check(parse(text, self.outline.dialect).problems, start, end, text, code="IEC110", path=path)
 
     def place_of(self, start: int, text: str, offset: int) -> int:
         """Where the character at `offset` of `text` stands, which was taken from what begins at `start`."""

@@ -25,7 +25,6 @@ from plcopen_sfc.formats.iectext.layout import Block, newlines, taken
 from plcopen_sfc.formats.iectext.outline import Kind, Part
 from plcopen_sfc.formats.iectext.source import Remark, Source, is_own, wrapped
 from plcopen_sfc.languages.pragmas import Change, Fields
-from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model.pou import Pou
 
 _KINDS = {Kind.PROGRAM: "program", Kind.FUNCTION_BLOCK: "functionBlock", Kind.FUNCTION: "function"}
@@ -220,20 +219,8 @@ def _body_region(
     else:
         tokens = [t for t in src.outline.found.tokens if start <= t.span[0] < above]
         container.body = body_fields(text, tokens)
-        _check_statements(src, container.body, start, container.path)
+        src.check_code(container.body, start, above, container.path)
     return above
-
-
-def _check_statements(src: Source, body: Fields, start: int, path: str) -> None:
-    """Say what is wrong with the statements of a body, at their places in the file."""
-    if body["language"] != "ST" or "text" not in body:
-        return
-    for problem in parse_statements(body["text"], src.outline.dialect).problems[:_MANY]:
-        src.note("IEC110", problem.message, src.place_of(start, body["text"], problem.span[0]), path)
-
-
-_MANY = 20
-"""Findings of one body that are told; the rest mostly follows from these."""
 
 
 def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
@@ -282,6 +269,7 @@ def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place
         text = newlines(src.text[begin:end])
         fields["body"] = {"language": "opaque", "source": "iec-text", "content": text}
     elif condition.get("kind") == "expression":
+        src.check_code(condition, begin, end, path)
         fields["body"] = {"language": "ST", "text": condition["text"]}
     else:
         fields["body"] = condition.get("body", {"language": "ST"})
@@ -305,6 +293,8 @@ def _finished(src: Source, container: Container) -> Fields:
     for name in ("actions", "transitions", "methods"):
         if getattr(container, name):
             fields[name] = getattr(container, name)
+    if _is_as_typed(container.remark):  # tools leave sections without variables out of what they list
+        container.sections = [section for section in container.sections if section.get("variables")]
     if container.sections:
         fields.setdefault("interface", {})["sections"] = container.sections
     if container.rest:

@@ -162,7 +162,7 @@ class _Unit:
             if said["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
                 return [Piece(("body", ""), f"{self.inner}:= {lines.text};")]
             return [Piece(("body", ""), f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}")]
-        return [Piece(("body", ""), indented(lines.text, self.inner), apart=not self.alone)]
+        return [Piece(("body", ""), indented(lines.text, self.inner), apart=not self.alone, block=True)]
 
     def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[Piece]:
         chart = body.chart
@@ -176,6 +176,8 @@ class _Unit:
         writer = ChartWriter(self.printer, chart, self.path, self.named, self._action_in_place, self.inner)
         pieces = [Piece(key, text.rstrip("\n"), apart=True) for key, text in writer.pieces()]
         self.late += writer.late
+        if writer.unused:
+            meant["chart"]["unused_ids"] = writer.unused
         return pieces
 
     def _action_in_place(self, name: str, body: Body, indent: str) -> str:

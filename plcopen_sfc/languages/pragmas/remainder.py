@@ -108,10 +108,11 @@ def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[C
                 yield from additions(meant[key], (*path, key))
             else:
                 yield from changes(said[key], meant[key], (*path, key))
-    elif isinstance(said, list) and isinstance(meant, list) and _same_items(said, meant):
-        segments = _segments(meant)
-        for one, other, segment in zip(said, meant, segments, strict=True):
+    elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
+        for one, other, segment in zip(said, meant, _segments(said), strict=False):
             yield from changes(one, other, (*path, segment))
+        for item in meant[len(said) :]:
+            yield Change((*path, Append()), item)
     elif said != meant or type(said) is not type(meant):
         if isinstance(said, list) and isinstance(meant, list) and said and meant:
             yield Change(path, [])
@@ -126,7 +127,7 @@ def _scalar(said: Any) -> Any:
 
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
     """What must be said where the text says nothing: one line for each field and each item of a list."""
-    if isinstance(meant, dict) and meant:
+    if isinstance(meant, dict) and meant and not _is_map(meant):
         for key in sorted(meant):
             yield from additions(meant[key], (*path, key))
     elif isinstance(meant, list) and any(isinstance(item, dict | list) for item in meant):
@@ -140,13 +141,25 @@ def _same_kind(said: Fields, meant: Fields) -> bool:
     return said.get("kind") == meant.get("kind")
 
 
-def _same_items(said: list[Any], meant: list[Any]) -> bool:
-    if len(said) != len(meant) or not said:
+def _is_map(fields: Fields) -> bool:
+    """Whether these are many things of a kind by their names, which are better shown together."""
+    return len(fields) > _MANY and all(isinstance(value, dict) for value in fields.values())
+
+
+_MANY = 4
+
+
+def _starts_alike(said: list[Any], meant: list[Any]) -> bool:
+    """Whether the items of `said` are, by name and kind, those that `meant` begins with."""
+    if len(said) > len(meant) or not said:
         return False
     return all(
-        type(one) is type(other) and (not isinstance(one, dict) or one.get("name") == other.get("name"))
-        for one, other in zip(said, meant, strict=True)
-    )
+        type(one) is type(other) and (not isinstance(one, dict) or all(one.get(key) == other.get(key) for key in _KEYS))
+        for one, other in zip(said, meant, strict=False)
+    ) and (len(said) == len(meant) or isinstance(said[0], dict))
+
+
+_KEYS = ("name", "kind")
 
 
 def _segments(items: list[Any]) -> list[Segment]:
