@@ -459,6 +459,7 @@ def test_what_cannot_be_said_is_a_problem() -> None:
         (4, "nothing leads to this contact; taken as connected to the left power rail"),
         (6, "connector 'out' goes on nowhere"),
         (7, "continuation 'in' comes from nowhere"),
+        (7, "it has no value, and leads nowhere"),
         (8, "an error of the tool that made the file"),
         (9, "an element that only its tool understands"),
         (10, "its input 'IN2' is not connected"),

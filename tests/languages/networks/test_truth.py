@@ -8,6 +8,7 @@ from typing import Any
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.reading import network_statements
@@ -118,7 +119,7 @@ def test_what_is_read_does_the_same(network: LogicNetwork) -> None:
     written = [node for node in network.nodes if isinstance(node, OutputVariable | Coil)]
     assume(written)
     read = network_statements([network])
-    assert not [p for p in read.problems if "leads nowhere" not in p.message]
+    assert {p.message for p in read.problems if p.severity is Severity.ERROR} <= {"its value leads nowhere"}
     for state in states():
         after = execute(read.tree.statements, state)
         expected = run(network, _order(network), state)
