@@ -34,7 +34,7 @@ from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body
-from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import Fate
 
@@ -104,7 +104,7 @@ class ChartWriter:
         parts = [*self.chart.steps, *self.chart.transitions, *(a for _, a in self.chart.associations())]
         return any(
             part.carried is not None
-            or (isinstance(part, Transition) and getattr(part.condition, "kind", "") in ("body", "wired"))
+            or (isinstance(part, Transition) and _is_drawn(part.condition))
             or (isinstance(part, Step) and (part.interlock or part.supervision or part.macro))
             for part in parts
         )
@@ -294,6 +294,13 @@ class ChartWriter:
                 return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
         meant["condition"] = plain_fields(condition, self._lifter(wish, in_place))
         return "", {}
+
+
+def _is_drawn(condition: Condition | None) -> bool:
+    """Whether a condition is a drawing, which stands at the end of the unit."""
+    if isinstance(condition, BodyCondition):
+        return condition.body.language not in ("ST", "IL")
+    return isinstance(condition, WiredCondition)
 
 
 _MOST_GAPS = 8

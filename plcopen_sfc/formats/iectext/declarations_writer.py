@@ -6,7 +6,7 @@ Whatever the declarations of another tool hold, it is written, read back, and wh
 from __future__ import annotations
 
 from plcopen_sfc.formats.iectext.declarations_reader import read_return_type, read_section, read_types
-from plcopen_sfc.formats.iectext.layout import newlines
+from plcopen_sfc.formats.iectext.layout import INDENT, newlines
 from plcopen_sfc.formats.iectext.outline import Kind, Part, outline
 from plcopen_sfc.formats.iectext.printing import Printer
 from plcopen_sfc.formats.iectext.source import Source, unwrapped
@@ -34,7 +34,7 @@ def write_interface(
         _keep_as_typed(meant["interface"], interface.declaration or "", text)
         return text, []
     header = _header(printer, keyword, name, interface, indent, meant, said)
-    sections = [write_said_section(printer, section, indent + "  ") for section in interface.sections]
+    sections = [write_said_section(printer, section, indent + INDENT) for section in interface.sections]
     if sections:
         said["interface"]["sections"] = [fields for _, fields in sections]
     return header, [text for text, _ in sections]

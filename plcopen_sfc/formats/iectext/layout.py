@@ -6,7 +6,7 @@ import os
 import re
 from typing import NamedTuple
 
-INDENT = "  "
+INDENT = "    "
 _FIRST_LINE_END = re.compile(r"[ \t]*\n")
 _BLANK_LINES_BEFORE = re.compile(r"(?:[ \t]*\n)*")
 _MARK_OR_CONTROL = re.compile(r"\(\*|\*\)|[\x00-\x08\x0b-\x1f\x7f\x85\u2028\u2029\ufeff]")

@@ -109,7 +109,7 @@ def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[C
             else:
                 yield from changes(said[key], meant[key], (*path, key))
     elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
-        for one, other, segment in zip(said, meant, _segments(said), strict=False):
+        for one, other, segment in zip(said, meant, _segments(said, meant), strict=False):
             yield from changes(one, other, (*path, segment))
         for item in meant[len(said) :]:
             yield Change((*path, Append()), item)
@@ -150,26 +150,31 @@ _MANY = 4
 
 
 def _starts_alike(said: list[Any], meant: list[Any]) -> bool:
-    """Whether the items of `said` are, by name and kind, those that `meant` begins with."""
-    if len(said) > len(meant) or not said:
+    """Whether the items of `said` are those that `meant` begins with; in a list as long, some may have other names."""
+    if not said or len(said) > len(meant) or any(type(o) is not type(t) for o, t in zip(said, meant, strict=False)):
         return False
-    return all(
-        type(one) is type(other) and (not isinstance(one, dict) or all(one.get(key) == other.get(key) for key in _KEYS))
-        for one, other in zip(said, meant, strict=False)
-    ) and (len(said) == len(meant) or isinstance(said[0], dict))
+    if not all(isinstance(item, dict) for item in said):
+        return len(said) == len(meant)
+    alike = sum(all(o.get(key) == t.get(key) for key in _KEYS) for o, t in zip(said, meant, strict=False))
+    return alike == len(said) or (len(said) == len(meant) and 2 * alike >= len(said))
 
 
 _KEYS = ("name", "kind")
 
 
-def _segments(items: list[Any]) -> list[Segment]:
-    """How to point at each item: by its name, if it is the only one of that name."""
-    names = [item.get("name") if isinstance(item, dict) else None for item in items]
-    folded = [name.casefold() if isinstance(name, str) else None for name in names]
+def _segments(said: list[Any], meant: list[Any]) -> list[Segment]:
+    """How to point at each item: by its name, if it keeps that and is the only one of that name."""
+    names = [_name(item) for item in said]
+    folded = [name.casefold() for name in names]
     return [
-        Named(name) if isinstance(name, str) and folded.count(name.casefold()) == 1 else index
-        for index, name in enumerate(names)
+        Named(name) if name and folded.count(name.casefold()) == 1 and _name(other) == name else index
+        for index, (name, other) in enumerate(zip(names, meant, strict=False))
     ]
+
+
+def _name(item: Any) -> str:
+    name = item.get("name") if isinstance(item, dict) else None
+    return name if isinstance(name, str) else ""
 
 
 # -- applying ---------------------------------------------------------------------------------------------------------
