@@ -1,0 +1,86 @@
+"""Writes the rows of GRAPH actions as tokens. The reader is `actions_reader`."""
+
+from __future__ import annotations
+
+import re
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.writing import sub
+from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
+from plcopen_sfc.model.body import StBody
+
+_CALL = re.compile(r'("[^"]+"|#?\w+(?:\.\w+)*)\((.*)\);?', re.DOTALL)
+_ARGUMENT = re.compile(r"([^\W\d]\w*) (:=|=>) (.*)", re.DOTALL)
+_INDENT = 4
+SAYABLE = frozenset(
+    {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.D, Qualifier.L, Qualifier.CALL}
+    | {Qualifier.ON, Qualifier.OFF, Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR}
+    | {Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF}
+)
+"""The qualifiers that GRAPH has."""
+AS_EVENTS = {Qualifier.P1: ActionEvent.S1, Qualifier.P: ActionEvent.S1, Qualifier.P0: ActionEvent.S0}
+"""Qualifiers of IEC 61131-3 that GRAPH says with an event: once at activation (P1, P), or at deactivation (P0)."""
+
+
+def write_row(element: etree._Element, action: ActionAssociation) -> None:
+    """Fill ``Action`` with what an association does."""
+    event, qualifier = action.event, action.qualifier
+    if qualifier in AS_EVENTS and event is None:
+        event, qualifier = AS_EVENTS[qualifier], Qualifier.N
+    if event is not None and event is not ActionEvent.C:
+        element.set("Event", event.value)
+    if action.interlock or event is ActionEvent.C:
+        element.set("Interlock", "true")
+    name = {Qualifier.CALL: "N", Qualifier.NONE: "", Qualifier.R0: "R"}.get(qualifier, qualifier.value)
+    if name:
+        element.set("Qualifier", name)
+    tokens = _tokens(action)
+    for token in [*tokens, "\n"] if tokens else []:
+        sub(element, "Token", {"Text": legal(token)})
+
+
+def _tokens(action: ActionAssociation) -> list[str]:
+    if isinstance(action.body, StBody):
+        called = _CALL.fullmatch(action.body.text.strip()) if action.qualifier is Qualifier.CALL else None
+        return _call(called[1], called[2]) if called is not None else [action.body.text]
+    if action.target is None:
+        return []
+    if action.duration is not None:
+        return [action.target, ",", action.duration]
+    if action.value is not None:
+        return [action.target, "," if action.qualifier is Qualifier.CS else ":=", action.value]
+    return [action.target]
+
+
+def _call(callee: str, arguments: str) -> list[str]:
+    """The tokens of a call, laid out as the editor does: a parameter on each line."""
+    tokens = ["CALL", " ", callee, " ", "\n", " " * _INDENT, "("]
+    for number, argument in enumerate(_split(arguments)):
+        found = _ARGUMENT.fullmatch(argument)
+        words = [found[1], " ", found[2], " ", found[3]] if found is not None else [argument]
+        tokens += words if number == 0 else [" " * (_INDENT + 1), *words]
+        tokens.append("\n")
+    if tokens[-1] == "\n":
+        tokens.append(" " * _INDENT)
+    return [*tokens, ")"]
+
+
+def _split(arguments: str) -> list[str]:
+    """The arguments of a call: parted at commas that stand in no string and no brackets."""
+    parts, depth, quote, start = [], 0, "", 0
+    for place, letter in enumerate(arguments):
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "'\"":
+            quote = letter
+        elif letter in "([":
+            depth += 1
+        elif letter in ")]":
+            depth -= 1
+        elif letter == "," and depth == 0:
+            parts.append(arguments[start:place].strip())
+            start = place + 1
+    last = arguments[start:].strip()
+    return [*parts, last] if last else parts

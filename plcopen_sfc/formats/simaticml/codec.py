@@ -1,0 +1,61 @@
+"""SimaticML: read, write, and the tree for patching."""
+
+from __future__ import annotations
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.simaticml.bodies_reader import misfit
+from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, find_version, read_project
+from plcopen_sfc.formats.simaticml.project_writer import write_project
+from plcopen_sfc.formats.simaticml.reading import local
+from plcopen_sfc.formats.simaticml.versions import DEFAULT, version_named
+from plcopen_sfc.formats.xml import writing
+from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport
+
+
+def read(data: bytes, *, file: str | None = None) -> Reading:
+    """Read a document of TIA Portal Openness. Raises `FormatError`."""
+    with collector_paused():
+        root = parse(data, file=file)
+        version = find_version(root, file=file)
+        fields, ctx = read_project(root, version, file=file, lines=SourceLines(root, data))
+        try:
+            project = Project.model_validate(fields)
+        except ValidationError as error:
+            raise misfit(error, file) from error
+    return Reading(project, ctx.diagnostics, version.name)
+
+
+def lines(content: bytes, project: Project) -> dict[str, int]:
+    """The line of each block of `project` in the file `content`, by the path that the report gives it."""
+    found: dict[str, int] = {}
+    names = {pou.name for pou in project.pous}
+    for element in parse(content).iter("{*}Name"):
+        holder = element.getparent()
+        owner = holder.getparent() if holder is not None else None
+        if owner is not None and element.text in names and local(owner).startswith("SW.Blocks."):
+            line = owner.sourceline
+            found.setdefault(f"POU {element.text}", line if isinstance(line, int) else 1)
+    return found
+
+
+def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+    """The tree of the document for `project`."""
+    given = options.version or (project.header.version if project.header.product == PRODUCT else "")
+    return write_project(project, version_named(given) or DEFAULT, report, options)
+
+
+def style(_project: Project, _options: WriteOptions) -> XmlStyle:
+    """As TIA Portal writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""
+    return XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
+
+
+def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+    """Write a document anew."""
+    return writing.write(to_tree(project, options, report), style(project, options))

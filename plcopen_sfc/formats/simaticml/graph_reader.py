@@ -1,0 +1,289 @@
+"""Reads ``Graph``, the program of an S7-GRAPH block, into a chart. The writer is `graph_writer`."""
+
+from __future__ import annotations
+
+import copy
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.actions_reader import read_action
+from plcopen_sfc.formats.simaticml.networks import read_flgnet_body
+from plcopen_sfc.formats.simaticml.reading import (
+    TRUTHS,
+    Fields,
+    NotUnderstoodError,
+    ReadContext,
+    attributes,
+    carried,
+    carry_attribute,
+    carry_element,
+    children,
+    local,
+    read_languages,
+    whole_number,
+)
+from plcopen_sfc.formats.simaticml.topology import Link, Ref
+from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, usual_order
+from plcopen_sfc.model.drawing import SymbolKind
+
+CONNECTIONS = "Connections"
+"""Carried attribute of a sequence: the order of its connections, where it is not the one that we write."""
+
+
+def read_graph(ctx: ReadContext, element: etree._Element, late: Fields) -> Fields:
+    """Read ``Graph``. `late` is what the block says of its chart."""
+    return _ChartReader(ctx).read(element, late)
+
+
+class _ChartReader:
+    def __init__(self, ctx: ReadContext) -> None:
+        self.ctx = ctx
+        self._last = 0
+        self.chart: Fields = {"steps": [], "transitions": [], "sequences": [], "permanent_pre": []}
+        self.chart["permanent_post"] = []
+        self.topology = TopologyReader(ctx, self.new_id)
+        self._connections: list[tuple[Fields, etree._Element]] = []
+
+    def new_id(self) -> int:
+        """The next id."""
+        self._last += 1
+        return self._last
+
+    def read(self, element: etree._Element, late: Fields) -> Fields:
+        """Read the whole block."""
+        chart = self.chart
+        categories: list[Fields] = []
+        for child in children(element):
+            kind = local(child)
+            if kind == "PreOperations":
+                chart["permanent_pre"] = self._operations(child)
+            elif kind == "PostOperations":
+                chart["permanent_post"] = self._operations(child)
+            elif kind == "Sequence":
+                self._sequence(child)
+            elif kind == "AlarmsSettings":
+                categories = _categories(chart, child)
+            else:
+                carry_element(chart, child)
+        self._structure()
+        settings = {**late.get("graph_settings", {}), "alarm_categories": categories}
+        return {**chart, **late, "graph_settings": settings}
+
+    def _structure(self) -> None:
+        """Read what connects steps and transitions, when all of them are known."""
+        try:
+            for sequence, element in self._connections:
+                refs = list(self.topology.found.symbols)
+                links = self.topology.connections(element)
+                if links != usual_order(links, refs):
+                    carry_attribute(sequence, CONNECTIONS, " ".join(map(str, links)))
+            self.topology.finish(self.chart)
+        except NotUnderstoodError as error:
+            self.ctx.error("SFC102", f"the connections of the chart are kept but not understood: {error}", element)
+            self.chart.pop("drawing", None)
+            for sequence, connections in self._connections:
+                carry_element(sequence, connections)
+                parent = connections.getparent()
+                for child in parent if parent is not None else ():
+                    if local(child) == "Branches":
+                        carry_element(sequence, child)
+
+    def _operations(self, element: etree._Element) -> list[Fields]:
+        found: list[Fields] = []
+        shell = _shell(element)
+        for child in children(element):
+            if local(child) != "PermanentOperation":
+                shell.append(copy.deepcopy(child))
+                continue
+            fields: Fields = {"body": read_flgnet_body(self.ctx, child)}
+            for part in children(child):
+                if not _text(fields, part, "Title", "title") and local(part) != "FlgNet":
+                    carry_element(fields, part)
+            found.append(fields)
+        _keep_shell(self.chart, shell)
+        return found
+
+    def _sequence(self, element: etree._Element) -> None:
+        sequence: Fields = {"steps": []}
+        self.chart["sequences"].append(sequence)
+        for child in children(element):
+            kind = local(child)
+            if kind == "Steps":
+                for step in children(child):
+                    self._step(step, sequence)
+            elif kind == "Transitions":
+                for transition in children(child):
+                    self._transition(transition)
+            elif kind == "Branches":
+                self._branches(sequence, child)
+            elif kind == CONNECTIONS:
+                self._connections.append((sequence, child))
+            elif not _text(sequence, child, "Title", "title") and not _text(sequence, child, "Comment", "comment"):
+                carry_element(sequence, child)
+
+    def _branches(self, sequence: Fields, element: etree._Element) -> None:
+        for child in children(element):
+            try:
+                self.topology.branch(child)
+            except NotUnderstoodError:
+                self.ctx.error("SFC102", "a branch is damaged", child)
+                carry_element(sequence, child)
+
+    def _step(self, element: etree._Element, sequence: Fields) -> None:
+        left = attributes(element)
+        number = whole_number(left.pop("Number", None))
+        fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number, "actions": []}
+        self.ctx.place.append(f"step {fields['name']}")
+        fields["initial"] = TRUTHS.get(left.pop("Init", "false"), False)
+        fields["max_time"] = left.pop("MaximumStepTime", None)
+        fields["warning_time"] = left.pop("WarningTime", None)
+        if left.get("IsMissing") == "false":
+            del left["IsMissing"]
+        for child in children(element):
+            kind = local(child)
+            if kind == "Actions":
+                self._actions(fields, child)
+            elif kind in ("Supervisions", "Interlocks"):
+                self._supervised(fields, child, kind[:-1])
+            elif not _text(fields, child, "StepName", "title") and not _text(fields, child, "Comment", "comment"):
+                carry_element(fields, child)
+        for name, value in left.items():
+            carry_attribute(fields, name, value)
+        self.chart["steps"].append(fields)
+        sequence["steps"].append(fields["id"])
+        if number is None:
+            self.ctx.error("SFC107", "a step has no usable number", element)
+        else:
+            self.topology.add(Ref("S", number), SymbolKind.STEP, fields["id"], element)
+        if fields["actions"]:
+            self.topology.add_actions(fields["id"], [action["id"] for action in fields["actions"]])
+        self.ctx.place.pop()
+
+    def _actions(self, step: Fields, element: etree._Element) -> None:
+        shell = _shell(element)
+        rows = children(element)
+        for row in rows:
+            if local(row) != "Action":
+                shell.append(copy.deepcopy(row))
+            elif row is not rows[-1] or len(row) or row.attrib:  # the last row of the editor is an empty one
+                step["actions"].append({"id": self.new_id(), **read_action(row)})
+        _keep_shell(step, shell)
+
+    def _supervised(self, step: Fields, element: etree._Element, kind: str) -> None:
+        shell = _shell(element)
+        for child in children(element):
+            name = kind.lower()
+            if local(child) != kind or name in step:
+                shell.append(copy.deepcopy(child))
+                continue
+            fields: Fields = {"condition": self._condition(child)}
+            unknown = [
+                part
+                for part in children(child)
+                if local(part) != "FlgNet"
+                and not _text(fields, part, "Title", "title")
+                and not _text(fields, part, "AlarmText", "alarm")
+            ]
+            for part in unknown:
+                shell.append(copy.deepcopy(part))
+            step[name] = fields if fields != {"condition": None} else None
+        _keep_shell(step, shell)
+
+    def _condition(self, element: etree._Element) -> Fields | None:
+        """The condition of a transition, interlock or supervision; None for the empty network of LAD."""
+        body = read_flgnet_body(self.ctx, element)
+        if body["language"] == "LD" and body["networks"] and "carried" not in body:
+            nodes = body["networks"][0]["nodes"]
+            if len(nodes) == _EMPTY and "carried" not in body["networks"][0] and nodes[1]["kind"] == "coil":
+                return None
+        name = RESULT_OF.get(local(element), "")
+        return {"kind": "body", "name": name, "body": body}
+
+    def _transition(self, element: etree._Element) -> None:
+        left = attributes(element)
+        left.pop("ProgrammingLanguage", None)
+        number = whole_number(left.pop("Number", None))
+        fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number}
+        self.ctx.place.append(f"transition {fields['name']}")
+        condition = self._condition(element)
+        fields["condition"] = condition if condition is not None else {"kind": "expression", "text": "TRUE"}
+        if left.get("IsMissing") == "false":
+            del left["IsMissing"]
+        for child in children(element):
+            texts = (("TransitionName", "title"), ("Comment", "comment"))
+            if local(child) != "FlgNet" and not any(_text(fields, child, name, field) for name, field in texts):
+                carry_element(fields, child)
+        for name, value in left.items():
+            carry_attribute(fields, name, value)
+        self.chart["transitions"].append(fields)
+        if number is None:
+            self.ctx.error("SFC107", "a transition has no usable number", element)
+        else:
+            self.topology.add(Ref("T", number), SymbolKind.TRANSITION, fields["id"], element)
+        self.ctx.place.pop()
+
+
+RESULT_OF = {"Transition": "TrCoil", "Interlock": "IlCoil", "Supervision": "SvCoil"}
+"""The coil in which the network of each of them ends."""
+_EMPTY = 2
+"""The elements of an empty network of LAD: the power rail and the coil."""
+
+
+def _text(fields: Fields, element: etree._Element, name: str, field: str) -> bool:
+    """Read a text in several languages; False where it is none."""
+    if local(element) != name or field in fields or element.attrib:
+        return False
+    text = read_languages(element)
+    if text is None:
+        return False
+    fields[field] = text
+    return True
+
+
+def _shell(element: etree._Element) -> etree._Element:
+    """An empty element for what is not understood of `element`."""
+    return etree.Element(element.tag, nsmap=element.nsmap)  # type: ignore[arg-type]  # lxml-stubs: str keys only
+
+
+def _keep_shell(owner: Fields, shell: etree._Element) -> None:
+    """Keep what is in a shell with the object that the element belongs to."""
+    if len(shell):
+        carry_element(owner, shell)
+
+
+def _categories(chart: Fields, element: etree._Element) -> list[Fields]:
+    """Read ``AlarmsSettings``."""
+    found: list[Fields] = []
+    shell = _shell(element)
+    for child in children(element):
+        entries = children(child) if local(child) == "AlarmSupervisionCategories" else [child]
+        for entry in entries:
+            fields = _category(entry)
+            if fields is None:
+                shell.append(copy.deepcopy(entry))
+            else:
+                found.append(fields)
+    _keep_shell(chart, shell)
+    return found
+
+
+def _category(element: etree._Element) -> Fields | None:
+    left = attributes(element)
+    number, display = whole_number(left.pop("Id", None)), left.pop("DisplayClass", None)
+    tokens = children(element)
+    if number is None or left or len(tokens) > 1 or (display is not None and whole_number(display) is None):
+        return None
+    text = None
+    if tokens:
+        if local(tokens[0]) != "Token" or set(tokens[0].attrib) != {"Text"}:
+            return None
+        text = tokens[0].get("Text")
+    return {"name": local(element), "id": number, "display_class": whole_number(display), "text": text}
+
+
+def carried_order(links: str) -> dict[str, int]:
+    """The place of each connection in the order of the file."""
+    return {link: place for place, link in enumerate(links.split())}
+
+
+__all__ = ["CONNECTIONS", "RESULT_OF", "Link", "carried", "carried_order", "read_graph"]

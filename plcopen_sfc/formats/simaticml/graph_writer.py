@@ -1,0 +1,351 @@
+"""Writes a chart as ``Graph``, the program of an S7-GRAPH block. The reader is `graph_reader`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.actions_reader import row_fields
+from plcopen_sfc.formats.simaticml.actions_writer import AS_EVENTS, SAYABLE, write_row
+from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, carried_order
+from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
+from plcopen_sfc.formats.simaticml.topology import Ref, write_link
+from plcopen_sfc.formats.simaticml.topology_writer import TopologyWriter
+from plcopen_sfc.formats.simaticml.writing import (
+    WriteContext,
+    add_element,
+    finish,
+    flag,
+    sub,
+    verbatim,
+    write_languages,
+)
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import Body, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.network import Coil, InputPin, LeftPowerRail, LogicNetwork
+from plcopen_sfc.model.network import Connection as Wire
+from plcopen_sfc.model.sfc import (
+    AlarmCategory,
+    PermanentOperation,
+    Sequence,
+    SfcNetwork,
+    Step,
+    Supervised,
+    Transition,
+)
+from plcopen_sfc.report import Fate
+
+_USUAL_CATEGORIES = (
+    *((f"AlarmSupervisionCategory {number}", number) for number in range(1, 9)),
+    ("AlarmInterlockCategory", 1),
+    ("AlarmSubcategory1Interlock", 0),
+    ("AlarmSubcategory2Interlock", 0),
+    ("AlarmCategorySupervision", 1),
+    ("AlarmSubcategory1Supervision", 0),
+    ("AlarmSubcategory2Supervision", 0),
+    ("AlarmWarningCategory", 2),
+    ("AlarmSubcategory1Warning", 0),
+    ("AlarmSubcategory2Warning", 0),
+)
+_FIRST_CATEGORIES = frozenset({"AlarmSupervisionCategory", "AlarmInterlockCategory", "AlarmWarningCategory"})
+"""The categories that Graph v1 and v2 have."""
+_ALL_CATEGORIES = 4
+"""The schema version from which on all categories are written."""
+
+
+def write_graph(ctx: WriteContext, root: etree._Element, chart: SfcNetwork) -> None:
+    """Fill the ``Graph`` element `root`. The chart must be drawn."""
+    _ChartWriter(ctx, chart).write(root)
+
+
+class _ChartWriter:
+    def __init__(self, ctx: WriteContext, chart: SfcNetwork) -> None:
+        self.ctx = ctx
+        self.chart = chart
+        self.schema = ctx.schemas.get("Graph", ctx.version.graph)
+        self.step_numbers = _numbers((step.id, step.number) for step in chart.steps)
+        self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
+
+    def write(self, root: etree._Element) -> None:
+        """Write the whole block."""
+        chart = self.chart
+        self._operations(root, "PreOperations", chart.permanent_pre)
+        for sequence, transitions in self._sequences():
+            self._sequence(root, sequence, transitions)
+        self._operations(root, "PostOperations", chart.permanent_post)
+        self._alarms(root)
+        own = ("PreOperations", "PostOperations", "AlarmsSettings")
+        for content in _unknown(chart.carried):
+            if not _is_shell(content, *own):
+                add_element(self.ctx, root, content)
+        native = {"steps", "transitions", "sequences", "permanent_pre", "permanent_post", "drawing", "graph_settings"}
+        finish(self.ctx, root, chart, frozenset(native))
+
+    def _operations(self, parent: etree._Element, name: str, operations: list[PermanentOperation]) -> None:
+        element = sub(parent, name)
+        self._fill_shell(element, self.chart.carried, name)
+        for operation in operations:
+            child = sub(element, "PermanentOperation")
+            write_languages(self.ctx, child, "Title", operation.title)
+            for content in _unknown(operation.carried):
+                add_element(self.ctx, child, content)
+            write_flgnet_body(self.ctx, child, operation.body or LdBody())
+            self.ctx.keep("permanent operation")
+            finish(self.ctx, child, operation, frozenset({"title", "body"}))
+
+    def _fill_shell(self, element: etree._Element, carried: Carried | None, name: str) -> None:
+        """Add what was not understood of an element."""
+        for content in _unknown(carried):
+            if _is_shell(content, name):
+                holder = etree.Element("holder")
+                add_element(self.ctx, holder, content)
+                element.extend(list(holder[0]))
+
+    def _sequences(self) -> list[tuple[Sequence, list[Transition]]]:
+        """The sequences with their transitions; what belongs to none stands in the last one."""
+        sequences = list(self.chart.sequences) or [Sequence(steps=[step.id for step in self.chart.steps])]
+        member = {number: index for index, sequence in enumerate(sequences) for number in sequence.steps}
+        lost = [step.id for step in self.chart.steps if step.id not in member]
+        if lost:
+            sequences[-1] = sequences[-1].model_copy(update={"steps": [*sequences[-1].steps, *lost]})
+            member.update(dict.fromkeys(lost, len(sequences) - 1))
+        found: list[list[Transition]] = [[] for _ in sequences]
+        for transition in self.chart.transitions:
+            index = next((member[s] for s in (*transition.sources, *transition.targets) if s in member), -1)
+            found[index].append(transition)
+        return list(zip(sequences, found, strict=True))
+
+    def _sequence(self, parent: etree._Element, sequence: Sequence, transitions: list[Transition]) -> None:
+        ctx = self.ctx
+        element = sub(parent, "Sequence")
+        write_languages(ctx, element, "Title", sequence.title)
+        write_languages(ctx, element, "Comment", sequence.comment)
+        steps = {step.id: step for step in self.chart.steps}
+        holder = sub(element, "Steps")
+        for number in sequence.steps:
+            if number in steps:
+                self._step(holder, steps[number])
+        holder = sub(element, "Transitions")
+        for transition in transitions:
+            self._transition(holder, transition)
+        kept = _unknown(sequence.carried)
+        if any(_is_shell(content, CONNECTIONS) for content in kept):
+            for content in reversed(kept):
+                add_element(ctx, element, content)
+        else:
+            self._topology(element, sequence, {t.id for t in transitions})
+            for content in kept:
+                if _is_shell(content, "Branch"):
+                    branches = next(child for child in element if str(child.tag).endswith("Branches"))
+                    add_element(ctx, branches, content)
+                else:
+                    add_element(ctx, element, content)
+        finish(ctx, element, sequence, frozenset({"title", "comment", "steps"}))
+
+    def _topology(self, element: etree._Element, sequence: Sequence, transitions: set[int]) -> None:
+        if self.chart.drawing is None:
+            return
+        writer = TopologyWriter(self.chart, self.chart.drawing, self.step_numbers, self.transition_numbers)
+        members = {("S", self.step_numbers[i]) for i in sequence.steps if i in self.step_numbers}
+        members |= {("T", self.transition_numbers[i]) for i in transitions}
+        links = [link for link in writer.links() if self._belongs(link.source, members, writer)]
+        order = carried_order(_attributes(sequence.carried).get(CONNECTIONS, ""))
+        links.sort(key=lambda link: order.get(str(link), len(order)))
+        used = {ref.number for link in links for ref in (link.source, link.target) if ref and ref.kind == "B"}
+        holder = sub(element, "Branches")
+        alone = len(self.chart.sequences) < _TWO
+        for symbol, attributes in writer.branches():
+            if alone or int(attributes["Number"]) in used:
+                branch = sub(holder, "Branch", attributes)
+                finish(self.ctx, branch, symbol, frozenset(_SYMBOL))
+        holder = sub(element, CONNECTIONS)
+        for link in links:
+            write_link(holder, link)
+        for problem in dict.fromkeys(writer.problems):
+            self.ctx.note(Fate.APPROXIMATED, "branch", why=problem)
+
+    def _belongs(self, source: Ref, members: set[tuple[str, int]], writer: TopologyWriter) -> bool:
+        """Whether a connection that starts at a step, transition or branch is one of a sequence."""
+        if source.kind != "B":
+            return (source.kind, source.number) in members
+        return len(self.chart.sequences) < _TWO or writer.leads_from(source.number, members)
+
+    def _step(self, parent: etree._Element, step: Step) -> None:
+        ctx = self.ctx
+        attributes = {"Number": str(self.step_numbers[step.id]), "Init": flag(step.initial), "Name": step.name}
+        if step.max_time is not None:
+            attributes["MaximumStepTime"] = step.max_time
+        if step.warning_time is not None:
+            attributes["WarningTime"] = step.warning_time
+        element = sub(parent, "Step", attributes)
+        for name, value in _attributes(step.carried).items():
+            element.set(name, value)
+        ctx.place.append(f"step {step.name}")
+        native = {"id", "name", "number", "initial", "max_time", "warning_time", "actions", "interlock", "supervision"}
+        if self.schema > 1:
+            write_languages(ctx, element, "StepName", step.title)
+            native.add("title")
+        write_languages(ctx, element, "Comment", step.comment)
+        actions = sub(element, "Actions")
+        self._fill_shell(actions, step.carried, "Actions")
+        for action in step.actions:
+            self._action(actions, action)
+        sub(actions, "Action")
+        self._supervised(element, step, "Supervision", step.supervision)
+        self._supervised(element, step, "Interlock", step.interlock)
+        own = ("Actions", "Supervisions", "Interlocks")
+        for content in _unknown(step.carried):
+            if not _is_shell(content, *own):
+                add_element(ctx, element, content)
+        ctx.keep("step")
+        finish(ctx, element, step, frozenset(native | {"comment"}))
+        ctx.place.pop()
+
+    def _action(self, parent: etree._Element, action: ActionAssociation) -> None:
+        kept = verbatim(self.ctx, action.carried)
+        target = action.target or (action.body.text if isinstance(action.body, StBody) else "")
+        if kept is not None and _says(kept, action):
+            parent.append(kept)
+            self.ctx.keep("action", target)
+            return
+        if isinstance(action.body, OpaqueBody):
+            add_element(self.ctx, parent, action.body.content)
+            self.ctx.keep("action")
+            return
+        element = sub(parent, "Action")
+        write_row(element, action)
+        native = {"id", "qualifier", "target", "value", "duration", "event", "interlock"}
+        if isinstance(action.body, StBody) or action.body is None:
+            native.add("body")
+        if action.qualifier in AS_EVENTS:
+            self.ctx.note(Fate.TRANSLATED, "action", target, f"{action.qualifier} is said with an event")
+        elif action.qualifier not in SAYABLE:
+            self.ctx.note(Fate.APPROXIMATED, "action", target, f"S7-GRAPH has no qualifier {action.qualifier}")
+        else:
+            self.ctx.keep("action", target)
+        finish(self.ctx, element, action, frozenset(native))
+
+    def _supervised(self, parent: etree._Element, step: Step, kind: str, supervised: Supervised | None) -> None:
+        holder = sub(parent, f"{kind}s")
+        element = sub(holder, kind)
+        supervised = supervised or Supervised()
+        write_languages(self.ctx, element, "Title", supervised.title)
+        write_languages(self.ctx, element, "AlarmText", supervised.alarm)
+        self._condition(element, supervised.condition, kind)
+        self._fill_shell(holder, step.carried, f"{kind}s")
+
+    def _condition(self, element: etree._Element, condition: Condition | None, kind: str) -> None:
+        name = RESULT_OF[kind]
+        body: Body = empty_network(name)
+        if isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition.body):
+            body = condition.body
+        elif condition is not None and not _is_always(condition):
+            self.ctx.note(Fate.CARRIED, f"condition of the {kind.lower()}", why="it is no network of LAD or FBD")
+            carrier = Transition(id=0, condition=condition)
+            finish(self.ctx, element, carrier, frozenset({"id"}))
+        write_flgnet_body(self.ctx, element, body)
+
+    def _transition(self, parent: etree._Element, transition: Transition) -> None:
+        ctx = self.ctx
+        number = self.transition_numbers[transition.id]
+        name = transition.name or f"Trans{number}"
+        element = sub(parent, "Transition", {"IsMissing": "false", "Name": name, "Number": str(number)})
+        for key, value in _attributes(transition.carried).items():
+            element.set(key, value)
+        ctx.place.append(f"transition {self.chart.label(transition)}")
+        native = {"id", "name", "number", "sources", "targets", "condition", "priority", "comment"}
+        if self.schema > 1:
+            write_languages(ctx, element, "TransitionName", transition.title)
+            native.add("title")
+        write_languages(ctx, element, "Comment", transition.comment)
+        for content in _unknown(transition.carried):
+            add_element(ctx, element, content)
+        self._condition(element, transition.condition, "Transition")
+        ctx.keep("transition")
+        finish(ctx, element, transition, frozenset(native))
+        ctx.place.pop()
+
+    def _alarms(self, parent: etree._Element) -> None:
+        settings = self.chart.graph_settings
+        given = list(settings.alarm_categories) if settings is not None else []
+        categories = given or [
+            AlarmCategory(name=name.partition(" ")[0], id=number, display_class=0 if " " in name else None)
+            for name, number in _USUAL_CATEGORIES
+            if self.schema >= _ALL_CATEGORIES or name.partition(" ")[0] in _FIRST_CATEGORIES
+        ]
+        element = sub(parent, "AlarmsSettings")
+        group = sub(element, "AlarmSupervisionCategories")
+        for category in categories:
+            owner = group if category.name == "AlarmSupervisionCategory" else element
+            attributes = {"Id": str(category.id)}
+            if category.display_class is not None:
+                attributes["DisplayClass"] = str(category.display_class)
+            child = sub(owner, category.name, attributes)
+            if category.text is not None:
+                sub(child, "Token", {"Text": category.text})
+        self._fill_shell(element, self.chart.carried, "AlarmsSettings")
+
+
+_TWO = 2
+_SYMBOL = ("id", "kind", "inputs", "outputs", "local_id", "name")
+
+
+def empty_network(result: str) -> LdBody:
+    """The network that LAD shows for no condition: the rail leads to the coil."""
+    coil = Coil(id=1, variable=result, input=InputPin(connections=[Wire(source=0)]))
+    return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), coil])])
+
+
+def _is_flgnet(body: Body) -> bool:
+    """Whether a body stands in the place of a network of GRAPH as it is."""
+    if isinstance(body, OpaqueBody):
+        return body.source == "simaticml"
+    return body.language in ("LD", "FBD") and any(
+        isinstance(node, Coil) and node.variable in RESULT_OF.values()
+        for network in getattr(body, "networks", [])
+        for node in network.nodes
+    )
+
+
+def _is_always(condition: Condition) -> bool:
+    return isinstance(condition, Expression) and not condition.negated and condition.text.strip().upper() == "TRUE"
+
+
+def _says(kept: etree._Element, action: ActionAssociation) -> bool:
+    """Whether a row of the file still says what the association says."""
+    same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept)})
+    return same == action.model_copy(update={"carried": None})
+
+
+def _numbers(given: Iterable[tuple[int, int | None]]) -> dict[int, int]:
+    """The number of each thing: its own where nothing before it has it, else the next free one."""
+    pairs = list(given)
+    numbers: dict[int, int] = {}
+    taken: set[int] = set()
+    for key, number in pairs:
+        if number is not None and number not in taken:
+            numbers[key] = number
+            taken.add(number)
+    following = max(taken, default=0)
+    for key, _ in pairs:
+        if key not in numbers:
+            following += 1
+            numbers[key] = following
+    return {key: numbers[key] for key, _ in pairs}
+
+
+def _unknown(carried: Carried | None) -> list[str]:
+    return carried.elements if carried is not None else []
+
+
+def _attributes(carried: Carried | None) -> dict[str, str]:
+    return carried.attributes if carried is not None else {}
+
+
+def _is_shell(content: str, *names: str) -> bool:
+    """Whether carried markup is what was not understood of one of the elements `names`."""
+    head = content[1:].partition(">")[0].partition(" ")[0].rstrip("/")
+    return head in names

@@ -1,0 +1,132 @@
+"""Writes interfaces: sections and members. The reader is `interface_reader`."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, SECTIONS, usual_form
+from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
+from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
+from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, SimpleValue, StructType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import Fate
+
+_NAMES = {kind: name for name, kind in SECTIONS.items()}
+_ORDER = ["Base", *SECTIONS]
+
+
+def write_interface(
+    ctx: WriteContext, parent: etree._Element, interface: Interface, renamed: dict[str, str] | None = None
+) -> None:
+    """Write ``Interface``. `renamed` are new names of members that the chart of the block names."""
+    element = sub(parent, "Interface")
+    sections = ctx.root("Interface", "Sections", element)
+    for content in interface.carried.elements if interface.carried is not None else ():
+        add_element(ctx, sections, content)
+    for section in interface.sections:
+        name = _NAMES.get(section.kind)
+        if name is None:
+            ctx.note(Fate.CARRIED, "section", section.kind.value, "TIA Portal has no such section")
+            continue
+        _section(ctx, sections, name, section, renamed or {})
+    unsayable = [s for s in interface.sections if s.kind not in _NAMES]
+    left = {"sections": [s.model_dump(mode="json", exclude_defaults=True) for s in unsayable]} if unsayable else None
+    finish(ctx, sections, interface, frozenset({"sections"}), also=left)
+
+
+def _section(
+    ctx: WriteContext, parent: etree._Element, name: str, section: VariableSection, renamed: dict[str, str]
+) -> None:
+    element = sub(parent, "Section", {"Name": name})
+    for content in section.carried.elements if section.carried is not None else ():
+        add_element(ctx, element, content)
+    for variable in section.variables:
+        write_member(ctx, element, variable, renamed.get(variable.name))
+    finish(ctx, element, section, frozenset({"kind", "variables"}))
+
+
+def write_members(ctx: WriteContext, parent: etree._Element, struct: StructType) -> None:
+    """Write the ``Interface`` of a data type."""
+    sections = ctx.root("Interface", "Sections", sub(parent, "Interface"))
+    section = sub(sections, "Section", {"Name": "None"})
+    for member in struct.members:
+        write_member(ctx, section, member)
+
+
+def write_member(ctx: WriteContext, parent: etree._Element, variable: Variable, name: str | None = None) -> None:
+    """Write ``Member``."""
+    kept = variable.carried.attributes if variable.carried is not None else {}
+    own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
+    element = sub(parent, "Member", {"Name": name or variable.name, "Datatype": spelling(variable.type, kept), **own})
+    for key, value in kept.items():
+        if "/" not in key and key != "Datatype":
+            element.set(key, value)
+    listed = {key: value for key, value in variable.attributes.items() if key not in own}
+    if listed:
+        holder = sub(element, "AttributeList")
+        for key, value in listed.items():
+            kind, marks = _form(key, value, kept)
+            sub(holder, kind, {"Name": key, **marks}).text = value or None
+    unknown = list(variable.carried.elements) if variable.carried is not None else []
+    for content in [content for content in unknown if content.startswith("<AttributeList")]:
+        add_element(ctx, element, content)
+        unknown.remove(content)
+    write_languages(ctx, element, "Comment", variable.comment, _marks(kept, "Comment"))
+    struct = struct_of(variable.type)
+    for member in struct.members if struct is not None else ():
+        write_member(ctx, element, member)
+    for content in unknown:
+        add_element(ctx, element, content)
+    native = {"name", "type", "comment", "attributes"}
+    if isinstance(variable.initial, SimpleValue):
+        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(variable.initial.text or "") or None
+        native.add("initial")
+    if not is_sayable(variable.type):
+        native.discard("type")
+        ctx.note(Fate.APPROXIMATED, "data type", variable.name, "TIA Portal has no such type; written as Variant")
+    finish(ctx, element, variable, frozenset(native))
+
+
+def spelling(type: DataType, kept: dict[str, str]) -> str:
+    """The spelling of the file as long as it is the same type, else that of TIA Portal."""
+    spelled = kept.get("Datatype")
+    if spelled is not None and _without_members(type) == read_type(spelled):
+        return spelled
+    return write_type(type)
+
+
+def _without_members(type: DataType) -> object:
+    if isinstance(type, ArrayType):
+        return {"kind": "array", "dimensions": [d.model_dump() for d in type.dimensions]} | {
+            "base": _without_members(type.base)
+        }
+    if isinstance(type, StructType):
+        return {"kind": "struct", "members": []}
+    if isinstance(type, DerivedType):
+        return {"kind": "derived", "name": type.name}
+    return type.model_dump()
+
+
+def _form(name: str, value: str, kept: dict[str, str]) -> tuple[str, dict[str, str]]:
+    form = kept.get(f"{name}/form")
+    if form is None:
+        return usual_form(name, value)
+    kind, *marks = form.split(" ")
+    return kind, dict(mark.split("=", 1) for mark in marks)
+
+
+def _marks(kept: dict[str, str], part: str) -> dict[str, str]:
+    start = f"{part}/"
+    return {key.removeprefix(start): value for key, value in kept.items() if key.startswith(start)}
+
+
+def section_kinds(interface: Interface | None) -> set[SectionKind]:
+    """The kinds of sections that an interface has."""
+    return {section.kind for section in interface.sections} if interface is not None else set()
+
+
+def usable(carried: Carried | None) -> dict[str, str]:
+    """The carried attributes of an object."""
+    return carried.attributes if carried is not None else {}

@@ -1,0 +1,110 @@
+"""One network of LAD or FBD: read with what our writer would write otherwise, and written back."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.networks_reader import operand_hints, read_flgnet
+from plcopen_sfc.formats.simaticml.networks_writer import write_flgnet
+from plcopen_sfc.formats.simaticml.reading import (
+    Fields,
+    NotUnderstoodError,
+    ReadContext,
+    carried,
+    carry_attribute,
+    child_named,
+    keep_verbatim,
+    opaque,
+    same,
+)
+from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, verbatim
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
+from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.report import Fate
+
+_LANGUAGES = {"LAD": "LD", "FBD": "FBD"}
+_NAMES = {language: name for name, language in _LANGUAGES.items()}
+
+
+def read_network(element: etree._Element) -> Fields:
+    """The fields of a `LogicNetwork`. Raises `NotUnderstoodError` where the model cannot say all of it.
+
+    What our writer would write otherwise is kept as it stands beside it.
+    """
+    fields: Fields = {"nodes": read_flgnet(element)}
+    if not fields["nodes"]:
+        keep_verbatim(fields, element)
+        return fields
+    for _ in range(2):
+        copy = etree.Element(element.tag)
+        try:
+            write_flgnet(copy, LogicNetwork.model_validate(fields))
+        except NotUnderstoodError:
+            break
+        if same(element, copy):
+            return fields
+        hints = operand_hints(element)
+        if not hints:
+            break
+        carried(fields)["attributes"] = hints
+    fields.pop("carried", None)
+    keep_verbatim(fields, element)
+    return fields
+
+
+def write_network(ctx: WriteContext, root: etree._Element, network: LogicNetwork) -> etree._Element | None:
+    """Fill the ``FlgNet`` element `root`, or give the one of the file, which takes its place.
+
+    A network that TIA Portal cannot have is carried in a comment.
+    """
+    kept = verbatim(ctx, network.carried)
+    if kept is not None and _nodes(kept) == network.nodes:
+        return kept
+    try:
+        write_flgnet(root, network)
+    except NotUnderstoodError as error:
+        for child in list(root):
+            root.remove(child)
+        sub(root, "Parts")
+        ctx.note(Fate.CARRIED, "network", why=f"TIA Portal has no such element: {error}")
+        finish(ctx, root, network, frozenset({"title", "comment", "carried"}))
+    return None
+
+
+def _nodes(flgnet: etree._Element) -> object:
+    try:
+        return LogicNetwork.model_validate({"nodes": read_flgnet(flgnet)}).nodes
+    except NotUnderstoodError:
+        return None
+
+
+def read_flgnet_body(_ctx: ReadContext, owner: etree._Element) -> Fields:
+    """The body of an element of GRAPH that has its language as an attribute and one ``FlgNet``, or none."""
+    language = owner.get("ProgrammingLanguage", "")
+    flgnet = child_named(owner, "FlgNet")
+    fields: Fields = {"language": _LANGUAGES.get(language, "LD"), "networks": []}
+    if language not in _LANGUAGES:
+        carry_attribute(fields, "ProgrammingLanguage", language)
+    if flgnet is not None:
+        try:
+            fields["networks"].append(read_network(flgnet))
+        except NotUnderstoodError:
+            fields = opaque(flgnet)
+            carry_attribute(fields, "ProgrammingLanguage", language)
+    return fields
+
+
+def write_flgnet_body(ctx: WriteContext, owner: etree._Element, body: Body) -> None:
+    """Write the body of an element of GRAPH: its language and its network."""
+    kept = body.carried.attributes if body.carried is not None else {}
+    owner.set("ProgrammingLanguage", kept.get("ProgrammingLanguage") or _NAMES.get(body.language, "LAD"))
+    if isinstance(body, OpaqueBody):
+        add_element(ctx, owner, body.content)
+    elif isinstance(body, FbdBody | LdBody):
+        for network in body.networks[:1]:
+            element = sub(owner, "FlgNet")
+            instead = write_network(ctx, element, network)
+            if instead is not None:
+                owner.replace(element, instead)
+        if len(body.networks) > 1:
+            ctx.note(Fate.DROPPED, "network", why="GRAPH has one network here")

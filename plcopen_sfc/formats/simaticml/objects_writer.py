@@ -1,0 +1,197 @@
+"""Writes blocks, data blocks, data types and tag tables. The reader is `objects_reader`."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.bodies_writer import language_of, write_units
+from plcopen_sfc.formats.simaticml.interface_writer import spelling, write_interface, write_members
+from plcopen_sfc.formats.simaticml.objects_reader import (
+    CONSTANT,
+    DATA_BLOCKS,
+    DATA_TYPE,
+    POUS,
+    SETTING_TEXTS,
+    SETTINGS,
+    TAG,
+    TAG_TABLE,
+)
+from plcopen_sfc.formats.simaticml.writing import (
+    ID,
+    WriteContext,
+    add_element,
+    finish,
+    flag,
+    sub,
+    write_object_text,
+)
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
+from plcopen_sfc.model.project import Tag, TagTable
+from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
+from plcopen_sfc.model.types import DataTypeDeclaration, SimpleValue, StructType, Variable
+from plcopen_sfc.report import Fate
+
+_POU_TAGS = {kind: tag for tag, kind in POUS.items()}
+_DATA_BLOCK_TAGS = {kind: tag for tag, kind in DATA_BLOCKS.items()}
+_TEXTS = frozenset({"name", "number", "title", "comment"})
+
+
+class _Object:
+    """An object that is being written: its attributes by name, which are sorted at the end, and its objects."""
+
+    def __init__(self, ctx: WriteContext, parent: etree._Element, tag: str, thing: Element, role: str = "") -> None:
+        self.ctx = ctx
+        self.thing = thing
+        self.element = sub(parent, tag, {ID: ""} | ({"CompositionName": role} if role else {}))
+        self.values = sub(self.element, "AttributeList")
+        self.objects = sub(self.element, "ObjectList")
+        self.set("Name", getattr(thing, "name", ""))
+        number = getattr(thing, "number", None)
+        if number is not None:
+            self.set("Number", str(number))
+
+    def set(self, name: str, value: str) -> None:
+        """Write an attribute, unless it has a value already."""
+        if self.values.find(name) is None:
+            sub(self.values, name).text = value or None
+
+    def finish(self, native: frozenset[str]) -> None:
+        """Write what was kept, sort the attributes as TIA Portal does, and carry what is left."""
+        carried = self.thing.carried
+        for name, value in carried.attributes.items() if carried is not None else ():
+            if name.startswith("@"):
+                self.element.set(name[1:], value)
+            elif name not in ("Datatype", ID):
+                self.set(name, value)
+        for content in carried.elements if carried is not None else ():
+            holder = etree.Element("holder")
+            add_element(self.ctx, holder, content)
+            for element in list(holder):
+                (self.objects if element.get(ID) is not None else self.values).append(element)
+        self.values[:] = sorted(self.values, key=lambda value: str(value.tag).lower())
+        write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
+        if not len(self.objects):
+            self.element.remove(self.objects)
+        finish(self.ctx, self.element, self.thing, native | _TEXTS)
+
+
+def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
+    """Write a code block. A program becomes a function block: TIA Portal has none."""
+    writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
+    ctx.place.append(f"POU {pou.name}")
+    ctx.body_name = pou.name
+    native = {"interface", "bodies"}
+    if pou.kind in _POU_TAGS:
+        native.add("kind")
+        ctx.keep("POU")
+    else:
+        what = "program" if pou.kind is PouKind.PROGRAM else "POU"
+        ctx.note(Fate.TRANSLATED, what, why="a function block; TIA Portal has no programs")
+    if pou.interface is not None:
+        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou))
+    kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
+    writer.set("ProgrammingLanguage", kept or language_of(pou.body) or "LAD")
+    chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
+    if chart is not None and ctx.body_name not in ctx.options.untouched:
+        _settings(writer, chart.chart.graph_settings)
+    write_object_text(ctx, writer.objects, "Comment", pou.comment)
+    for body in pou.bodies:
+        write_units(ctx, writer.objects, body)
+    writer.finish(frozenset(native))
+    ctx.place.pop()
+
+
+def _settings(writer: _Object, settings: GraphSettings | None) -> None:
+    if settings is None:
+        settings = GraphSettings()
+    for name, field in SETTINGS.items():
+        truth = getattr(settings, field)
+        if truth is not None:
+            writer.set(name, flag(truth))
+    for name, field in SETTING_TEXTS.items():
+        text = getattr(settings, field)
+        if text is not None:
+            writer.set(name, text)
+
+
+def _renamed(ctx: WriteContext, pou: Pou) -> dict[str, str]:
+    """New names of the static members that belong to steps and transitions, where these were renamed."""
+    baseline = ctx.options.baseline
+    before = next((p for p in baseline.pous if p.name == pou.name), None) if baseline is not None else None
+    if before is None or before.sfc is None or pou.name in ctx.options.untouched or pou.sfc is None:
+        return {}
+    old = _chart_names(before.sfc)
+    new = _chart_names(pou.sfc)
+    return {old[key]: new[key] for key in old.keys() & new.keys() if old[key] != new[key]}
+
+
+def _chart_names(chart: SfcNetwork) -> dict[int, str]:
+    """The names of steps and transitions by id."""
+    return {step.id: step.name for step in chart.steps} | {t.id: t.name for t in chart.transitions}
+
+
+def write_data_block(ctx: WriteContext, parent: etree._Element, block: DataBlock) -> None:
+    """Write a data block."""
+    writer = _Object(ctx, parent, _DATA_BLOCK_TAGS[block.kind], block)
+    ctx.place.append(f"data block {block.name}")
+    if block.interface is not None:
+        write_interface(ctx, writer.values, block.interface)
+    if block.type_name is not None:
+        writer.set("InstanceOfName", block.type_name)
+    kept = block.carried.attributes.get("ProgrammingLanguage") if block.carried is not None else None
+    writer.set("ProgrammingLanguage", kept or "DB")
+    ctx.keep("data block")
+    write_object_text(ctx, writer.objects, "Comment", block.comment)
+    writer.finish(frozenset({"kind", "interface", "type_name"}))
+    ctx.place.pop()
+
+
+def write_data_type(ctx: WriteContext, parent: etree._Element, declaration: DataTypeDeclaration) -> None:
+    """Write a PLC data type. TIA Portal has structures only."""
+    writer = _Object(ctx, parent, DATA_TYPE, declaration)
+    native = {"type"}
+    if isinstance(declaration.type, StructType):
+        kept = declaration.carried.elements if declaration.carried is not None else []
+        if not any(content.startswith("<Interface ") for content in kept):
+            write_members(ctx, writer.values, declaration.type)
+        ctx.keep("data type", declaration.name)
+    else:
+        native.discard("type")
+        write_members(ctx, writer.values, StructType())
+        ctx.note(Fate.CARRIED, "data type", declaration.name, "TIA Portal has no types but structures")
+    write_object_text(ctx, writer.objects, "Comment", declaration.comment)
+    writer.finish(frozenset(native))
+
+
+def write_tag_table(ctx: WriteContext, parent: etree._Element, table: TagTable) -> None:
+    """Write a tag table."""
+    writer = _Object(ctx, parent, TAG_TABLE, table)
+    for tag in table.tags:
+        _tag(ctx, writer.objects, tag)
+    for constant in table.constants:
+        _constant(ctx, writer.objects, constant)
+    ctx.keep("tag table", table.name)
+    writer.finish(frozenset({"tags", "constants"}))
+
+
+def _tag(ctx: WriteContext, parent: etree._Element, tag: Tag) -> None:
+    writer = _Object(ctx, parent, TAG, tag, "Tags")
+    writer.set("DataTypeName", tag.type)
+    if tag.address is not None:
+        writer.set("LogicalAddress", tag.address)
+    write_object_text(ctx, writer.objects, "Comment", tag.comment)
+    writer.finish(frozenset({"type", "address"}))
+
+
+def _constant(ctx: WriteContext, parent: etree._Element, constant: Variable) -> None:
+    writer = _Object(ctx, parent, CONSTANT, constant, "UserConstants")
+    kept = constant.carried.attributes if constant.carried is not None else {}
+    writer.set("DataTypeName", spelling(constant.type, kept))
+    native = {"type"}
+    if isinstance(constant.initial, SimpleValue):
+        writer.set("Value", constant.initial.text or "")
+        native.add("initial")
+    write_object_text(ctx, writer.objects, "Comment", constant.comment)
+    writer.finish(frozenset(native))

@@ -1,0 +1,44 @@
+"""What TIA Portal calls the elements of LAD and FBD networks."""
+
+from __future__ import annotations
+
+from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
+
+RAIL = 0
+"""The id of the power rail; those of other elements are their ``UId``, which begin at 21."""
+HINT = "operand "
+"""Carried attributes of a network that begin so say what an operand is where its text does not: a constant, a type."""
+RESULTS = ("TrCoil", "IlCoil", "SvCoil")
+"""The coils in which the networks of transitions, interlocks and supervisions end."""
+COILS = {"Coil": "none", "SCoil": "set", "RCoil": "reset"}
+CARDINALITIES = ("Card", "card")
+CALLS = {"FB": "functionblock", "FC": "function"}
+
+
+def part_block(name: str) -> StandardBlock | None:
+    """The standard block that TIA Portal calls `name`, spelled just so."""
+    block = standard_block(name, Tool.S7)
+    if block is None or s7_name(block) != name:
+        return None
+    return block
+
+
+def s7_name(block: StandardBlock) -> str:
+    """What TIA Portal calls a standard block."""
+    names = block.tools.get(Tool.S7)
+    return names.name if names is not None else block.name
+
+
+def model_pin(block: StandardBlock | None, pin: str) -> str:
+    """The name of a pin in the model: that of IEC 61131-3 for a standard block."""
+    if pin in ("en", "eno"):
+        return pin.upper()
+    if block is None:
+        return pin
+    name = block.input_name(pin) or block.output_name(pin)
+    return name if name is not None and block.tool_pin(name, Tool.S7) == pin else pin
+
+
+def template_type(name: str) -> str:
+    """The type of a ``TemplateValue`` of this name."""
+    return "Cardinality" if name in CARDINALITIES else "Type"

@@ -1,0 +1,137 @@
+"""Reads a document of TIA Portal Openness: its frame and the objects in it. The writer is `project_writer`."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
+from plcopen_sfc.formats.simaticml.objects_reader import (
+    DATA_BLOCKS,
+    DATA_TYPE,
+    POUS,
+    TAG_TABLE,
+    read_data_block,
+    read_data_type,
+    read_pou,
+    read_tag_table,
+)
+from plcopen_sfc.formats.simaticml.reading import (
+    Fields,
+    ReadContext,
+    attributes,
+    carry_attribute,
+    carry_element,
+    children,
+    local,
+    read_comments,
+)
+from plcopen_sfc.formats.simaticml.versions import DEFAULT, VERSIONS, TiaVersion, schema_of, version_named
+from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.model.dialect import Dialect
+
+PRODUCT = "TIA Portal"
+OBJECTS = "SW."
+IDS = "IDs"
+"""Carried attribute of a project: the ids of its objects, where they are no running numbers."""
+SCHEMA = "schema "
+"""Carried attributes of a project that begin so say which schema number the file has where its version has another."""
+
+
+def find_version(root: etree._Element, *, file: str | None = None) -> TiaVersion:
+    """The version of TIA Portal that wrote a document. Raises `StructureError` and `UnknownVersionError`."""
+    place = Location(file, root.sourceline if isinstance(root.sourceline, int) else None, None, f"/{local(root)}")
+    if root.tag != "Document":
+        raise StructureError(
+            f"this is no document of TIA Portal Openness: the root element is <{local(root)}>",
+            location=place,
+            hint="Exports of Openness start with <Document>; parts of them cannot be loaded by themselves.",
+        )
+    engineering = root.find("Engineering")
+    name = engineering.get("version", "") if engineering is not None else ""
+    version = version_named(name)
+    if version is not None:
+        return version
+    if name:
+        known = ", ".join(version.name for version in VERSIONS)
+        raise UnknownVersionError(
+            f"the document is of TIA Portal {name!r}, which is not known", location=place, hint=f"Known are: {known}"
+        )
+    return _version_by_schemas(root)
+
+
+def _version_by_schemas(root: etree._Element) -> TiaVersion:
+    """The first version with the schemas of a document that does not say its version."""
+    used = dict(
+        found for element in root.iter(etree.Element) if (found := schema_of(etree.QName(element).namespace or ""))
+    )
+    fitting = [v for v in VERSIONS if all(v.schema(kind) == number for kind, number in used.items())]
+    return fitting[0] if fitting and used else DEFAULT
+
+
+def read_project(
+    root: etree._Element, version: TiaVersion, *, file: str | None = None, lines: SourceLines | None = None
+) -> tuple[Fields, ReadContext]:
+    """Read a document into the fields of a `Project`; what there is to say about it is in the context returned."""
+    ctx = ReadContext(version, file=file, lines=lines)
+    header: Fields = {"product": PRODUCT, "version": version.name}
+    fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
+    fields["tag_tables"] = []
+    _find_schemas(ctx, root)
+    objects = [child for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
+    for child in children(root):
+        kind = local(child)
+        found: Fields | None = None
+        if kind == "DocumentInfo":
+            _document_info(header, child)
+        elif kind in POUS:
+            fields["pous"].append(found := read_pou(ctx, child))
+        elif kind in DATA_BLOCKS:
+            fields["data_blocks"].append(found := read_data_block(ctx, child))
+        elif kind == DATA_TYPE:
+            fields["data_types"].append(found := read_data_type(ctx, child))
+        elif kind == TAG_TABLE:
+            fields["tag_tables"].append(found := read_tag_table(ctx, child))
+        elif kind != "Engineering":
+            carry_element(fields, child)
+            ctx.warn("XML201", f"<{kind}> is none of the objects that can be read; it is kept as it is", child)
+        elif set(child.attrib) - {"version"}:
+            for name, value in attributes(child).items():
+                if name != "version":
+                    carry_attribute(header, name, value)
+        if found is not None and len(objects) > 1:
+            carry_attribute(found, "ID", child.get("ID", ""))
+    for name, value in attributes(root).items():
+        carry_attribute(fields, name, value)
+    ids = [str(element.get("ID")) for element in root.iter(etree.Element) if element.get("ID") is not None]
+    if ids != [format(number, "X") for number in range(len(ids))]:
+        carry_attribute(fields, IDS, " ".join(ids))
+    read_comments(ctx, root, fields)
+    for kind, number in ctx.schemas.items():
+        if number != version.schema(kind):
+            carry_attribute(fields, SCHEMA + kind, str(number))
+    return fields, ctx
+
+
+def _find_schemas(ctx: ReadContext, root: etree._Element) -> None:
+    """Remember which schema versions the parts of the file have; 0: it stands in no namespace."""
+    for name, kind in (("Sections", "Interface"), ("Graph", "Graph"), ("FlgNet", "FlgNet")):
+        element = next(root.iter(f"{{*}}{name}"), None)
+        if element is not None and element.tag == name:
+            ctx.schemas[kind] = 0
+    element = next(root.iter("StructuredText"), None)
+    if element is not None:
+        ctx.schemas["StructuredText"] = 0
+    for element in root.iter("{*}StructuredText", "{*}FlgNet", "{*}Graph", "{*}StatementList", "{*}Sections"):
+        ctx.note_schema(element)
+
+
+def _document_info(header: Fields, element: etree._Element) -> None:
+    for child in children(element):
+        if local(child) == "Created" and not child.attrib:
+            header["created"] = child.text or ""
+        elif local(child) == "ExportSetting" and not child.attrib:
+            header["description"] = child.text or ""
+        else:
+            carry_element(header, child)
+    if not len(element):
+        carry_attribute(header, "DocumentInfo", "")

@@ -1,0 +1,103 @@
+"""Writes a document of TIA Portal Openness: its frame and the objects in it. The reader is `project_reader`."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.simaticml.objects_writer import (
+    write_data_block,
+    write_data_type,
+    write_pou,
+    write_tag_table,
+)
+from plcopen_sfc.formats.simaticml.project_reader import IDS, PRODUCT, SCHEMA
+from plcopen_sfc.formats.simaticml.versions import TiaVersion
+from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, sub
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import FileHeader, Project, TagTable
+from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.report import ConversionReport
+
+_NATIVE = frozenset({"header", "pous", "data_blocks", "data_types", "tag_tables", "dialect"})
+
+
+def write_project(
+    project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions
+) -> etree._Element:
+    """The tree of the document for `project`; what becomes of each item goes into `report`."""
+    kept = project.carried.attributes if project.carried is not None else {}
+    schemas = {kind: version.schema(kind) for kind in ("Interface", "Graph", "FlgNet", "StructuredText")}
+    schemas["StatementList"] = version.statement_list
+    if options.same:
+        given = {name.removeprefix(SCHEMA): value for name, value in kept.items() if name.startswith(SCHEMA)}
+        schemas.update({kind: int(number) for kind, number in given.items()})
+    ctx = WriteContext(project, version, schemas, report, options)
+    root = etree.Element("Document")
+    for name, value in kept.items():
+        if name != IDS and not name.startswith(SCHEMA):
+            root.set(name, value)
+    sub(root, "Engineering", {"version": version.name})
+    _document_info(ctx, root, project.header)
+    for thing in _in_order(project):
+        if isinstance(thing, Pou):
+            write_pou(ctx, root, thing)
+        elif isinstance(thing, DataBlock):
+            write_data_block(ctx, root, thing)
+        elif isinstance(thing, DataTypeDeclaration):
+            write_data_type(ctx, root, thing)
+        else:
+            write_tag_table(ctx, root, thing)
+    for content in project.carried.elements if project.carried is not None else ():
+        add_element(ctx, root, content)
+    _number(root, kept.get(IDS, "").split())
+    finish(ctx, root, project, _NATIVE)
+    return root
+
+
+def _in_order(project: Project) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
+    """The objects in the order of the file, else what others need first."""
+    things: list[Pou | DataBlock | DataTypeDeclaration | TagTable]
+    things = [*project.tag_tables, *project.data_types, *project.data_blocks, *project.pous]
+
+    def rank(thing: Pou | DataBlock | DataTypeDeclaration | TagTable) -> int:
+        text = thing.carried.attributes.get(ID, "") if thing.carried is not None else ""
+        try:
+            return int(text, 16)
+        except ValueError:
+            return _LAST
+
+    return sorted(things, key=rank)
+
+
+_LAST = 1 << 32
+
+
+def _document_info(ctx: WriteContext, root: etree._Element, header: FileHeader) -> None:
+    """The frame of a document that TIA Portal wrote; it needs none to import a file."""
+    if header.product != PRODUCT:
+        if any(value for name, value in header.model_dump(exclude_defaults=True).items()):
+            finish(ctx, root, Project(header=header), frozenset())
+        return
+    kept = header.carried.attributes if header.carried is not None else {}
+    for name, value in kept.items():
+        if name != "DocumentInfo":
+            root[0].set(name, value)
+    elements = header.carried.elements if header.carried is not None else []
+    if not (header.created or header.description is not None or elements or "DocumentInfo" in kept):
+        return
+    info = sub(root, "DocumentInfo")
+    if header.created:
+        sub(info, "Created").text = header.created
+    if header.description is not None:
+        sub(info, "ExportSetting").text = header.description
+    for content in elements:
+        add_element(ctx, info, content)
+
+
+def _number(root: etree._Element, given: list[str]) -> None:
+    """Give every object its id: those of the file where they are no running numbers, else hexadecimal numbers."""
+    objects = [element for element in root.iter(etree.Element) if element.get(ID) is not None]
+    numbers = given if len(given) == len(objects) else [format(number, "X") for number in range(len(objects))]
+    for element, number in zip(objects, numbers, strict=True):
+        element.set(ID, number)

@@ -1,0 +1,211 @@
+"""What all readers of SimaticML share: local names, texts in several languages, and what must be carried.
+
+Readers turn elements into plain dictionaries of model fields, which are validated into the model in one go. Namespaces
+carry nothing but the schema version, so elements are told apart by their local names.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.simaticml.versions import TiaVersion, neutral, schema_of
+from plcopen_sfc.formats.xml.carrying import markup
+from plcopen_sfc.formats.xml.source import SourceLines
+
+Fields = dict[str, Any]
+"""Fields of a model object that is being read."""
+
+VERBATIM = "urn:plcopen-sfc:simaticml"
+"""Foreign data that is the element as it stood in the file, where our writer would write it otherwise.
+
+It is written as long as it says what the model says. See docs/formats/simaticml.md.
+"""
+
+COMMENT_MARK = "plcopen_sfc "
+"""XML comments that begin with it hold fields that SimaticML cannot say, as JSON."""
+
+
+class NotUnderstoodError(Exception):
+    """An element holds something that the model cannot say: it is kept whole."""
+
+
+class ReadContext:
+    """State of reading one file."""
+
+    def __init__(self, version: TiaVersion, *, file: str | None = None, lines: SourceLines | None = None) -> None:
+        self.version = version
+        self.file = file
+        self.lines = lines
+        self.schemas: dict[str, int] = {}
+        """The schema numbers that the file uses, by kind."""
+        self.diagnostics: list[Diagnostic] = []
+        self.place: list[str] = []
+        """Names of the objects around the one being read, for messages."""
+
+    def report(self, code: str, severity: Severity, message: str, element: etree._Element) -> None:
+        """Say something about `element` of the file."""
+        line = self.lines.line(element) if self.lines is not None else None
+        location = Location(self.file, line, None, " / ".join(self.place) or None)
+        self.diagnostics.append(Diagnostic(code, severity, message, location))
+
+    def warn(self, code: str, message: str, element: etree._Element) -> None:
+        """Report a warning."""
+        self.report(code, Severity.WARNING, message, element)
+
+    def error(self, code: str, message: str, element: etree._Element) -> None:
+        """Report an error that does not keep the file from being loaded."""
+        self.report(code, Severity.ERROR, message, element)
+
+    def note_schema(self, element: etree._Element) -> None:
+        """Remember of which schema version `element` is."""
+        found = schema_of(etree.QName(element).namespace or "")
+        if found is not None:
+            self.schemas.setdefault(*found)
+
+
+_LOCAL: dict[str, str] = {}
+
+
+def local(element: etree._Element) -> str:
+    """The local name of an element, "" for a comment or processing instruction."""
+    tag: Any = element.tag
+    name = _LOCAL.get(tag)
+    if name is None:
+        if not isinstance(tag, str):
+            return ""
+        name = tag.rpartition("}")[2]
+        if len(_LOCAL) < _KNOWN_NAMES:
+            _LOCAL[tag] = name
+    return name
+
+
+_KNOWN_NAMES = 4096
+"""Files of strangers may have any number of names; only so many are remembered."""
+
+
+def children(element: etree._Element) -> list[etree._Element]:
+    """The child elements, without comments."""
+    return [child for child in element if isinstance(child.tag, str)]
+
+
+def child_named(element: etree._Element, name: str) -> etree._Element | None:
+    """The first child of this local name."""
+    return next((child for child in element if local(child) == name), None)
+
+
+def attributes(element: etree._Element) -> dict[str, str]:
+    """The attributes of `element`, to take from."""
+    return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
+
+
+def carried(fields: Fields) -> Fields:
+    """The carried part of an object being read, created when it is needed."""
+    found: Fields | None = fields.get("carried")
+    if found is None:
+        found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
+    return found
+
+
+def carry_element(fields: Fields, element: etree._Element) -> None:
+    """Keep a child that has no place in the model."""
+    if isinstance(element.tag, str):
+        carried(fields)["elements"].append(neutral(markup(element)))
+
+
+def carry_attribute(fields: Fields, name: str, value: str) -> None:
+    """Keep a value that has no place in the model."""
+    carried(fields)["attributes"][name] = value
+
+
+def opaque(*elements: etree._Element) -> Fields:
+    """A body that is kept as it is."""
+    content = "".join(neutral(markup(element)) for element in elements)
+    return {"language": "opaque", "source": "simaticml", "content": content}
+
+
+def keep_verbatim(fields: Fields, element: etree._Element) -> None:
+    """Keep `element` as it stands in the file, beside what was read of it."""
+    carried(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
+
+
+def same(one: etree._Element, other: etree._Element) -> bool:
+    """Whether two elements say the same; namespaces and blanks between elements do not count."""
+    if local(one) != local(other) or one.attrib != other.attrib:
+        return False
+    mine, theirs = children(one), children(other)
+    if len(mine) != len(theirs):
+        return False
+    text, other_text = one.text or "", other.text or ""
+    if mine:
+        text, other_text = text.strip(), other_text.strip()
+    return text == other_text and all(same(a, b) for a, b in zip(mine, theirs, strict=True))
+
+
+def read_languages(element: etree._Element) -> Fields | None:
+    """Read ``MultiLanguageText`` children into a multilingual text; None where there is more than that."""
+    texts: dict[str, str] = {}
+    for child in children(element):
+        language = child.get("Lang")
+        if local(child) != "MultiLanguageText" or language is None or language in texts or len(child.attrib) > 1:
+            return None
+        texts[language] = child.text or ""
+    return {"texts": texts}
+
+
+def read_object_text(element: etree._Element) -> Fields | None:
+    """Read the object ``MultilingualText``; None where it says more than texts in cultures."""
+    texts: dict[str, str] = {}
+    for holder in children(element):
+        if local(holder) != "ObjectList":
+            return None
+        for item in children(holder):
+            listed = children(item)
+            if local(item) != "MultilingualTextItem" or len(listed) != 1 or local(listed[0]) != "AttributeList":
+                return None
+            values = {local(value): value.text or "" for value in children(listed[0])}
+            if not values.keys() <= {"Culture", "Text"} or values.get("Culture", "") in texts:
+                return None
+            texts[values.get("Culture", "")] = values.get("Text", "")
+    return {"texts": texts}
+
+
+def read_comments(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
+    """Put fields back that stand in XML comments of ours at `element`."""
+    for comment in element.iterchildren(etree.Comment):
+        text = comment.text or ""
+        if text.startswith(COMMENT_MARK):
+            try:
+                found = json.loads(text.removeprefix(COMMENT_MARK))
+            except ValueError as error:
+                ctx.warn("XML208", f"carried fields are damaged: {error}", comment)
+                continue
+            if isinstance(found, dict):
+                merge(fields, found)
+
+
+def merge(fields: Fields, found: Fields) -> None:
+    """Add `found` to `fields`; lists and parts of objects are added to those that are there."""
+    for name, value in found.items():
+        present = fields.get(name)
+        if isinstance(value, dict) and isinstance(present, dict):
+            merge(present, value)
+        elif isinstance(value, list) and isinstance(present, list):
+            present.extend(value)
+        else:
+            fields[name] = value
+
+
+def whole_number(text: str | None) -> int | None:
+    """A whole number; None where it is missing or none, or not written plainly."""
+    if text is None or not text.isascii() or not text.isdigit() or str(int(text)) != text:
+        return None
+    return int(text)
+
+
+TRUTHS = {"true": True, "false": False}
+"""How SimaticML writes Booleans."""

@@ -1,0 +1,139 @@
+"""What all writers of SimaticML share: elements in the namespaces of a version, texts, and what is carried."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.simaticml.reading import COMMENT_MARK, VERBATIM
+from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
+from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
+from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.text import MultilingualText, Text, plain
+from plcopen_sfc.report import ConversionReport, Fate
+
+ID = "ID"
+"""Written empty first: ids are running numbers, which the whole document gets at the end."""
+
+
+class WriteContext:
+    """State of writing one project."""
+
+    def __init__(
+        self,
+        project: Project,
+        version: TiaVersion,
+        schemas: dict[str, int],
+        report: ConversionReport,
+        options: WriteOptions,
+    ) -> None:
+        self.project = project
+        self.version = version
+        self.schemas = schemas
+        """The schema numbers to write, by kind; 0: no namespace."""
+        self.report = report
+        self.options = options
+        self.culture = project.language or "en-US"
+        """The language of texts that do not say theirs."""
+        self.place: list[str] = []
+        self.body_name = ""
+        """The name of the body being written, as `Pou.named_bodies` gives it."""
+
+    def note(self, fate: Fate, what: str, name: str = "", why: str = "") -> None:
+        """Put the fate of an item into the report."""
+        self.report.add(fate, what, " / ".join((*self.place, name) if name else self.place), why)
+
+    def keep(self, what: str, name: str = "") -> None:
+        """Put an item into the report that is written as it is."""
+        self.note(Fate.KEPT, what, name)
+
+    def root(self, kind: str, name: str, parent: etree._Element | None = None) -> etree._Element:
+        """The root `name` of a part in the namespace of `kind`."""
+        number = self.schemas.get(kind, self.version.schema(kind))
+        if number == 0:
+            return etree.Element(name) if parent is None else etree.SubElement(parent, name)
+        uri = namespace(kind, number)
+        nsmap: Any = {None: uri}
+        tag = f"{{{uri}}}{name}"
+        return etree.Element(tag, nsmap=nsmap) if parent is None else etree.SubElement(parent, tag, nsmap=nsmap)
+
+
+def sub(parent: etree._Element, name: str, attributes: dict[str, str] | None = None) -> etree._Element:
+    """A new child of `parent`, in the namespace of `parent`."""
+    head, brace, _ = str(parent.tag).rpartition("}")
+    return etree.SubElement(parent, head + brace + name, attributes or {})
+
+
+def flag(value: bool) -> str:
+    """A truth as SimaticML writes it."""
+    return "true" if value else "false"
+
+
+def languages(ctx: WriteContext, text: Text) -> dict[str, str]:
+    """A text by language."""
+    return text.texts if isinstance(text, MultilingualText) else {ctx.culture: plain(text)}
+
+
+def write_languages(
+    ctx: WriteContext, parent: etree._Element, name: str, text: Text | None, attributes: dict[str, str] | None = None
+) -> None:
+    """Write a text inside a program or an interface as child `name`; nothing for None."""
+    if text is None:
+        return
+    element = sub(parent, name, attributes)
+    for language, content in languages(ctx, text).items():
+        sub(element, "MultiLanguageText", {"Lang": language}).text = legal(content) or None
+
+
+def write_object_text(ctx: WriteContext, parent: etree._Element, role: str, text: Text | None) -> None:
+    """Write the object ``MultilingualText`` of a block or network; nothing for None."""
+    if text is None:
+        return
+    element = sub(parent, "MultilingualText", {ID: "", "CompositionName": role})
+    holder = sub(element, "ObjectList")
+    for culture, content in languages(ctx, text).items():
+        item = sub(holder, "MultilingualTextItem", {ID: "", "CompositionName": "Items"})
+        values = sub(item, "AttributeList")
+        sub(values, "Culture").text = culture
+        sub(values, "Text").text = legal(content) or None
+
+
+def verbatim(ctx: WriteContext, carried: Carried | None) -> etree._Element | None:
+    """The element as it stood in the file that an object was read from, if it was kept."""
+    for data in carried.data if carried is not None else ():
+        if data.name == VERBATIM:
+            return etree.fromstring(concrete(data.content, ctx.schemas), _parser())
+    return None
+
+
+def _parser() -> etree.XMLParser:
+    return etree.XMLParser(resolve_entities=False, huge_tree=True)
+
+
+def add_element(ctx: WriteContext, parent: etree._Element, content: str) -> None:
+    """Append an element that was carried as markup."""
+    add_markup(parent, concrete(content, ctx.schemas))
+
+
+def finish(
+    ctx: WriteContext,
+    element: etree._Element,
+    thing: Model,
+    native: frozenset[str],
+    *,
+    also: dict[str, Any] | None = None,
+) -> None:
+    """Write the fields of `thing` that are not in `native`, which have no place in SimaticML, as an XML comment."""
+    left = left_over(thing, native | {"carried"}) | (also or {})
+    if not left:
+        return
+    text = COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")
+    element.append(etree.Comment(text))
+    name = str(getattr(thing, "name", None) or "")
+    subject = "" if ctx.place and ctx.place[-1].endswith(name) else name
+    for field in left:
+        ctx.note(Fate.CARRIED, field.replace("_", " "), subject, "SimaticML has no place for it")
