@@ -23,6 +23,28 @@ def _nothing(_: Node) -> str | None:
     return None
 
 
+def operands(node: n.Operation | n.Unary) -> tuple[n.Expression, ...]:
+    """The operands of an operation, one or more."""
+    return node.operands if isinstance(node, n.Operation) else (node.operand,)
+
+
+def needs_parentheses(node: n.Operation | n.Unary, index: int) -> bool:
+    """Whether the operand at `index` has to stand in parentheses, so that the text means what the tree says."""
+    operand = operands(node)[index]
+    if isinstance(operand, n.AssignmentExpression):
+        return True
+    if isinstance(operand, n.Unary):
+        return node.operator is Operator.POWER
+    if not isinstance(operand, n.Operation):
+        return False
+    if isinstance(node, n.Unary):
+        return True
+    inner, outer = PRECEDENCE[operand.operator], PRECEDENCE[node.operator]
+    if inner == outer:  # read from the left; in a row of AND, OR, XOR, + and * parentheses make a difference
+        return index > 0 or (operand.operator is node.operator and node.operator in ASSOCIATIVE)
+    return inner < outer
+
+
 class Printer:
     """Prints nodes; `known` gives the text of those that have one already, which is left as it is."""
 
@@ -70,10 +92,8 @@ class Printer:
                 return f"{self.text(base)}:P"
             case n.Call(callee, arguments):
                 return f"{self.text(callee)}({self._listed(arguments)})"
-            case n.Unary(operator, operand):
-                inner = self.text(operand)
-                enclosed = isinstance(operand, n.Operation | n.AssignmentExpression)
-                return _UNARY[operator] + (f"({inner})" if enclosed else inner)
+            case n.Unary(operator):
+                return _UNARY[operator] + self._operand(node, 0)
             case n.Operation():
                 return self._operation(node)
             case n.Parenthesized(inner):
@@ -84,23 +104,11 @@ class Printer:
                 raise TypeError(f"{type(node).__name__} is no node that can be printed")
 
     def _operation(self, node: n.Operation) -> str:
-        return f" {node.operator.value} ".join(
-            f"({self.text(operand)})" if self._needs_parentheses(node, index) else self.text(operand)
-            for index, operand in enumerate(node.operands)
-        )
+        return f" {node.operator.value} ".join(self._operand(node, index) for index in range(len(node.operands)))
 
-    def _needs_parentheses(self, node: n.Operation, index: int) -> bool:
-        operand = node.operands[index]
-        if isinstance(operand, n.AssignmentExpression):
-            return True
-        if isinstance(operand, n.Unary):
-            return node.operator is Operator.POWER
-        if not isinstance(operand, n.Operation):
-            return False
-        inner, outer = PRECEDENCE[operand.operator], PRECEDENCE[node.operator]
-        if inner == outer:  # read from the left; in a row of AND, OR, XOR, + and * parentheses make a difference
-            return index > 0 or (operand.operator is node.operator and node.operator in ASSOCIATIVE)
-        return inner < outer
+    def _operand(self, node: n.Operation | n.Unary, index: int) -> str:
+        text = self.text(operands(node)[index])
+        return f"({text})" if needs_parentheses(node, index) else text
 
     def _argument(self, node: n.Argument) -> str:
         value = "" if node.value is None else self.text(node.value)

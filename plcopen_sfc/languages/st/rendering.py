@@ -8,9 +8,9 @@ from typing import Any
 
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st.lexer import CommentKind
-from plcopen_sfc.languages.st.nodes import Node, Span, Statements
+from plcopen_sfc.languages.st.nodes import Node, Operation, Span, Statements, Unary
 from plcopen_sfc.languages.st.parsing import Parsed
-from plcopen_sfc.languages.st.printing import Printer
+from plcopen_sfc.languages.st.printing import Printer, needs_parentheses, operands
 from plcopen_sfc.languages.st.walking import parts, walk
 
 
@@ -21,7 +21,7 @@ def render(parsed: Parsed[Any], tree: Node) -> str:
 
 def tree_edits(parsed: Parsed[Any], tree: Node) -> list[Edit]:
     """What changes in `parsed.text` so that it is the text of `tree`."""
-    return _Comparison(parsed).edits(parsed.tree, tree)
+    return [] if tree is parsed.tree else _Comparison(parsed).edits(parsed.tree, tree)
 
 
 _STATEMENTS = frozenset({"statements", "otherwise", "handler", "finally_"})
@@ -37,16 +37,22 @@ class _Comparison:
         self._text = parsed.text
         self._comments = parsed.comments
         self._old = {id(node): node for node in walk(parsed.tree)}
+        self._by_place = {(type(node), node.span): node for node in self._old.values()}
         self._used: list[Span] = []
+        self._printed_anew: set[int] = set()
         newline = "\r\n" if "\r\n" in parsed.text else "\n"
         self._newline = newline
         self._printer = Printer(parsed.dialect, newline=newline, known=self._written)
 
     def _written(self, node: Node) -> str | None:
-        if id(node) not in self._old or node.span is None:
+        """The text of a node that has some: of one that was edited with the edits made, so that its layout stays."""
+        old = self._old.get(id(node)) or self._by_place.get((type(node), node.span))
+        if old is None or old.span is None or id(node) in self._printed_anew:
             return None
-        self._used.append(node.span)
-        return self._text[node.span[0] : node.span[1]]
+        start, end = old.span
+        self._used.append(old.span)
+        edits = (Edit(first - start, last - start, new) for first, last, new in self.edits(old, node))
+        return apply_edits(self._text[start:end], edits)
 
     def edits(self, old: Node, new: Node) -> list[Edit]:
         """The edits that make `new` of `old`."""
@@ -54,6 +60,8 @@ class _Comparison:
             return []
         if type(old) is not type(new):
             return [self._replaced(old, new)]
+        if isinstance(old, Operation | Unary) and isinstance(new, Operation | Unary):
+            return self._operation_edits(old, new)
         found: list[Edit] = []
         for name in parts(type(old)):
             before, after = getattr(old, name), getattr(new, name)
@@ -70,15 +78,33 @@ class _Comparison:
                 return [self._replaced(old, new)]
         return found
 
+    def _operation_edits(self, old: Operation | Unary, new: Operation | Unary) -> list[Edit]:
+        """As `edits`: what is new among the operands gets parentheses where it needs them."""
+        before, after = operands(old), operands(new)
+        if old.operator is not new.operator or len(before) != len(after):
+            return [self._replaced(old, new)]
+        found: list[Edit] = []
+        for index, (a, b) in enumerate(zip(before, after, strict=True)):
+            edits = self.edits(a, b)
+            if edits and needs_parentheses(new, index):
+                start, end, text = self._replaced(a, b)
+                edits = [Edit(start, end, f"({text})")]
+            found += edits
+        return found
+
     def _replaced(self, old: Node, new: Node) -> Edit:
         start, end = old.span or (0, len(self._text))
         if isinstance(new, Statements):  # there were no statements, but perhaps comments
             before = self._newline if self._text.strip() and not self._text.endswith(("\n", "\r")) else ""
             return Edit(end, end, before + self._printer.text(new))
         indent = self._indent_at(start)
-        self._used.clear()
+        used, self._used = self._used, []
+        if id(new) not in self._old:
+            self._printed_anew.add(id(new))
         text = self._printer.text(new, indent)
-        return Edit(start, end, self._lost_comments(start, end, indent) + text)
+        text = self._lost_comments(start, end, indent) + text
+        self._used = used
+        return Edit(start, end, text)
 
     def _lost_comments(self, start: int, end: int, indent: str) -> str:
         """The comments from `start` to `end` that no part used again contains: they move before what is new there."""

@@ -9,7 +9,14 @@ import pytest
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
+from plcopen_sfc.languages.st import (
+    parse_expression,
+    parse_statements,
+    print_node,
+    render,
+    transform,
+    without_parentheses,
+)
 from plcopen_sfc.languages.st.nodes import (
     Argument,
     Branch,
@@ -40,6 +47,7 @@ CASE s OF
  1: z();
  2,3: x(); END_CASE;
 """
+
 
 def renamed(old: str, new: str) -> Callable[[Node], Node]:
     return lambda node: Name(new) if isinstance(node, Name) and node.identifier == old else node
@@ -129,7 +137,10 @@ def test_an_argument_more() -> None:
     ("tree", "text"),
     [
         (Operation(Operator.AND, (Name("a"), Operation(Operator.OR, (Name("b"), Name("c"))))), "a AND (b OR c)"),
-        (Operation(Operator.SUBTRACT, (Name("a"), Operation(Operator.SUBTRACT, (Name("b"), Name("c"))))), "a - (b - c)"),
+        (
+            Operation(Operator.SUBTRACT, (Name("a"), Operation(Operator.SUBTRACT, (Name("b"), Name("c"))))),
+            "a - (b - c)",
+        ),
         (Operation(Operator.SUBTRACT, (Operation(Operator.SUBTRACT, (Name("a"), Name("b"))), Name("c"))), "a - b - c"),
         (Operation(Operator.ADD, (Operation(Operator.ADD, (Name("a"), Name("b"))), Name("c"))), "(a + b) + c"),
         (Unary(Operator.NOT, Operation(Operator.AND, (Name("a"), Name("b")))), "NOT (a AND b)"),
@@ -145,3 +156,45 @@ def test_edits_that_overlap_are_refused() -> None:
     assert apply_edits("abc", [Edit(2, 3, "C"), Edit(0, 1, "A")]) == "AbC"
     with pytest.raises(ValueError, match="overlap"):
         apply_edits("abc", [Edit(0, 2, ""), Edit(1, 3, "")])
+
+
+def rendered(text: str, change: Callable[[Node], Node]) -> str:
+    parsed = parse_expression(text)
+    return render(parsed, transform(parsed.tree, change))
+
+
+def test_new_operands_get_the_parentheses_they_need() -> None:
+    def to_sum(node: Node) -> Node:
+        return Operation(Operator.ADD, (Name("p"), Name("q"))) if node == Name("x") else node
+
+    assert rendered("x * b", to_sum) == "(p + q) * b"
+    assert rendered("a  +  x", to_sum) == "a  +  (p + q)"
+    assert rendered("x  <  b", to_sum) == "p + q  <  b"
+    assert rendered("-x", to_sum) == "-(p + q)"
+    assert rendered("(x) * b", to_sum) == "(p + q) * b"
+    assert rendered("f(x)[x]", to_sum) == "f(p + q)[p + q]"
+
+
+def test_parentheses_that_are_taken_away_come_back_where_they_are_needed() -> None:
+    parsed = parse_expression("a * (b+c) AND (d)")
+    assert render(parsed, without_parentheses(parsed.tree)) == "a * (b+c) AND d"
+
+
+def test_layout_stays_inside_of_what_is_written_anew() -> None:
+    def change(node: Node) -> Node:
+        if isinstance(node, Operation) and node.operator is Operator.OR:
+            return replace(node, operator=Operator.XOR)
+        return Name("alpha") if node == Name("a") else node
+
+    assert (
+        rendered("f(a  ,b)(*x*) OR NOT g( 1+a ) (* y *)", change) == "(*x*) f(alpha  ,b) XOR NOT g( 1+alpha ) (* y *)"
+    )
+
+
+def test_comments_inside_of_what_is_kept_with_edits_are_not_doubled() -> None:
+    def change(node: Node) -> Node:
+        if isinstance(node, Operation) and node.operator is Operator.OR:
+            return replace(node, operator=Operator.XOR)
+        return Name("alpha") if node == Name("a") else node
+
+    assert rendered("f(a (* 1 *), b) OR (a (* 2 *) OR b)", change) == "f(alpha (* 1 *), b) XOR ((* 2 *) alpha XOR b)"
