@@ -292,7 +292,7 @@ class CallTranslator:
         joined = values[0]
         for value in values[1:]:
             pair = (Argument(joined), Argument(value))
-            joined = n.Call(callee, self._in_style(node, block, pair, [joined, value]), span=node.span)
+            joined = n.Call(callee, self._in_style(node, block, pair, [joined, value]))
         return joined
 
     def _named(self, callee: n.Name, name: str) -> n.Name:
@@ -305,13 +305,9 @@ class CallTranslator:
 
 
 def _operation(operator: Operator, values: list[Expression], node: n.Call) -> Expression:
-    """An operation in place of a call: its operands bind as tightly as arguments did."""
-    enclosed = tuple(_enclosed(value, operator) for value in values)
-    if len(enclosed) == 1:
-        return n.Unary(operator, enclosed[0], span=node.span)
-    return n.Operation(operator, enclosed, span=node.span)
-
-
-def _enclosed(value: Expression, operator: Operator) -> Expression:
-    loose = isinstance(value, n.Operation | n.AssignmentExpression)
-    return n.Parenthesized(value) if loose or (isinstance(value, n.Unary) and operator is Operator.POWER) else value
+    """An operation in place of a call."""
+    if len(values) == 1:
+        return n.Unary(operator, values[0], span=node.span)
+    if operator is Operator.POWER:  # not all tools agree on what powers of powers are
+        values = [n.Parenthesized(value) if isinstance(value, n.Operation) else value for value in values]
+    return n.Operation(operator, tuple(values), span=node.span)

@@ -36,10 +36,12 @@ class NameTranslator:
 
     def _collect(self, tree: n.Node) -> None:
         # names that stay, so that none of those that change gets theirs
+        behind_dots = set()
         for node in walk(tree):
-            if isinstance(node, n.Member):
+            if isinstance(node, n.Member | n.Argument) and node.name is not None:
+                behind_dots.add(id(node.name))
                 self._member_names.add(node.name.identifier.casefold())
-            elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL:
+            elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL and id(node) not in behind_dots:
                 self._local_names.add(node.identifier.casefold())
 
     def is_local(self, name: n.Name) -> bool | None:
@@ -120,7 +122,7 @@ class NameTranslator:
         return self._changed(name, old, Quoting.GLOBAL)
 
     def _legal(self, name: n.Name, scope: NameScope, taken: set[str]) -> n.Name:
-        new = self._context.renames.legal_name(scope, name.identifier, taken)
+        new = self._context.renames.legal_name(scope, name.identifier, taken, self._target)
         if new != name.identifier:
             reason = f"{name.identifier} is called {new}: {TITLES[self._target]} takes no such name"
             if name.identifier.casefold() in taken:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
 from plcopen_sfc.languages.standard_blocks import standard_blocks
 
@@ -62,19 +63,21 @@ class Renames:
         found = self._old.get((scope, new.casefold()))
         return found.old if found is not None else None
 
-    def legal_name(self, scope: NameScope, name: str, taken: Collection[str]) -> str:
-        """What `name` is called outside of SCL: itself, if it is legal and not `taken` (in lower case, see `taken`).
+    def legal_name(
+        self, scope: NameScope, name: str, taken: Collection[str] = (), target: Dialect = Dialect.IEC
+    ) -> str:
+        """What `name` is called in `target`: itself, if it is legal there and not `taken`.
 
         `taken`: names that mean something else there, casefolded.
         """
         known = self.new_name(scope, name)
         if known is not None:
             return known
-        if is_identifier(name) and not is_reserved(name, scope) and name.casefold() not in taken:
+        if is_identifier(name) and not is_reserved(name, scope, target) and name.casefold() not in taken:
             return name
         stem = identifier(name)
         new, number = stem, 1
-        while self._is_used(new, scope) or new.casefold() in taken or is_reserved(new, scope):
+        while self._is_used(new, scope) or new.casefold() in taken or is_reserved(new, scope, target):
             number += 1
             new = f"{stem}_{number}"
         self._add(Rename(scope, name, new))
@@ -110,10 +113,12 @@ def identifier(name: str) -> str:
     return f"_{text}" if text[0].isdigit() else text
 
 
-def is_reserved(name: str, scope: NameScope) -> bool:
-    """Whether IEC 61131-3 or CODESYS read a name as something else."""
+def is_reserved(name: str, scope: NameScope, target: Dialect) -> bool:
+    """Whether `target` reads a name as something else."""
     word = name.upper()
-    return word in KEYWORDS or (scope is not NameScope.MEMBER and word in _STANDARD_NAMES)
+    if word in KEYWORDS or (target is Dialect.IEC and word in _TEXTUAL_KEYWORDS):
+        return True
+    return scope is not NameScope.MEMBER and word in _STANDARD_NAMES
 
 
 _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
@@ -123,9 +128,13 @@ KEYWORDS = STATEMENT_KEYWORDS | frozenset(
     BOOL BYTE WORD DWORD LWORD SINT INT DINT LINT USINT UINT UDINT ULINT REAL LREAL TIME LTIME DATE LDATE TOD LTOD DT
     LDT TIME_OF_DAY DATE_AND_TIME STRING WSTRING CHAR WCHAR ARRAY STRUCT END_STRUCT TYPE END_TYPE POINTER REF_TO
     VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_GLOBAL VAR_EXTERNAL VAR_STAT END_VAR CONSTANT RETAIN AT
-    PROGRAM FUNCTION FUNCTION_BLOCK METHOD INTERFACE STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION
-    END_ACTION FROM WITH EN ENO
+    PROGRAM FUNCTION FUNCTION_BLOCK METHOD INTERFACE EN ENO
     """.split()
 )
 """Words that are no names of variables in some dialect."""
+_TEXTUAL_KEYWORDS = frozenset(
+    """STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION END_ACTION FROM WITH ON CONFIGURATION RESOURCE TASK
+    PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()
+)
+"""Words of the textual form of charts and configurations, which tools without it take as names."""
 _STANDARD_NAMES = frozenset(block.name for block in standard_blocks()) | {"ADR", "SIZEOF", "SQR", "INI"}

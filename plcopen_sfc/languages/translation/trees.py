@@ -71,9 +71,9 @@ class TreeTranslator:
             case n.Call():
                 return self._calls.call(node)
             case n.Unary():
-                return self._unary(self._within(node))
+                return self._unary(self._inside(node))
             case n.Operation():
-                return self._operation(self._within(node))
+                return self._operation(self._inside(node))
             case n.AssignmentExpression() if self._target is Dialect.IEC and self._source is not Dialect.IEC:
                 self._lacks("assignments inside expressions", node)
                 return self._inside(node)
@@ -121,17 +121,6 @@ class TreeTranslator:
                 if any(a is not b for a, b in zip(members, value, strict=True)):
                     new[name] = members
         return replace(node, **new) if new else node
-
-    def _within(self, node: AnyNode) -> AnyNode:
-        """As `_inside`, for what holds operands: operations that are new among them get parentheses."""
-        new = self._inside(node)
-        if isinstance(new, n.Unary) and isinstance(node, n.Unary):
-            operand = _enclosed(new.operand, node.operand)
-            return new if operand is new.operand else cast(AnyNode, replace(new, operand=operand))
-        if isinstance(new, n.Operation) and isinstance(node, n.Operation):
-            operands = tuple(_enclosed(a, b) for a, b in zip(new.operands, node.operands, strict=True))
-            return new if operands == new.operands else cast(AnyNode, replace(new, operands=operands))
-        return new
 
     def _lacks(self, what: str, node: Node) -> None:
         self._notes.add(Severity.ERROR, f"{TITLES[self._target]} has no {what}; left as it stands", node)
@@ -195,8 +184,8 @@ class TreeTranslator:
             if any(_may_fail(operand) for operand in node.operands[1:]):
                 reason = f"{node.operator.value} became {_BOTH_SIDES[node.operator].value}"
                 self._notes.add(Severity.WARNING, f"{reason}, which may evaluate its right side in any case", node)
-            return replace(node, operator=_BOTH_SIDES[node.operator])
-        return node
+            node = replace(node, operator=_BOTH_SIDES[node.operator])
+        return _in_one_row(node)
 
     def _power(self, node: n.Operation) -> Expression:
         if self._target is self._source:
@@ -222,8 +211,7 @@ class TreeTranslator:
         if node.kind in _ARITHMETIC and not isinstance(node.value, n.AssignmentExpression):
             if any(isinstance(part, n.Call) for part in walk(node.target)):
                 self._notes.add(Severity.WARNING, f"{node.kind.value} was written out: the target is read twice", node)
-            value_part = n.Parenthesized(new.value) if isinstance(new.value, n.Operation | n.Unary) else new.value
-            operation = n.Operation(_ARITHMETIC[node.kind], (new.target, value_part))
+            operation = n.Operation(_ARITHMETIC[node.kind], (new.target, _grouped(new.value)))
             return n.Assignment(new.target, operation, span=node.span)
         self._lacks(f"assignments with {node.kind.value}", node)
         return new
@@ -240,11 +228,16 @@ class TreeTranslator:
         return node if target is node.target and value is node.value else replace(node, target=target, value=value)
 
 
-def _enclosed(new: Expression, old: Expression) -> Expression:
-    """A translated operand, in parentheses where it binds less tightly than the one before."""
-    if new is not old and isinstance(new, n.Operation | n.Unary) and not isinstance(old, n.Operation | n.Unary):
-        return n.Parenthesized(new, span=new.span)
-    return new
+def _in_one_row(node: n.Operation) -> n.Operation:
+    """``(a AND b) AND c`` where the first AND was another operator: all operands stand in a row."""
+    first = node.operands[0]
+    if isinstance(first, n.Operation) and first.operator is node.operator and node.operator in _BOTH_SIDES.values():
+        return replace(node, operands=(*first.operands, *node.operands[1:]))
+    return node
+
+
+def _grouped(value: Expression) -> Expression:
+    return n.Parenthesized(value) if isinstance(value, n.Operation | n.Unary) else value
 
 
 def _without_enclosure(operand: Expression) -> Expression:

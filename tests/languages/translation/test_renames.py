@@ -62,6 +62,11 @@ def test_a_global_name_that_a_local_one_hides() -> None:
     assert translate_text(found.text, "expression", IEC, SCL, back).text == '"x" AND #x AND "x".y'
 
 
+def test_members_and_parameters_hide_nothing() -> None:
+    found = translate_text('"Start" := "DB".Start AND "DB".Stop AND "F"(Start := "Stop");', "statements", SCL, IEC)
+    assert found.text == "Start := DB.Start AND DB.Stop AND F(Start := Stop);"
+
+
 def test_known_renames_are_used() -> None:
     context = TranslationContext(renames=Renames([Rename(GLOBAL, "Motor 1", "M1")]))
     assert translate_text('"motor 1".run', "expression", SCL, IEC, context).text == "M1.run"
@@ -77,7 +82,7 @@ def test_new_names_are_identifiers_and_lead_back(pairs: list[tuple[NameScope, st
     renames = Renames()
     news: dict[tuple[bool, str], str] = {}
     for scope, old in pairs:
-        new = renames.legal_name(scope, old, ())
+        new = renames.legal_name(scope, old)
         parsed = parse_expression(new, IEC)
         assert parsed.problems == ()
         assert parsed.tree == n.Name(new)

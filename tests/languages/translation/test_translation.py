@@ -205,8 +205,8 @@ def test_addresses_that_may_differ(
         ("-#a ** 2", SCL, CODESYS, "-EXPT(a, 2)"),
         ("NOT #a ** 2 = 4", SCL, IEC, "NOT (a ** 2) = 4"),
         ("#a ** 2 ** 3", SCL, CODESYS, "EXPT(EXPT(a, 2), 3)"),
-        ("EXPT(a + 1, 2) / 3", CODESYS, SCL, "((#a + 1) ** 2) / 3"),
-        ("3 / EXPT(-a, b)", CODESYS, SCL, "3 / ((-#a) ** #b)"),
+        ("EXPT(a + 1, 2) / 3", CODESYS, SCL, "(#a + 1) ** 2 / 3"),
+        ("3 / EXPT(-a, b)", CODESYS, SCL, "3 / (-#a) ** #b"),
         ("-EXPT(a, b)", CODESYS, SCL, "-(#a ** #b)"),
         ("EXPT(EXPT(a, b), 2)", CODESYS, SCL, "(#a ** #b) ** 2"),
         ("a AND_THEN b = 1", CODESYS, SCL, "#a AND #b = 1"),
@@ -294,6 +294,15 @@ def test_layout_and_comments_stay() -> None:
         "#inst(\r\n  In  := #a,   // in\r\n  Out => #b);\r\nIF #a THEN (* x *)\r\n  #b := 1; END_IF;"
     )
     assert_says_the_same(text, SCL, CODESYS, text.replace("#", ""))
+
+
+def test_layout_stays_inside_of_what_is_written_anew() -> None:
+    text = "x S= a/100  AND(*why*)NOT b; y := LIMIT(1, f(a/2*(*c*)b), EXPT(a*b,  2));"
+    found = translated(text, CODESYS, SCL, locals="abxy")
+    assert found.text == (
+        "IF #a/100  AND(*why*)NOT #b THEN\n    #x := TRUE;\nEND_IF; "
+        '#y := LIMIT(MN := 1, IN := "f"(#a/2*(*c*)#b), MX := (#a*#b) ** 2);'
+    )
 
 
 def test_notes_have_places() -> None:
