@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import Path, is_impure, is_variable, path_of, reads, walk
+from plcopen_sfc.languages.networks.effects import Path, is_impure, is_variable, path_of, reads
 from plcopen_sfc.languages.networks.pictures import (
     ROW,
     BlockDraft,
@@ -27,7 +27,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.languages.st.walking import transform
+from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
 from plcopen_sfc.model.network import (
     BlockCall,
@@ -463,7 +463,7 @@ def _is_power(block: StandardBlock, name: str) -> bool:
 def _is_harmless(expression: Expression) -> bool:
     """Whether its operands may be evaluated though their operation is not enabled: none can fail or do anything."""
     inner = n.bare(expression)
-    operands: Sequence[object] = (inner,)
+    operands: Sequence[n.Node] = (inner,)
     if isinstance(inner, n.Operation):
         operands = inner.operands
     elif isinstance(inner, n.Call) and not is_variable(inner):

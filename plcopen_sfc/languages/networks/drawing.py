@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.languages.networks.drafting import Drafter, Rung
 from plcopen_sfc.languages.networks.ladders import LadderDrafter
 from plcopen_sfc.languages.networks.results import NetworkProblem
@@ -55,10 +56,11 @@ def draw_fbd(
     elements count from `first_id` and are unique in the body.
     """
     drafter = Drafter(rules or DrawingRules(), first_id)
-    networks = _sheets(drafter.statements(statements), divided=divided)
-    for rungs in networks:
-        _stack(rungs, _MARGIN)
-    bodies = [LogicNetwork(nodes=[node for rung in rungs for node in rung.nodes]) for rungs in networks]
+    with collector_paused():
+        networks = _sheets(drafter.statements(statements), divided=divided)
+        for rungs in networks:
+            _stack(rungs, _MARGIN)
+        bodies = [LogicNetwork(nodes=[node for rung in rungs for node in rung.nodes]) for rungs in networks]
     return DrawnFbd(FbdBody(networks=bodies), tuple(drafter.problems))
 
 
@@ -68,12 +70,13 @@ def draw_ld(
     """Statements as a ladder diagram; see `draw_fbd`."""
     drafter = LadderDrafter(rules or DrawingRules(), first_id)
     bodies = []
-    for rungs in _sheets(drafter.statements(statements), divided=divided):
-        left = drafter.start(_MARGIN, _MARGIN)
-        right, bottom = _stack(rungs, left)
-        nodes = [node for rung in rungs for node in rung.nodes]
-        first, last = drafter.finish(nodes, right + _MARGIN, bottom)
-        bodies.append(LogicNetwork(nodes=[first, *nodes, last]))
+    with collector_paused():
+        for rungs in _sheets(drafter.statements(statements), divided=divided):
+            left = drafter.start(_MARGIN, _MARGIN)
+            right, bottom = _stack(rungs, left)
+            nodes = [node for rung in rungs for node in rung.nodes]
+            first, last = drafter.finish(nodes, right + _MARGIN, bottom)
+            bodies.append(LogicNetwork(nodes=[first, *nodes, last]))
     return DrawnLd(LdBody(networks=bodies), tuple(drafter.problems))
 
 

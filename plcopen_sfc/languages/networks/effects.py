@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import fields
+from collections.abc import Set
 from functools import lru_cache
 from typing import Any
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.walking import children, walk
 from plcopen_sfc.languages.standard_blocks import standard_block
 
 Path = tuple[str, ...]
@@ -16,18 +16,6 @@ Path = tuple[str, ...]
 
 ANYTHING: Path = ()
 """Reaches every variable: what a pointer leads to, or what a call of unknown code may write."""
-
-
-def walk(tree: Any) -> Iterator[n.Node]:
-    """All nodes of a tree, a node before what is in it."""
-    waiting = [tree]
-    while waiting:
-        item = waiting.pop()
-        if isinstance(item, n.Node):
-            yield item
-            waiting.extend(getattr(item, f.name) for f in reversed(fields(item)) if f.name != "span")
-        elif isinstance(item, tuple):
-            waiting.extend(reversed(item))
 
 
 def path_of(expression: Expression) -> Path:
@@ -77,7 +65,7 @@ def reads(expression: Expression) -> frozenset[Path]:
         elif isinstance(item, n.Argument):
             waiting.append(item.value)
         elif isinstance(item, n.Node):
-            waiting.extend(getattr(item, f.name) for f in fields(item) if f.name != "span")
+            waiting.extend(children(item))
     return frozenset(found)
 
 
@@ -111,7 +99,7 @@ def is_standard_call(call: n.Call) -> bool:
     return block is not None and not block.stateful
 
 
-def writes(statement: Statement, standard_instances: frozenset[Path]) -> frozenset[Path]:
+def writes(statement: Statement, standard_instances: Set[Path]) -> frozenset[Path]:
     """The variables that a statement writes. `standard_instances`: those of standard function blocks."""
     found: set[Path] = set()
     for node in walk(statement):
@@ -130,7 +118,7 @@ def writes(statement: Statement, standard_instances: frozenset[Path]) -> frozens
     return frozenset(found)
 
 
-def may_change(read: frozenset[Path], written: frozenset[Path], private: frozenset[str]) -> bool:
+def may_change(read: frozenset[Path], written: frozenset[Path], private: Set[str]) -> bool:
     """Whether one of the variables `read` may be one of those `written`, or a part of it or around it.
 
     `private` are variables that only a statement that names them can write: helpers and instances.

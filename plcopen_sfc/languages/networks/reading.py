@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
 
+from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.blocks import BlockReader
@@ -125,9 +126,10 @@ class NetworkReader:
 
     def run(self) -> None:
         """Execute every element."""
-        for node in self.graph.execution():
-            self._execute(node)
-        self._find_open_ends()
+        with collector_paused():
+            for node in self.graph.execution():
+                self._execute(node)
+            self._find_open_ends()
 
     def result(self) -> NetworkStatements:
         """What was executed, as statements."""

@@ -6,7 +6,7 @@ must: where it is used more than once and evaluating it again may give something
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Set
 from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
@@ -41,8 +41,8 @@ class Wires:
         self._taken = {name.casefold() for name in taken}
         self._values: dict[Source, Product | None] = {}
         self._left: dict[Source, int] = {}
-        self._paths: dict[Path, str] = {}
-        self._private: frozenset[str] = frozenset()
+        self._standard: set[Path] = set()
+        self._private: set[str] = set()
         self._feedback: dict[Source, Helper] = {}
         self._quoting = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
 
@@ -71,8 +71,7 @@ class Wires:
 
     def execute(self, statement: Statement) -> None:
         """Append a statement; values that it may change and that are still needed go to helpers before it."""
-        standard = frozenset(path for path, type_name in self._paths.items() if standard_block(type_name) is not None)
-        self.prepare(writes(statement, standard))
+        self.prepare(writes(statement, self._standard))
         self.statements.append(statement)
 
     def prepare(self, written: frozenset[Path], using: Collection[Source] = ()) -> None:
@@ -80,16 +79,18 @@ class Wires:
 
         Of the outputs in `using` one use does not count: it is that of the statement that will write.
         """
-        private = frozenset(path[0] for path in self._paths) | self._private
         for source, left in self._left.items():
             product = self._values[source]
-            if product and left > (source in using) and any(_changes(f, written, private) for f in product):
+            if product and left > (source in using) and any(_changes(f, written, self._private) for f in product):
                 self.statements.append(self._kept(source, product))
 
     def instance(self, name: str, type_name: str) -> None:
         """Note an instance of a function block."""
         self.instances[name] = type_name
-        self._paths[path_of(parse_expression(name, self.dialect).tree)] = type_name
+        path = path_of(parse_expression(name, self.dialect).tree)
+        self._private.update(path[:1])
+        if standard_block(type_name) is not None:
+            self._standard.add(path)
 
     def execute_all(self, statements: Iterable[Statement]) -> None:
         """Append statements."""
@@ -105,7 +106,7 @@ class Wires:
             name = f"{stem}_{number}"
         self._taken.add(name.casefold())
         self.helpers.append(Helper(name, type_name, retained))
-        self._private |= {name.casefold()}
+        self._private.add(name.casefold())
         return n.Name(name, self._quoting)
 
     def edge(self, edge: Edge, value: Expression, source: Source) -> Expression:
@@ -176,7 +177,7 @@ class Wires:
         return n.Assignment(name, value)
 
 
-def _changes(factor: Factor, written: frozenset[Path], private: frozenset[str]) -> bool:
+def _changes(factor: Factor, written: frozenset[Path], private: Set[str]) -> bool:
     return is_impure(factor.expression) or may_change(reads(factor.expression), written, private)
 
 
