@@ -159,7 +159,7 @@ _STEP_ACTIONS = {
 
 
 def _of_twincat(path: Path) -> Iterator[Found]:
-    root = etree.parse(path).getroot()
+    root = _tree(path)
     for element in root.iter("Declaration", "ST"):
         owner = element.getparent() if element.tag == "Declaration" else element.getparent().getparent()
         if not (element.text or "").strip():

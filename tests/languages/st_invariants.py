@@ -53,12 +53,14 @@ def _assert_children_in_order(node: n.Node) -> None:
 
 
 def _assert_all_covered(parsed: Parsed[Any]) -> None:
-    """Whatever stands outside of the statements or declarations is blank or a comment."""
+    """Whatever stands outside of the statements or declarations is blank or a comment.
+
+    Semicolons between declarations mean nothing and are in no node.
+    """
+    blank = "\ufeff;" if isinstance(parsed.tree, Declarations) else "\ufeff"
     covered = sorted([s.span or (0, 0) for s in children(parsed.tree)] + [c.span for c in parsed.comments])
     end = 0
-    for span in covered:
-        outside = parsed.text[end : span[0]]
-        assert not outside.replace("\ufeff", "").strip(), f"{outside!r} is not in the tree"
+    for span in [*covered, (len(parsed.text), len(parsed.text))]:
+        outside = "".join(c for c in parsed.text[end : span[0]] if c not in blank).strip()
+        assert not outside, f"{outside!r} is not in the tree"
         end = max(end, span[1])
-    rest = parsed.text[end:]
-    assert not rest.replace("\ufeff", "").strip(), f"{rest!r} is not in the tree"

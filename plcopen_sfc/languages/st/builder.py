@@ -62,6 +62,17 @@ class _Labels:
         self.span = span
 
 
+class _Handler:
+    """``__CATCH(error)`` with its statements."""
+
+    __slots__ = ("error", "span", "statements")
+
+    def __init__(self, error: Expression | None, statements: StatementList, span: Span) -> None:
+        self.error = error
+        self.statements = statements
+        self.span = span
+
+
 def over(items: Sequence[Any]) -> Span:
     """From the start of the first item to the end of the last."""
     return (items[0].span[0], items[-1].span[1])
@@ -293,19 +304,20 @@ class Builder(Transformer[Token, Any]):
         return n.Region(title, self._statements(items[1]), span=over(items))
 
     def try_(self, items: Items) -> Any:
-        error, handler = next((i for i in items if isinstance(i, tuple)), (None, None))
+        handler = next((i for i in items if isinstance(i, _Handler)), None)
         final = next((i for i in items[2:] if isinstance(i, StatementList)), None)
         statements = self._statements(items[1])
         return n.Try(
             statements,
-            error,
-            None if handler is None else self._statements(handler),
+            None if handler is None else handler.error,
+            None if handler is None else self._statements(handler.statements),
             None if final is None else self._statements(final),
             span=over(items),
         )
 
     def catch(self, items: Items) -> Any:
-        return (items[2] if len(items) > 2 else None, items[-1])  # with an error variable in parentheses
+        error = items[2] if len(items) > 2 else None  # in parentheses
+        return _Handler(error, items[-1], items[0].span)
 
     def finally_(self, items: Items) -> Any:
         return items[1]

@@ -46,7 +46,7 @@ def tokenize_declarations(text: str, dialect: Dialect) -> Tokens:
     """
     found = tokenize(text, dialect, KEYWORDS)
     tokens = found.tokens
-    for token, following in zip(tokens, [*tokens[1:], Token("$END", "", (0, 0))], strict=True):
+    for token, following in zip(tokens, [*tokens[1:], Token("$END", "", (0, 0))], strict=False):
         if token.type in _STATEMENTS_ONLY:
             token.type = "NAME"
         elif token.type in KEYWORDS:

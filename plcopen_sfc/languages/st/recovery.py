@@ -92,7 +92,8 @@ class Reading:
         accepted = self._accepted()
         message = expectation(token, accepted)
         opening = self._opening()
-        if opening is not None and _CLOSED_BY[opening.type] in accepted and token.type in {"$END", *_CLOSING}:
+        closing = {"UNTIL", _CLOSED_BY[opening.type]} if opening is not None else set()
+        if opening is not None and closing & accepted and token.type in _BEHIND_SECTIONS | _CLOSING:
             line, _ = Lines(self._text).place(opening.span[0])
             message += f" for the {opening.value.split()[0].upper()} in line {line}"
         self._builder.problems.append(Problem(message, token.span))
@@ -104,6 +105,15 @@ class Reading:
     def _opening(self) -> Token | None:
         """The keyword of the innermost block that is open."""
         return next((v for v in reversed(self._values) if isinstance(v, Token) and v.type in _CLOSED_BY), None)
+
+    def _unfinished_head(self) -> Token | None:
+        """The keyword of the innermost block if its statements have not begun: ``IF a``."""
+        for value in reversed(self._values):
+            if isinstance(value, StatementList):
+                break
+            if isinstance(value, Token) and value.type in _CLOSED_BY:
+                return value
+        return None
 
     def _recover(self, position: int) -> int:
         """Make the parser ready to go on; the index of the token to go on with."""
@@ -149,7 +159,7 @@ class Reading:
     def _close_outer_block(self, token: Token) -> bool:
         """If `token` closes a block around the innermost one, go back to the statements of that block."""
         openings = [v for v in self._values if isinstance(v, Token) and _CLOSED_BY.get(v.type) == token.type]
-        if not openings:
+        if not openings or self._unfinished_head() is openings[-1]:
             return False
         start = token.span[0]
         while self._opening() is not openings[-1] or not isinstance(self._values[-1], StatementList):
