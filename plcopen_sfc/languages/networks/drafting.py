@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
@@ -77,12 +77,22 @@ class Drafter:
         """The rungs of statements. A function block whose output is used next stands in the rung that uses it."""
         rungs: list[Rung] = []
         waiting: list[Statement] = []
-        for statement in _flat(statements):
+        for statement in self._flat(statements):
             waiting.append(statement)
             if not self._can_wait(statement, waiting[:-1]) or len(waiting) > _MAX_WAITING:
                 rungs += [self._rung(*group) for group in self._grouped(waiting)]
                 waiting = []
         return rungs + [self._rung(*group) for group in self._grouped(waiting)]
+
+    def _flat(self, statements: Iterable[Statement]) -> Iterator[Statement]:
+        """The statements without those that do nothing: regions and lone semicolons."""
+        for statement in statements:
+            if isinstance(statement, n.Region):
+                text = f"the region {statement.title!r} is not drawn, only what is in it"
+                self.problems.append(NetworkProblem(text, None, Severity.INFO))
+                yield from self._flat(statement.statements)
+            elif not isinstance(statement, n.Empty):
+                yield statement
 
     def _grouped(self, statements: Sequence[Statement]) -> list[tuple[Sequence[Statement], Statement]]:
         """Statements, of which all but the last are calls that may wait, in groups that can stand in one rung each."""
@@ -402,15 +412,6 @@ _STORAGES = {
 }
 _FLAT = frozenset({Operator.AND, Operator.OR, Operator.XOR})
 _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
-
-
-def _flat(statements: Iterable[Statement]) -> Iterable[Statement]:
-    """The statements without those that mean nothing: regions and lone semicolons."""
-    for statement in statements:
-        if isinstance(statement, n.Region):
-            yield from _flat(statement.statements)
-        elif not isinstance(statement, n.Empty):
-            yield statement
 
 
 def _calls(statements: Iterable[Statement]) -> list[n.Call]:

@@ -42,7 +42,7 @@ from plcopen_sfc.model.network import (
     VendorElement,
 )
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.model.text import plain
+from plcopen_sfc.model.text import Text, plain
 
 
 def body_statements(
@@ -68,7 +68,10 @@ def network_statements(
     known: Container[str] | None = None,
 ) -> NetworkStatements:
     """Networks as statements; see `body_statements`."""
+    networks = list(networks)
     reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, known=known)
+    for network in networks:
+        reader.comment(None, network.title, network.comment)
     reader.run()
     return reader.result()
 
@@ -119,7 +122,7 @@ class NetworkReader:
         self.graph.uses.update(source for sources in self._outer for source in sources)
         names = {*taken, *_names(self.graph), *self.graph.steps.values()}
         self.wires = Wires(self.graph, dialect, names)
-        self.comments: list[tuple[int, str]] = []
+        self.comments: list[tuple[int | None, str]] = []
         self.open_ends: list[tuple[int, Expression]] = []
         self._blocks = BlockReader(self.graph, self.wires, known)
         self._step_flag = "X" if dialect in (Dialect.IEC, Dialect.SCL) else "x"
@@ -206,6 +209,11 @@ class NetworkReader:
     # -- elements
 
     def _execute(self, node: Node) -> None:
+        self.comment(node.id, node.comment)
+        if isinstance(node, Block):
+            parameters = node.parameters
+            pins = (*parameters.inputs, *parameters.in_outs, *parameters.outputs)
+            self.comment(node.id, *(variable.comment for variable in pins))
         if isinstance(node, Block):
             self._blocks.execute(node, self._value)
         elif isinstance(node, InputVariable):
@@ -235,7 +243,7 @@ class NetworkReader:
         elif isinstance(node, Label):
             self.wires.execute(n.Label(n.Name(node.label)))
         elif isinstance(node, CommentBox):
-            self._comment(node.id, plain(node.content))
+            self.comment(node.id, node.content)
         elif isinstance(node, ErrorBox):
             self.wires.problem(f"an error of the tool that made the file: {plain(node.content)}", node.id)
         elif isinstance(node, VendorElement):
@@ -305,13 +313,14 @@ class NetworkReader:
             statement = n.If((n.Branch(condition, (statement,)),))
         self.wires.execute(statement)
 
-    def _comment(self, number: int, text: str) -> None:
-        if text.strip():
-            self.comments.append((number, text))
+    def comment(self, number: int | None, *texts: Text | None) -> None:
+        """Keep what people have written."""
+        plain_texts = (plain(text) for text in texts if text is not None)
+        self.comments += [(number, text) for text in plain_texts if text.strip()]
 
     def _vendor_element(self, node: VendorElement) -> None:
         if node.element_type == "networktitle":
-            self._comment(node.id, plain(node.alternative_text))
+            self.comment(node.id, node.alternative_text)
         elif node.parameters is not None or node.attributes.keys() - {"BoxInputFlagsSupported"} or not node.attributes:
             text = plain(node.alternative_text)
             self.wires.problem(f"an element that only its tool understands: {text}", node.id)

@@ -43,12 +43,12 @@ class NetworkText:
     """What every translation of a network to text gives.
 
     `instances` are the types of all function block instances in the network by name, `helpers` included; `comments`
-    the comments and titles in it, each with the id of its element.
+    the comments and titles in it, each with the id of its element (None: of the network).
     """
 
     helpers: tuple[Helper, ...] = ()
     instances: Mapping[str, str] = field(default_factory=dict)
-    comments: tuple[tuple[int, str], ...] = ()
+    comments: tuple[tuple[int | None, str], ...] = ()
     problems: tuple[NetworkProblem, ...] = ()
 
     @property

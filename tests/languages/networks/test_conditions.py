@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression
+from plcopen_sfc.languages.networks.drawing import DrawnExpression, draw_fbd_expression, draw_ld_expression
+from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import NetworkExpression
+from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model import (
     Body,
@@ -26,7 +33,9 @@ from plcopen_sfc.model import (
     Transition,
     WiredCondition,
 )
+from plcopen_sfc.model.network import InputPin
 from tests.languages.networks.build import block, coil, contact, output, pin, rail, variable
+from tests.languages.networks.programs import booleans
 
 
 def chart(condition: object, *logic: Node) -> SfcNetwork:
@@ -162,3 +171,16 @@ def test_the_last_call_of_a_function_is_an_assumption() -> None:
 def test_bodies_that_do_not_tell_their_result() -> None:
     assert not read(BodyCondition(body=fbd(variable(1, "a"), output(2, "x", 1), output(3, "y", 1)))).complete
     assert not read(BodyCondition(body=IlBody(text="LD a"))).complete
+
+
+@settings(deadline=None)
+@given(booleans, st.sampled_from([draw_fbd_expression, draw_ld_expression]))
+def test_a_condition_drawn_into_a_chart_reads_as_itself(
+    expression: n.Expression, draw: Callable[..., DrawnExpression]
+) -> None:
+    drawn = draw(expression, first_id=300)
+    wired = WiredCondition(input=InputPin(connections=list(drawn.outputs)), negated=drawn.negated)
+    result = read(wired, *drawn.network.nodes)
+    assert result.complete
+    assert result.tree is not None
+    assert normal_form(result.tree) == normal_form(expression)

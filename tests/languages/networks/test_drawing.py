@@ -143,6 +143,12 @@ def test_what_has_no_graphical_form_is_kept_as_text_and_told() -> None:
     ]
 
 
+def test_the_title_of_a_region_is_not_drawn() -> None:
+    drawn = draw_fbd(statements("REGION Pump\nx := a;\nEND_REGION", Dialect.SCL))
+    assert kinds(drawn.body.networks[0].nodes) == ["input", "output"]
+    assert [str(p) for p in drawn.problems] == ["info: the region 'Pump' is not drawn, only what is in it"]
+
+
 def test_a_call_of_something_unknown_is_kept_as_text() -> None:
     assert kinds(fbd("Motor.ACT_Stop(); Unknown(IN := a);")) == ["EXECUTE", "EXECUTE"]
 

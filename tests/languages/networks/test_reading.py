@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks.reading import network_statements
 from plcopen_sfc.languages.networks.results import Helper
 from plcopen_sfc.model.network import (
     Block,
@@ -19,6 +20,7 @@ from plcopen_sfc.model.network import (
     InputPin,
     Jump,
     Label,
+    LogicNetwork,
     OutputPin,
     Return,
     RightPowerRail,
@@ -488,6 +490,11 @@ def test_comments_and_titles_are_kept() -> None:
     )
     assert result.comments == ((1, "Pump"), (2, "Slow"))
     assert not result.problems
+    gate = block(2, "NOT", {"IN": 1}, "OUT", comment="turned")
+    assert isinstance(gate, Block)
+    gate.parameters.inputs[0].comment = "see =M12"
+    network = LogicNetwork(title="Pump", nodes=[variable(1, "a", comment="door"), gate, output(3, "x", 2)])
+    assert network_statements([network]).comments == ((None, "Pump"), (1, "door"), (2, "turned"), (2, "see =M12"))
 
 
 def test_the_right_power_rail_does_nothing() -> None:
