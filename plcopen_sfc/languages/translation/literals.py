@@ -100,7 +100,7 @@ def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> Outcom
         return Outcome(text)
     fine = "." in body or (type != "LTIME" and re.search("us|ns", body, re.IGNORECASE))
     least, greatest = TIME_RANGES.get((target, type), (nanoseconds, nanoseconds))
-    if fine or not least <= nanoseconds <= greatest:
+    if fine or _overflows(body) or not least <= nanoseconds <= greatest:
         try:
             return Outcome(time_literal(nanoseconds, target, type))
         except LiteralError as error:
@@ -108,3 +108,12 @@ def _duration(text: str, nanoseconds: int, type: str, target: Dialect) -> Outcom
     if target is Dialect.CODESYS and text[:3].upper() == "LT#":
         return Outcome(f"LTIME#{body}")
     return Outcome(text)
+
+
+def _overflows(body: str) -> bool:
+    """Whether a unit behind the first has more than fits the one before it, as in ``5m68s``: CODESYS refuses that."""
+    parts = re.findall(r"(\d+)([a-z]+)", body.replace("_", "").lower())
+    return any(int(count) >= _FULL.get(unit, 1000) for count, unit in parts[1:])
+
+
+_FULL = {"h": 24, "m": 60, "s": 60}

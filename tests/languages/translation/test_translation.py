@@ -94,6 +94,8 @@ def test_objects_are_pointers_in_codesys_only() -> None:
         ("T#2.5s", IEC, SCL, "T#2s500ms"),
         ("T#2.5s", SCL, IEC, "T#2.5s"),
         ("TIME#3000us", IEC, CODESYS, "T#3ms"),
+        ("T#5m68s", IEC, CODESYS, "T#6m8s"),
+        ("T#100s12ms", IEC, CODESYS, "T#100s12ms"),
         ("LT#1us", SCL, CODESYS, "LTIME#1us"),
         ("LD#2024-01-01", IEC, CODESYS, "LDATE#2024-01-01"),
         ("D#2024-01-01", SCL, IEC, "D#2024-01-01"),
