@@ -3,7 +3,7 @@
 from plcopen_sfc.languages.translation.context import StepNotation, StepReferences, TranslationContext
 from plcopen_sfc.languages.translation.notes import Note
 from plcopen_sfc.languages.translation.renames import NameScope, Rename, Renames
-from plcopen_sfc.languages.translation.translate import Translated, translate, translate_text, translate_tree
+from plcopen_sfc.languages.translation.translate import TextKind, Translated, translate, translate_text, translate_tree
 
 __all__ = [
     "NameScope",
@@ -12,6 +12,7 @@ __all__ = [
     "Renames",
     "StepNotation",
     "StepReferences",
+    "TextKind",
     "Translated",
     "TranslationContext",
     "translate",

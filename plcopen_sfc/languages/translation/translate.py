@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
@@ -35,23 +36,32 @@ class Translated:
         return all(note.severity is Severity.INFO for note in self.notes)
 
 
+TextKind: TypeAlias = Literal["statements", "expression", "condition"]
+"""What a text is: a condition may also stand as in a TRANSITION, ``:= a AND b;``."""
+
+_PARSERS: dict[str, Callable[[str, Dialect], Parsed[Any]]] = {
+    "statements": parse_statements,
+    "expression": parse_expression,
+    "condition": parse_condition,
+}
+
+
 def translate_text(
     text: str,
-    kind: Literal["statements", "expression"],
+    kind: TextKind,
     source: Dialect,
     target: Dialect,
     context: TranslationContext | None = None,
 ) -> Translated:
     """A text in another dialect. Never raises: text that does not parse is left as it stands, with a note for why."""
-    parsed: Parsed[Any] = parse_statements(text, source) if kind == "statements" else parse_expression(text, source)
-    return translate(parsed, target, context)
+    return translate(_PARSERS[kind](text, source), target, context)
 
 
 def translate_tree(
     tree: Expression | Statements, source: Dialect, target: Dialect, context: TranslationContext | None = None
 ) -> Translated:
     """A tree that has no text in another dialect; the notes are about the text that `source` prints of it."""
-    kind: Literal["statements", "expression"] = "statements" if isinstance(tree, Statements) else "expression"
+    kind: TextKind = "statements" if isinstance(tree, Statements) else "expression"
     return translate_text(print_node(tree, source), kind, source, target, context)
 
 

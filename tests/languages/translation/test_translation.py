@@ -345,3 +345,8 @@ def test_trees_without_text() -> None:
     assert translate_tree(tree, IEC, SCL, TranslationContext(locals=["a"])).text == '#a AND "b"'
     body = n.Statements((n.Assignment(n.Name("x"), tree, n.AssignmentKind.SET),))
     assert translate_tree(body, CODESYS, IEC).text == "IF a AND b THEN\n    x := TRUE;\nEND_IF;"
+
+
+def test_conditions_as_they_stand_in_a_transition() -> None:
+    found = translate_text(":= #a AND\t#b;  // c", "condition", SCL, CODESYS)
+    assert (found.text, found.notes, found.parsed.problems) == (":= a AND\tb;  // c", (), ())
