@@ -57,8 +57,10 @@ def _beside(names: Names, declaration: Declaration, new: str) -> Iterator[Declar
 
 
 def _is_hidden(declaration: Declaration, other: Declaration) -> bool:
-    """Whether `declaration` may have the name of `other`, an enumeration value that its scope hides.
+    """Whether `declaration` may have the name of `other`, which its scope then hides.
 
-    Values are visible everywhere in most tools, and people do call steps after them.
+    People call steps after values of enumerations and instances after their type, and tools take it.
     """
-    return other.kind is Kind.ENUM_VALUE and other.pou is None and declaration.pou is not None
+    return (
+        other.kind in (Kind.ENUM_VALUE, Kind.POU, Kind.DATA_TYPE) and other.pou is None and declaration.pou is not None
+    )

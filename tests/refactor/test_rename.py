@@ -333,6 +333,17 @@ def test_no_declaration_is_left_out() -> None:
     assert "FUNCTION_BLOCK FB_Drive" in text
 
 
+def test_a_list_that_the_tool_writes_twice() -> None:
+    changed = lines_changed("codesys/sorting_conveyor.xml", ("GVL_HMI.udiTotal", "udiSum"))
+    assert len([line for line, _ in changed if line == '<variable name="udiTotal">']) == 2
+    made = plcopen_sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    made.rename("GVL_HMI", "GVL_Panel")
+    made.rename("GVL_Panel.SLIDE_CAPACITY", "CAPACITY")
+    text = plcopen_sfc.dumps(made).decode("utf-8-sig")
+    assert "GVL_HMI" not in text
+    assert "SLIDE_CAPACITY" not in text
+
+
 @pytest.mark.parametrize(
     ("name", "path"),
     [

@@ -32,6 +32,7 @@ class Reading(StrEnum):
     DECLARATIONS = "declarations"
     NAME = "name"
     FOREIGN = "foreign"
+    REPEATED = "repeated"
 
 
 class Role(StrEnum):
@@ -265,6 +266,8 @@ def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where
         owner = (where.nodes or {}).get(holder.source)
         if not isinstance(owner, n.Block | n.VendorElement):
             return
+    elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
+        reading = Reading.REPEATED
     elif isinstance(holder, PouInstance) and key == "name" and holder.type_name:
         return  # a name of its own
     elif isinstance(holder, TreeNode):
@@ -276,6 +279,8 @@ def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where
     yield Piece(holder, key, reading, role, where.site, path, where.language, owner)
 
 
+_PARTS = "/mixedattrsvarlist"
+"""The name of the data in which CODESYS repeats a list of global variables."""
 _UNSAID = frozenset(
     "text name content elements variable expression declaration pin path type_name member value".split()
 )
@@ -287,7 +292,8 @@ def _below(thing: Model, key: str, where: _Where) -> _Where:
     if key == "initial" and isinstance(thing, t.Variable | t.DataTypeDeclaration):
         return replace(where, owner=ValueOf(thing.type))
     if key == "carried":
-        return replace(where, language="foreign data")
+        owner = thing if isinstance(thing, VariableSection) else None
+        return replace(where, language="foreign data", owner=owner)
     if key == "value" and isinstance(thing, t.MemberValue) and isinstance(where.owner, ValueOf):
         return replace(where, owner=ValueOf(where.owner.type, (*where.owner.members, thing.member)))
     return where

@@ -54,6 +54,10 @@ def references(piece: Piece, dialect: Dialect) -> Iterator[Reference]:
         from plcopen_sfc.languages.names.declared import in_declarations  # noqa: PLC0415  # stands on this module
 
         yield from in_declarations(text, dialect)
+    elif piece.reading is Reading.REPEATED:
+        from plcopen_sfc.languages.names.repeated import in_repeated_list  # noqa: PLC0415  # stands on this module
+
+        yield from in_repeated_list(text, dialect)
     elif piece.reading is Reading.NAME:
         yield Reference(text, (0, len(text)), piece.role)
     else:

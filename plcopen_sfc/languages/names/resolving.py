@@ -436,6 +436,8 @@ class Resolver:
 
     def _head(self, piece: Piece) -> Meaning:
         site = piece.site
+        if isinstance(piece.owner, VariableSection):
+            return self.lookup(Reference(piece.owner.name or "", (0, 0), Role.VALUE, Quoting.GLOBAL), site)
         if site.pou is not None and site.method is not None:
             path = f"{site.pou.name}.{site.method.name}"
             return Meaning(Declaration(Kind.METHOD, path, (site.method,), site.pou))
@@ -443,7 +445,7 @@ class Resolver:
 
     def _declared(self, reference: Reference, piece: Piece) -> Meaning:
         """What a text of declarations declares with this name."""
-        holder = piece.holder
+        holder = piece.owner if isinstance(piece.owner, VariableSection) else piece.holder
         within = reference.within
         type_: t.DataType | None = None
         level = Level()

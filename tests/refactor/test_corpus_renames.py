@@ -1,0 +1,144 @@
+"""Renames in real files: only the name changes, all of it, and the programs mean what they did."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+import plcopen_sfc.model as m
+from plcopen_sfc.languages.names import Declaration, Kind, Names
+from plcopen_sfc.languages.names.pieces import NAMELESS, NAMING
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.refactor.rename import RenameResult, rename
+from tests.languages.names.projects import meanings
+from tests.samples import ALL_PARAMS, NEW, lines_of
+
+SEED = 61131
+SMALL = 100_000
+KINDS = (Kind.STEP, Kind.VARIABLE, Kind.ACTION, Kind.POU, Kind.MEMBER, Kind.ENUM_VALUE, Kind.TRANSITION, Kind.METHOD)
+OTHERS = (Kind.DATA_TYPE, Kind.GLOBAL_LIST, Kind.INSTANCE)
+
+
+def sample(made: m.Project, number: int) -> list[int]:
+    """At most so many declarations of every kind, by their number."""
+    chosen = random.Random(SEED)  # noqa: S311
+    declarations = list(Names(made).declarations())
+    picked: list[int] = []
+    for kind in (*KINDS, *OTHERS):
+        some = [index for index, declaration in enumerate(declarations) if declaration.kind is kind]
+        picked += chosen.sample(some, min(number, len(some)))
+    return picked
+
+
+def allowed(made: m.Project, what: Declaration) -> bool:
+    """Whether nothing beside it has its name: such a file is wrong, and which of them is meant cannot be said."""
+    scopes = [level for level in Names(made).levels() if what in level]
+    return all(len([d for d in level.named(what.name) if d.kind is not Kind.TRANSITION]) <= 1 for level in scopes)
+
+
+@pytest.mark.parametrize("path", ALL_PARAMS)
+def test_renames_in_real_files(path: Path) -> None:
+    check_renames(path, 2 if path.stat().st_size < SMALL else 1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", ALL_PARAMS)
+def test_more_renames_in_real_files(path: Path) -> None:
+    check_renames(path, max(2, min(12, 2_000_000 // path.stat().st_size)))
+
+
+def check_renames(path: Path, most: int) -> None:
+    data = path.read_bytes()
+    made = sfc.loads(data)
+    for number in sample(made, most):
+        what = list(Names(made).declarations())[number]
+        if not what.name or not allowed(made, what):
+            continue
+        old, before = what.name, meanings(made)
+        original = made.model_dump_json()
+        result = rename(made, what, NEW)
+        note = f"{what.kind} {result.path}"
+        assert meanings(made) == before, note
+        if not is_reformatted(made):
+            assert_only_lines_that_name_it(data, sfc.dumps(made), old, note)
+        assert_nothing_is_left(made, old, result, note)
+        rename(made, what, old)
+        again = made.model_dump_json()
+        assert again.casefold() == original.casefold(), note
+        if again != original:  # uses are spelt as the declaration is now
+            made = sfc.loads(data)
+
+
+def is_reformatted(made: m.Project) -> bool:
+    """Whether blanks stand around names in the file, which are put in anew where a name changes."""
+    charts = [chart.network for chart in made.charts()]
+    return any(t.carried is not None and t.carried.data for c in charts for t in (*c.steps, *c.transitions))
+
+
+def assert_only_lines_that_name_it(before: bytes, after: bytes, old: str, note: str) -> None:
+    """Line for line the same, but for the name in some."""
+    old_lines, new_lines = lines_of(before), lines_of(after)
+    assert len(old_lines) == len(new_lines), note
+    changed = [(a, b) for a, b in zip(old_lines, new_lines, strict=True) if a != b]
+    assert changed, note
+    for line, new in changed:
+        assert NEW in new, note
+        pieces = re.split(re.escape(old), line, flags=re.IGNORECASE)
+        wanted = f"(?:{re.escape(old)}|{NEW})".join(re.escape(piece) for piece in pieces)
+        assert re.fullmatch(wanted, new, re.IGNORECASE), (note, line, new)
+
+
+# -- what is left of the old name -------------------------------------------------------------------------------------
+
+SILENT = re.compile(r"//[^\r\n]*|\(\*.*?\*\)|\{[^}]*\}|'(?:\$.|[^'$])*'|\"(?:\$.|[^\"$])*\"", re.DOTALL)
+"""Comments, pragmas and strings."""
+
+
+def assert_nothing_is_left(made: m.Project, old: str, result: RenameResult, note: str) -> None:
+    """A search for the old word finds only comments, strings, other things, and what the result lists."""
+    word = re.compile(rf"(?<!\w){re.escape(old)}(?!\w)", re.IGNORECASE)
+    names = Names(made)
+    explained: dict[tuple[int, str | int], int] = {}
+    doubts = 0
+    for occurrence in names.occurrences(old):
+        meaning = occurrence.meaning
+        assert meaning.declaration is None or meaning.declaration.name != NEW, note
+        doubts += meaning.doubt != "" and meaning.candidates is None
+        key = (id(occurrence.piece.holder), occurrence.piece.key)
+        explained[key] = explained.get(key, 0) + 1
+    assert doubts <= len(result.undecided), note
+    nameless = set().union(*NAMELESS.values())
+    for thing, key, text in texts(made):
+        found = len(word.findall(SILENT.sub(" ", text)))
+        field = f"{type(thing).__name__}.{key}"
+        if found and field not in nameless and key not in ("comment", "object_id", "global_id"):
+            assert type(thing) in NAMING, (note, field)
+            assert explained.get((id(thing), key), 0) >= found or is_label(text, old), (note, field, text)
+
+
+def is_label(text: str, word: str) -> bool:
+    """Whether a text has a label of this name, which belongs to it alone."""
+    return (
+        re.search(rf"(?:(?:JMP\w*|GOTO)\s+{word}\b|^\s*{word}\s*:(?!=))", text, re.IGNORECASE | re.MULTILINE)
+        is not None
+    )
+
+
+def texts(thing: object) -> Iterator[tuple[object, str, str]]:
+    """Every text in a model, with its object and field."""
+    if isinstance(thing, Model):
+        if isinstance(thing, m.SfcBody):
+            thing.read()
+        for key, value in thing.__dict__.items():
+            if isinstance(value, str) and key not in ("kind", "language"):
+                yield thing, key, value
+            else:
+                yield from texts(value)
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from texts(item)
