@@ -13,6 +13,7 @@ from typing import Any
 from lxml import etree
 
 import plcopen_sfc as sfc
+from benchmarks import structured_text
 from plcopen_sfc.formats.registry import recognise
 from plcopen_sfc.formats.xml.schema_files import schema_path
 from plcopen_sfc.model import Project
@@ -175,5 +176,8 @@ JOBS: dict[str, tuple[Callable[[Path], Any], Callable[[Any], Any]]] = {
     "rename_all": (load_all, rename_and_save),
     "libxml2": (compile_schema, validate_libxml2),
     "validate": (_itself, validate),
+    "st": (structured_text.read, structured_text.parse),
+    "st_anew": (structured_text.read, structured_text.parse_anew),
+    "st_blark": (structured_text.for_blark, structured_text.parse_blark),
 }
 """The contestants: what is prepared, and what is measured."""

@@ -1,10 +1,10 @@
-"""Measures `plcopen_sfc` against lxml, libxml2 and xsdata, and prints ratios.
+"""Measures `plcopen_sfc` against lxml, libxml2, xsdata and blark, and prints ratios.
 
     python -m benchmarks.run                    everything, about five minutes
     python -m benchmarks.run --quick            growth up to 10 MB only
     python -m benchmarks.run --json             the same as data
 
-For the comparison with xsdata: ``pip install plcopen "xsdata[lxml]"``.
+For the comparisons with xsdata and blark: ``pip install plcopen "xsdata[lxml]" blark``.
 """
 
 from __future__ import annotations
@@ -26,12 +26,15 @@ from typing import Any
 from lxml import etree
 
 import plcopen_sfc as sfc
-from benchmarks import jobs
+from benchmarks import jobs, structured_text
 from benchmarks.generate import generate
 from benchmarks.measure import Times, process_times, race
 
 LARGEST = "PLCOpenXML_Scenario_24.xml"
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)
+ST_SIZES = (1.0, 2.0, 4.0, 8.0)
+SAMPLE = 30_000
+"""How many bytes blark is given of a source: it takes minutes for a megabyte."""
 LINEAR = 1.1
 
 
@@ -210,6 +213,70 @@ class Bench:
             compare("start", "plcopen-sfc formats", against, (times["formats"], times["imports"])),
         ]
 
+    def programs(self) -> None:
+        """Our parser of structured text on all of the corpus and on generated sources, against blark on samples."""
+        sources = structured_text.corpus()
+        big = [("statements", "codesys", structured_text.generated(5))]
+        start = [("statements", "codesys", structured_text.generated(SAMPLE / 1e6))]
+        warm = structured_text.write(self.folder / "st-warm.json", [("statements", "codesys", "a := b + 1;")])
+        if sources:
+            self.texts("ST of the corpus", sources, warm)
+        else:
+            self.notes.append("no structured text of real files measured: that takes the corpus, and pytest")
+        if structured_text.has_blark():
+            if sources:
+                sample, refused = structured_text.sample_for_blark(sources, SAMPLE)
+                self.against_blark("sample of these bodies", sample, warm)
+                self.notes.append(
+                    f"{len(sample)} bodies in the sample; {refused} more were left out that blark refuses"
+                )
+            self.against_blark("start of the generated ST", start, warm)
+        else:
+            self.notes.append("blark is not measured: pip install blark")
+        self.speed("generated ST", big, warm)
+        points: list[tuple[float, float]] = []
+        for size in ST_SIZES:
+            text = structured_text.generated(size)
+            path = structured_text.write(self.folder / "st-grow.json", [("statements", "codesys", text)])
+            points.append((len(text) / 1e6, race(["st"], path, warm, rounds=3)["st"].best))
+        (small, first), (large, last) = points[0], points[-1]
+        row = Row(
+            "1 to 8 MB", "growth of parsing ST", "smallest", last / large, first / small, "s/MB", exponent(points)
+        )
+        row.limit, row.growth = LINEAR, True
+        self.rows.append(row)
+
+    def texts(self, label: str, sources: list[structured_text.Source], warm: Path) -> None:
+        """Texts that repeat: each of them once, and all as they come, with equal ones parsed once or each time."""
+        self.speed(f"{label}, each text once", list(dict.fromkeys(sources)), warm)
+        path = structured_text.write(self.folder / "st-all.json", sources)
+        size = structured_text.megabytes(sources)
+        times = race(["st", "st_anew"], path, warm, rounds=3)
+        file = f"{label}, {size:.2g} MB"
+        pair = (times["st"], times["st_anew"])
+        self.rows.append(compare(file, "parse all, equal ones once", "each anew", pair, faster=True))
+
+    def speed(self, label: str, sources: list[structured_text.Source], warm: Path) -> None:
+        """A note of how many megabytes a second our parser reads."""
+        self.tell(label)
+        path = structured_text.write(self.folder / "st.json", sources)
+        size = structured_text.megabytes(sources)
+        best = race(["st"], path, warm, rounds=3)["st"].best
+        self.notes.append(f"{label}: {len(sources)} texts, {size:.3g} MB, parsed with {size / best:.2f} MB/s")
+
+    def against_blark(self, label: str, sources: list[structured_text.Source], warm: Path) -> None:
+        """The same texts parsed by us and by blark."""
+        self.tell(f"blark: {label}")
+        path = structured_text.write(self.folder / "st-sample.json", sources)
+        size = structured_text.megabytes(sources)
+        times = race(["st", "st_blark"], path, warm, rounds=3)
+        row = compare(
+            f"{label}, {size * 1000:.0f} kB", "parse ST", "blark", (times["st"], times["st_blark"]), 100, faster=True
+        )
+        self.rows.append(row)
+        ours, theirs = size / times["st"].best, size / times["st_blark"].best
+        self.notes.append(f"{label}: {ours:.2f} MB/s, blark {theirs:.4f} MB/s")
+
 
 def exponent(points: Sequence[tuple[float, float]]) -> float:
     """The exponent k of time = c * size^k, fitted to all points."""
@@ -232,7 +299,7 @@ def environment() -> dict[str, str]:
         "plcopen_sfc": sfc.__version__,
         "libxml2": ".".join(map(str, etree.LIBXML_VERSION)),
     }
-    for package in ("lxml", "pydantic", "xsdata", "plcopen"):
+    for package in ("lxml", "pydantic", "lark", "xsdata", "plcopen", "blark"):
         try:
             found[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
@@ -305,10 +372,10 @@ def print_report(bench: Bench, about: dict[str, str]) -> None:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description="Measure plcopen_sfc against lxml, libxml2 and xsdata.")
+    parser = argparse.ArgumentParser(description="Measure plcopen_sfc against lxml, libxml2, xsdata and blark.")
     parser.add_argument("--size", type=float, default=10, metavar="MB", help="size of the generated files (default 10)")
     parser.add_argument("--corpus", type=Path, metavar="FILE", help=f"a real file (default: {LARGEST} of the corpus)")
-    parser.add_argument("--only", choices=("files", "growth", "start"), help="only this part")
+    parser.add_argument("--only", choices=("files", "growth", "start", "st"), help="only this part")
     parser.add_argument("--quick", action="store_true", help="growth up to 10 MB only")
     parser.add_argument("--json", action="store_true", help="data instead of tables")
     options = parser.parse_args()
@@ -330,6 +397,8 @@ def main() -> None:
             bench.growing([size for size in SIZES if size <= 10 or not options.quick])
         if options.only in (None, "start"):
             bench.starting()
+        if options.only in (None, "st"):
+            bench.programs()
     about = environment()
     if options.json:
         rows = [asdict(row) | {"reached": row.reached} for row in bench.rows]
