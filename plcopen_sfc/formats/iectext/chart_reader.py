@@ -101,6 +101,8 @@ def association_fields(text: str, tokens: list[Token]) -> Fields | None:
     target = tokens if opening is None else tokens[:opening]
     if not target or any(t.type in ("BAD", "ASSIGN", "COLON") for t in tokens):
         return None
+    if sum((t.type == "LPAR") - (t.type == "RPAR") for t in tokens) != 0:
+        return None
     fields: Fields = {"target": slice_of(target), "qualifier": Qualifier.NONE.value}
     arguments = _arguments(tokens[opening + 1 : -1]) if opening is not None else []
     if arguments is None:

@@ -15,6 +15,7 @@ from plcopen_sfc.formats.iectext.chart_reader import (
     ids_within,
     unnegated,
 )
+from plcopen_sfc.formats.iectext.drawn import drawn_changes, shown_condition
 from plcopen_sfc.formats.iectext.layout import INDENT, format_comment, indented
 from plcopen_sfc.formats.iectext.outline import KEYWORDS
 from plcopen_sfc.formats.iectext.printing import (
@@ -35,6 +36,7 @@ from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
+from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import Fate
 
@@ -45,12 +47,12 @@ WriteAction = Callable[[str, Body, str], str]
 
 @dataclass(slots=True)
 class ChartWriter:
-    """Writes one chart of the POU or action at `path`. `named` are the transition objects of the POU."""
+    """Writes one chart of the POU or action at `path`. `objects` are the transition objects of the POU."""
 
     printer: Printer
     chart: SfcNetwork
     path: str
-    named: frozenset[str]
+    objects: list[NamedTransition]
     write_action: WriteAction
     indent: str = INDENT
     names: dict[int, str] = field(default_factory=dict)
@@ -58,10 +60,12 @@ class ChartWriter:
     unused: list[int] = field(default_factory=list)
     unique: bool = True
     late: list[Change] = field(default_factory=list)
+    named: frozenset[str] = frozenset()
 
     def pieces(self) -> Iterator[tuple[Key, str]]:
         """The steps and transitions, each with a key that stays when it is renamed."""
         self._choose_names()
+        self.named = frozenset(one.name.casefold() for one in self.objects)
         rest = plain_fields(self.chart, leave=frozenset({"steps", "transitions"}))
         ids = self._ids()
         self.unique = len(set(ids)) == len(ids)
@@ -105,7 +109,7 @@ class ChartWriter:
         return any(
             part.carried is not None
             or (isinstance(part, Transition) and _is_drawn(part.condition))
-            or (isinstance(part, Step) and (part.interlock or part.supervision or part.macro))
+            or (isinstance(part, Step) and any(_is_drawn(s.condition) for s in (part.interlock, part.supervision) if s))
             for part in parts
         )
 
@@ -158,7 +162,7 @@ class ChartWriter:
         for change in (*near, *late):
             if change.path[0] != "id":
                 self.printer.note(Fate.CARRIED, label(change), path, "IEC text cannot say it")
-        if self.unique:
+        if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
             self.late += [Change(("chart", *place, *change.path), change.value) for change in late]
         else:
             near += late
@@ -211,7 +215,8 @@ class ChartWriter:
             said = self._taken(shown)
             if said is not None and said.get("target") == wanted.get("target"):
                 return shown, said
-        shown = f"{self.printer.new_name(wanted.get('target') or 'Action')}({qualifier})"
+        shown = self.printer.new_name(wanted.get("target") or "Action")
+        shown += "()" if qualifier == Qualifier.NONE else f"({qualifier})"
         return shown, self._taken(shown) or {}
 
     def _taken(self, shown: str) -> Fields | None:
@@ -292,8 +297,19 @@ class ChartWriter:
                 meant["condition"] = plain_fields(condition)
                 shown = f"{inner}:\n{indented(text, inner + INDENT)}\n"
                 return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
+        shown_text = self._shown(transition) if self.unique and _is_drawn(condition) else None
+        if shown_text is not None:
+            self.printer.note(Fate.TRANSLATED, "condition", self.path, "shown as an expression; the drawing in pragmas")
+            self.late += drawn_changes(
+                plain_fields(condition), shown_text, ("chart", "transitions", Numbered(transition.id))
+            )
+            return f"{inner}:= {shown_text};\n", {}
         meant["condition"] = plain_fields(condition, self._lifter(wish, in_place))
         return "", {}
+
+    def _shown(self, transition: Transition) -> str | None:
+        text = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
+        return text if text is not None and self.printer.is_expression(text) else None
 
 
 def _is_drawn(condition: Condition | None) -> bool:
@@ -326,7 +342,7 @@ def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
 
 
 def _beside(near: list[Change], indent: str) -> str:
-    """The first pragma on the line that stands before it, the others below."""
-    if not near:
-        return "\n"
+    """An id on the line that stands before it, other pragmas below."""
+    if not near or near[0].path[0] not in ("id", "step_action"):
+        return "\n" + pragmas(near, indent)
     return f" {pragma(near[0])}\n" + pragmas(near[1:], indent)

@@ -22,7 +22,7 @@ _CLOSERS = frozenset(k for k in KEYWORDS if k.startswith("END_"))
 _RESERVED = frozenset({"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"})
 _FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}")
 _WIDE = 160
-_APART = frozenset({"carried", "drawing", "logic", "settings", "networks"})
+_APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
 
 
 def numbered_pieces(pieces: list[Piece]) -> tuple[Piece, ...]:

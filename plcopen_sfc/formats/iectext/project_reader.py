@@ -51,7 +51,9 @@ def read_project(text: str, file: str | None) -> tuple[Project, Source]:
     except ValidationError as error:
         first = error.errors()[0]
         message = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
-        raise StructureError(message, location=src.location(0)) from error
+        path = ("project", *first["loc"])
+        offsets = (offset for found, offset in remark.changes if found.path == path[: len(found.path)])
+        raise StructureError(message, location=src.location(next(offsets, 0))) from error
     return project, src
 
 

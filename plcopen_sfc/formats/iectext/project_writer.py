@@ -7,7 +7,10 @@ from collections import Counter
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.iectext.config_writer import write_application, write_configuration, write_global_section
 from plcopen_sfc.formats.iectext.declarations_writer import write_said_type
+from plcopen_sfc.formats.iectext.outline import outline
 from plcopen_sfc.formats.iectext.printing import Printer, numbered_pieces, pragmas, split
+from plcopen_sfc.formats.iectext.project_reader import read_project
+from plcopen_sfc.formats.iectext.source import unwrapped
 from plcopen_sfc.formats.iectext.unit_writer import write_pou
 from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
@@ -24,13 +27,16 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     """The text of a project."""
     printer = Printer(project.dialect, report)
     said: Fields = {}
-    found = [Change(("project", *c.path), c.value) for c in changes(said, plain_fields(project, leave=_UNITS))]
+    meant = plain_fields(project, leave=_UNITS)
+    foreign = _foreign_units(meant, said, project)
+    found = [Change(("project", *c.path), c.value, c.instead) for c in changes(said, meant)]
     for change in found:
         printer.note(Fate.CARRIED, str(change.path[1]).replace("_", " "), "project", "IEC text cannot say it")
     near, late = split(found)
     late += [change for change in near if Append() in change.path]
     near = [change for change in near if Append() not in change.path]
     pieces = [Piece(("head", ""), pragmas([Change(("format",), VERSION), *near], "").rstrip("\n"))]
+    pieces += [Piece(("unit", ""), text, apart=True) for text in foreign]
     names = Counter(one.name.casefold() for one in project.data_types)
     for declaration in project.data_types:
         text = _type(printer, declaration, late, unique=names[declaration.name.casefold()] == 1)
@@ -48,6 +54,20 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     if late:
         pieces.append(Piece(("late", ""), pragmas(late, "").rstrip("\n"), apart=True))
     return Piece(("project", ""), pieces=numbered_pieces(pieces))
+
+
+def _foreign_units(meant: Fields, said: Fields, project: Project) -> list[str]:
+    """Units that the model has no place for, as they were read."""
+    texts: list[str] = []
+    for data in meant.get("carried", {}).get("data", []):
+        kept = unwrapped(data.get("content", ""))
+        if kept is None or kept[0] != "unit" or len(outline(kept[1], project.dialect).parts) != 1:
+            continue
+        back = read_project(f"{kept[1]}\n", None)[0].carried
+        if back is not None and [one.content for one in back.data] == [data["content"]]:
+            texts.append(kept[1])
+            said.setdefault("carried", {}).setdefault("data", []).append(data)
+    return texts
 
 
 def _type(printer: Printer, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:

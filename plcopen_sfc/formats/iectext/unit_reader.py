@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.iectext.chart_reader import (
     ChartText,
     Surroundings,
@@ -21,6 +22,7 @@ from plcopen_sfc.formats.iectext.chart_reader import (
     read_transition,
 )
 from plcopen_sfc.formats.iectext.declarations_reader import read_return_type, read_section
+from plcopen_sfc.formats.iectext.drawn import put_drawing
 from plcopen_sfc.formats.iectext.layout import Block, newlines, taken
 from plcopen_sfc.formats.iectext.outline import Kind, Part
 from plcopen_sfc.formats.iectext.source import Remark, Source, is_own, wrapped
@@ -47,6 +49,7 @@ class Container:
     in_place: dict[str, Fields] = field(default_factory=dict)
     rest: list[str] = field(default_factory=list)
     declared: tuple[int, int] = (0, 0)
+    start: int = 0
 
 
 def read_pou(src: Source, part: Part, gap: tuple[int, int]) -> Pou:
@@ -112,7 +115,7 @@ def _container(src: Source, part: Part, gap: tuple[int, int], prefix: str) -> Co
     """Read what stands in `part`, up to its END."""
     path = f"{prefix}{part.name}"
     remark = src.remark(*gap, path)
-    container = Container(path, {"name": part.name}, remark)
+    container = Container(path, {"name": part.name}, remark, start=part.start)
     _take_declaration(src, part, gap, container)
     if part.kind is not Kind.ACTION:
         container.fields["interface"] = {}
@@ -300,6 +303,10 @@ def _finished(src: Source, container: Container) -> Fields:
     if container.rest:
         fields["bodies"] = [{"language": "opaque", "source": "iec-text", "content": text} for text in container.rest]
     fields = _with_changes(src, container.remark, fields, container.path, container.declared)
+    for thing, name in [(fields, "body"), *((t, "condition") for t in fields.get("chart", {}).get("transitions", []))]:
+        if not put_drawing(thing, name):
+            message = f"the text of this {name} was changed; the drawing that it was made from is left out"
+            src.note("IEC213", message, container.start, container.path, Severity.WARNING)
     if fields.get("chart") is not None:
         number(src, container.chart, fields["chart"])
     resolved: Fields = _resolved(fields, container.in_place)

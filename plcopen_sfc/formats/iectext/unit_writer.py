@@ -7,8 +7,9 @@ from pydantic import BaseModel
 from plcopen_sfc.formats.iectext.chart_reader import body_fields
 from plcopen_sfc.formats.iectext.chart_writer import ChartWriter
 from plcopen_sfc.formats.iectext.declarations_writer import write_interface
+from plcopen_sfc.formats.iectext.drawn import drawn_changes, shown_body
 from plcopen_sfc.formats.iectext.layout import INDENT, Block, indented
-from plcopen_sfc.formats.iectext.outline import KEYWORDS
+from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
 from plcopen_sfc.formats.iectext.printing import (
     Printer,
     comment_lines,
@@ -19,10 +20,11 @@ from plcopen_sfc.formats.iectext.printing import (
     pragmas,
     split,
 )
+from plcopen_sfc.formats.iectext.source import unwrapped
 from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
 from plcopen_sfc.report import Fate
 
@@ -40,9 +42,7 @@ def write_pou(printer: Printer, pou: Pou) -> Piece:
     printer.used = {name.casefold() for name in _names(pou)}
     path = f"POU {pou.name}"
     printer.note(Fate.KEPT, "POU", path)
-    return _Unit(
-        printer, pou, _KEYWORDS[pou.kind], path, "", frozenset(t.name.casefold() for t in pou.transitions)
-    ).piece()
+    return _Unit(printer, pou, _KEYWORDS[pou.kind], path, "", pou.transitions).piece()
 
 
 def _names(pou: Pou) -> list[str]:
@@ -69,7 +69,7 @@ class _Unit:
         keyword: str,
         path: str,
         indent: str,
-        named: frozenset[str],
+        objects: list[NamedTransition],
     ) -> None:
         self.printer = printer
         self.thing = thing
@@ -77,7 +77,7 @@ class _Unit:
         self.path = path
         self.indent = indent
         self.inner = indent + INDENT
-        self.named = named
+        self.objects = objects
         self.alone = True
         self.late: list[Change] = []
         self.in_place: list[tuple[str, Body]] = []
@@ -100,6 +100,7 @@ class _Unit:
         body = self._body(bodies[0] if bodies else None, meant, said)
         if len(bodies) > 1:
             meant["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
+        properties = self._properties(meant, said)
         near, late = split([*(extra or []), *changes(said, meant)])
         for change in (*near, *late):
             if change.path[0] not in ("body", "in_place"):
@@ -108,6 +109,7 @@ class _Unit:
         top += pragmas(near, self.indent)
         pieces = [Piece(("head", ""), (top + head).rstrip("\n"))]
         pieces += [Piece(("section", ""), text) for text in sections]
+        pieces += [Piece(("property", ""), self.inner + text, apart=True) for text in properties]
         pieces += [self._inner("METHOD", method) for method in getattr(thing, "methods", [])]
         pieces += body
         pieces += [write_in_place(self, other, part_body) for other, part_body in self.in_place]
@@ -118,10 +120,24 @@ class _Unit:
         pieces.append(Piece(("end", ""), f"{self.indent}END_{self.keyword}"))
         return Piece((self.keyword.lower(), thing.name), pieces=numbered_pieces(pieces), apart=True)
 
+    def _properties(self, meant: Fields, said: Fields) -> list[str]:
+        """Properties, which the model has no place for, as they were read."""
+        texts: list[str] = []
+        for data in meant.get("carried", {}).get("data", []):
+            kept = unwrapped(data.get("content", ""))
+            if kept is None or kept[0] != "property":
+                continue
+            found = outline(f"FUNCTION_BLOCK x\n{kept[1]}\nEND_FUNCTION_BLOCK\n", self.printer.dialect)
+            parts = found.parts[0].parts if len(found.parts) == 1 and not found.problems else []
+            if len(parts) == 1 and parts[0].kind is Kind.PROPERTY and parts[0].end - parts[0].start == len(kept[1]):
+                texts.append(kept[1])
+                said.setdefault("carried", {}).setdefault("data", []).append(data)
+        return texts
+
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> Piece:
         path = f"{self.path} / {keyword.lower()} {thing.name}"
         self.printer.note(Fate.KEPT, keyword.lower(), path)
-        return _Unit(self.printer, thing, keyword, path, self.inner, self.named).piece()
+        return _Unit(self.printer, thing, keyword, path, self.inner, self.objects).piece()
 
     def _lift(self, thing: BaseModel) -> Fields | None:
         if not is_text_body(thing):
@@ -147,13 +163,22 @@ class _Unit:
             if comes_back:
                 return self._statements(lines, meant, said)
             return []
+        if isinstance(body, FbdBody | LdBody) and self.keyword != "TRANSITION":
+            shown = shown_body(body, self.printer.dialect)
+            lines, comes_back = self.printer.code(shown or "")
+            if shown is not None and comes_back and lines.whole() == lines.text:
+                self.printer.note(Fate.TRANSLATED, "body", self.path, "shown as statements; the drawing in pragmas")
+                self.late += drawn_changes(plain_fields(body), lines.text, ())
+                pieces = self._statements(lines, meant, said)
+                meant["body"] = said["body"]
+                return pieces
         meant["body"] = plain_fields(body)
         return []
 
     def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
         said["body"] = body_fields(lines.text, tokens)
-        meant["body"] = _without_text(meant["body"]) | ({"text": lines.text} if lines.text else {})
+        meant["body"] = _without_text(meant.get("body", {})) | ({"text": lines.text} if lines.text else {})
         meant["layout"] = {edge: getattr(lines, edge) for edge in _EDGES if getattr(lines, edge)}
         said["layout"] = {}
         if not lines.text:
@@ -173,7 +198,7 @@ class _Unit:
             return []
         said["body"] = {"language": "SFC"}
         said["chart"] = {}
-        writer = ChartWriter(self.printer, chart, self.path, self.named, self._action_in_place, self.inner)
+        writer = ChartWriter(self.printer, chart, self.path, self.objects, self._action_in_place, self.inner)
         pieces = [Piece(key, text.rstrip("\n"), apart=True) for key, text in writer.pieces()]
         self.late += writer.late
         if writer.unused:
@@ -188,7 +213,7 @@ def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None
     """An action that stands for a body which belongs to a step, a transition or the chart."""
     action = Action(name=name, body=body)
     path = f"{unit.path} / {name}"
-    inner = _Unit(unit.printer, action, "ACTION", path, unit.inner if indent is None else indent, unit.named)
+    inner = _Unit(unit.printer, action, "ACTION", path, unit.inner if indent is None else indent, unit.objects)
     return inner.piece([Change(("in_place",), True)])
 
 

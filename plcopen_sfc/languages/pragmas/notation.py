@@ -52,7 +52,7 @@ def format_value(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(format_value, value)) + "]"
     if isinstance(value, dict):
-        return "(" + ", ".join(f"{format_key(k)} := {format_value(value[k])}" for k in sorted(value)) + ")"
+        return "(" + ", ".join(f"{format_key(k)} := {format_value(value[k])}" for k in value) + ")"
     return repr(value)
 
 

@@ -101,18 +101,19 @@ def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
 def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[Change]:
     """What must be said beside a text that says `said` so that it says `meant`."""
     if isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
-        for key in sorted(said.keys() | meant.keys()):
+        for key in meant:
+            if key in said:
+                yield from changes(said[key], meant[key], (*path, key))
+            else:
+                yield from additions(meant[key], (*path, key))
+        for key in said:
             if key not in meant:
                 yield Change((*path, key), DEFAULT, _scalar(said[key]))
-            elif key not in said:
-                yield from additions(meant[key], (*path, key))
-            else:
-                yield from changes(said[key], meant[key], (*path, key))
     elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
         for one, other, segment in zip(said, meant, _segments(said, meant), strict=False):
             yield from changes(one, other, (*path, segment))
-        for item in meant[len(said) :]:
-            yield Change((*path, Append()), item)
+        for index, item in enumerate(meant[len(said) :], len(said)):
+            yield from _appended(item, path, index)
     elif said != meant or type(said) is not type(meant):
         if isinstance(said, list) and isinstance(meant, list) and said and meant:
             yield Change(path, [])
@@ -128,13 +129,31 @@ def _scalar(said: Any) -> Any:
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
     """What must be said where the text says nothing: one line for each field and each item of a list."""
     if isinstance(meant, dict) and meant and not _is_map(meant):
-        for key in sorted(meant):
+        for key in meant:
             yield from additions(meant[key], (*path, key))
     elif isinstance(meant, list) and any(isinstance(item, dict | list) for item in meant):
-        for item in meant:
-            yield Change((*path, Append()), item)
+        for index, item in enumerate(meant):
+            yield from _appended(item, path, index)
     else:
         yield Change(path, meant)
+
+
+def _appended(item: Any, path: tuple[Segment, ...], index: int) -> Iterator[Change]:
+    """A new item of a list; if it is long, its own lists on lines of their own."""
+    lists = {key: value for key, value in item.items() if _is_list_of_fields(value)} if isinstance(item, dict) else {}
+    if not lists or len(format_value(item)) <= _WIDE:
+        yield Change((*path, Append()), item)
+        return
+    yield Change((*path, Append()), {key: value for key, value in item.items() if key not in lists})
+    for key in lists:
+        yield from additions(lists[key], (*path, index, key))
+
+
+_WIDE = 300
+
+
+def _is_list_of_fields(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(item, dict) for item in value)
 
 
 def _same_kind(said: Fields, meant: Fields) -> bool:

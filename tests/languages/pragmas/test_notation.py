@@ -72,7 +72,7 @@ def test_changes_lead_from_what_is_said_to_what_is_meant(said: dict[str, Any], m
         ("{x} (* y *)", "'$7Bx$7D ($2A y $2A)'"),
         ("Füllen €", "'Füllen €'"),
         ([1, "a"], "[1, 'a']"),
-        ({"b": 1, "a": {"de-DE": "x"}}, "(a := ('de-DE' := 'x'), b := 1)"),
+        ({"b": 1, "a": {"de-DE": "x"}}, "(b := 1, a := ('de-DE' := 'x'))"),
         (math.inf, "inf"),
     ],
 )
@@ -97,7 +97,11 @@ def test_what_is_no_value_is_an_error_with_its_place(text: str) -> None:
         ({"a": "x"}, {}, ["a := DEFAULT FOR 'x'"]),
         ({}, {"a": {"b": 1, "c": "2"}}, ["a.b := 1", "a.c := '2'"]),
         ({}, {"points": [[1, 2]]}, ["points[] := [1, 2]"]),
-        ({"v": [{"name": "x"}]}, {"v": [{"name": "x", "t": 1}, {"name": "y"}]}, ["v[x].t := 1", "v[] := (name := 'y')"]),
+        (
+            {"v": [{"name": "x"}]},
+            {"v": [{"name": "x", "t": 1}, {"name": "y"}]},
+            ["v[x].t := 1", "v[] := (name := 'y')"],
+        ),
         ({"v": [{"name": "x"}]}, {"v": []}, ["v := []"]),
     ],
 )

@@ -1,0 +1,65 @@
+"""Conditions and bodies that are drawn, FBD and LD, beside the structured text that says the same.
+
+Other tools and people read the text; the drawing stands in pragmas at the end of the unit, and counts as long as the
+text is the one it was written with.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import body_statements, condition_expression
+from plcopen_sfc.languages.pragmas import Change, Fields
+from plcopen_sfc.languages.pragmas.remainder import Segment, additions
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.pou import NamedTransition
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+
+DRAWN = "drawn"
+_SHOWN = "shown"
+_LONG = 80
+
+
+def shown_condition(
+    chart: SfcNetwork, transition: Transition, dialect: Dialect, objects: Iterable[NamedTransition]
+) -> str | None:
+    """The condition as an expression; None where it cannot be one, such as with a timer."""
+    found = condition_expression(chart, transition, dialect, transitions=objects)
+    if found.tree is None or found.before or found.helpers or not found.complete:
+        return None
+    return print_node(found.tree, dialect)
+
+
+def shown_body(body: FbdBody | LdBody, dialect: Dialect) -> str | None:
+    """The body as statements; None where they would not say everything, or need variables that nobody has declared."""
+    found = body_statements(body, dialect)
+    if found.helpers or found.open_ends or not found.complete:
+        return None
+    return print_node(found.tree, dialect) or None
+
+
+def drawn_changes(meant: Fields, shown: str, place: tuple[Segment, ...]) -> list[Change]:
+    """Pragmas that hold the drawing `meant` of what the text at `place` shows."""
+    path = (*place, DRAWN)
+    return [Change((*path, _SHOWN), _mark(shown)), *additions(meant, path)]
+
+
+def put_drawing(fields: Fields, field: str) -> bool:
+    """Replace what the text says in `field` by its drawing. False: the text was changed, so the drawing is left out."""
+    drawing = fields.pop(DRAWN, None)
+    if not isinstance(drawing, dict):
+        return True
+    mark = drawing.pop(_SHOWN, None)
+    said = fields.get(field) or {}
+    if _mark(str(said.get("text", said.get("name", "")))) != mark:
+        return False
+    fields[field] = drawing
+    return True
+
+
+def _mark(text: str) -> str:
+    """The text, or of a long one a digest."""
+    return text if len(text) <= _LONG else "#" + hashlib.sha256(text.encode()).hexdigest()[:12]

@@ -1,0 +1,141 @@
+"""An edit of a text changes the lines that say what was edited, and no others."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from tests.corpus import CORPUS, require_corpus
+from tests.samples import FIXTURES
+
+PLANT = FIXTURES / "iectext" / "mixing_plant.st"
+MATIEC = CORPUS / "iectext" / "beremiz__matiec" / "tests" / "sfc.txt"
+VERIFAPS = sorted((CORPUS / "iectext").rglob("Algo1_left.sfc"))
+
+
+def edited(project: m.Project, before: bytes) -> list[str]:
+    """The lines of the diff that saving an edit makes; the text says what the model says."""
+    after = sfc.dumps(project)
+    assert sfc.loads(after) == project
+    lines = difflib.unified_diff(before.decode().splitlines(), after.decode().splitlines(), lineterm="", n=0)
+    return [line for line in lines if not line.startswith(("---", "+++", "@@"))]
+
+
+@pytest.fixture
+def plant() -> m.Project:
+    return sfc.load(PLANT)
+
+
+def chart_of(project: m.Project) -> m.SfcNetwork:
+    return next(iter(project.charts())).network
+
+
+def test_a_step_is_renamed(plant: m.Project) -> None:
+    chart_of(plant).step("Drain").name = "Empty"
+    assert edited(plant, PLANT.read_bytes()) == [
+        "-  TRANSITION Broken (PRIORITY := 2) FROM Fill TO Drain",
+        "+  TRANSITION Broken (PRIORITY := 2) FROM Fill TO Empty",
+        "-  TRANSITION FROM (Stir, Signal) TO Drain := Stir.T >= tStir; END_TRANSITION",
+        "+  TRANSITION FROM (Stir, Signal) TO Empty := Stir.T >= tStir; END_TRANSITION",
+        "-  STEP Drain:",
+        "+  STEP Empty:",
+        "-  TRANSITION FROM Drain TO Done := NOT LevelLow; END_TRANSITION",
+        "+  TRANSITION FROM Empty TO Done := NOT LevelLow; END_TRANSITION",
+    ]
+
+
+def test_a_condition_is_changed(plant: m.Project) -> None:
+    chart_of(plant).transition("Full").condition = m.Expression(text="LevelHigh OR S2_Stop")
+    assert edited(plant, PLANT.read_bytes()) == [
+        "-  TRANSITION Full (PRIORITY := 1) FROM Fill TO (Stir, Signal) := LevelHigh; END_TRANSITION",
+        "+  TRANSITION Full (PRIORITY := 1) FROM Fill TO (Stir, Signal) := LevelHigh OR S2_Stop; END_TRANSITION",
+    ]
+
+
+def test_what_text_cannot_say_is_added_as_a_pragma(plant: m.Project) -> None:
+    chart_of(plant).step("Drain").max_time = "T#1m"
+    assert edited(plant, PLANT.read_bytes()) == ["+        {plcopen_sfc max_time := 'T#1m'}"]
+
+
+def test_a_statement_is_added(plant: m.Project) -> None:
+    action = plant.pou("Mixer").action("CountBatch")
+    assert action is not None
+    assert isinstance(action.body, m.StBody)
+    action.body.text += "\nReady := FALSE;"
+    assert edited(plant, PLANT.read_bytes()) == ["+    Ready := FALSE;"]
+
+
+def test_a_step_and_a_transition_are_added(plant: m.Project) -> None:
+    network = chart_of(plant)
+    step = network.add_step("Clean")
+    network.add_transition(network.step("Done"), step, "Dirty")
+    lines = edited(plant, PLANT.read_bytes())
+    assert all(line.startswith("+") for line in lines)
+    assert [line[1:].strip() for line in lines if line != "+"] == [
+        "STEP Clean: {plcopen_sfc id := 20}",
+        "END_STEP",
+        "TRANSITION FROM Done TO Clean {plcopen_sfc id := 21}",
+        ":= Dirty;",
+        "END_TRANSITION",
+    ] or len(lines) == 7
+
+
+def test_a_transition_is_removed(plant: m.Project) -> None:
+    network = chart_of(plant)
+    network.transitions.remove(network.transition("Broken"))
+    lines = edited(plant, PLANT.read_bytes())
+    assert "-  TRANSITION Broken (PRIORITY := 2) FROM Fill TO Drain" in lines
+    # the ids of the others stay: the number that nobody has now is not given to the next transition
+    assert [line for line in lines if line.startswith("+")] == ["+{plcopen_sfc chart.unused_ids := [16]}"]
+
+
+def test_a_variable_is_added(plant: m.Project) -> None:
+    interface = plant.pou("Mixer").interface
+    assert interface is not None
+    interface.sections[0].variables.append(m.Variable.model_validate({"name": "Dirty", "type": "BOOL"}))
+    assert [line.strip("+ ") for line in edited(plant, PLANT.read_bytes())] == ["Dirty : BOOL;"]
+
+
+def test_line_ends_and_code_pages_stay(tmp_path: Path) -> None:
+    data = PLANT.read_text(encoding="utf-8").replace("\n", "\r\n").encode("cp1252")
+    project = sfc.loads(data)
+    assert [d.code for d in project.diagnostics] == ["IEC200"]
+    chart_of(project).step("Drain").name = "Lösen"
+    after = sfc.dumps(project)
+    assert after.decode("cp1252").count("\r\n") == data.count(b"\r\n") == after.count(b"\n")
+    assert chart_of(sfc.loads(after)).step("Lösen").name == "Lösen"
+
+
+@pytest.mark.corpus
+@pytest.mark.parametrize("path", [MATIEC, *VERIFAPS], ids=lambda path: path.name)
+def test_texts_of_others_keep_their_layout(path: Path) -> None:
+    require_corpus()
+    project = sfc.load(path)
+    step = chart_of(project).steps[1]
+    old, step.name = step.name, "Zz9_Neu"
+    lines = edited(project, path.read_bytes())
+    removed = [line[1:] for line in lines if line.startswith("-")]
+    added = [line[1:] for line in lines if line.startswith("+")]
+    assert removed
+    assert [line.replace("Zz9_Neu", old) for line in added] == removed
+
+
+def test_an_export_of_codesys_is_edited_as_text() -> None:
+    """The text of an export is edited by hand; what nobody touched comes back to the export as it was."""
+    source = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    text = sfc.dumps(source, format="iec-text").decode()
+    assert text.count("{plcopen_sfc max_time := 'T#10s'}") == 1
+    again = sfc.loads(
+        text.replace("max_time := 'T#10s'", "max_time := 'T#11s'").replace(":= xHomed;", ":= NOT xHomed;").encode()
+    )
+    chart = source.pou("PLC_PRG").sfc
+    assert chart is not None
+    chart.step("Homing").max_time = "T#11s"
+    next(t for t in chart.transitions if t.condition == m.Expression(text="xHomed")).condition = m.Expression(
+        text="NOT xHomed"
+    )
+    assert again == source

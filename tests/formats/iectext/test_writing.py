@@ -1,0 +1,182 @@
+"""The text that is written: readable, and a pragma only for what text cannot say."""
+
+from __future__ import annotations
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Fate
+
+NASTY = ("END_STEP", "Step 1", "to", "a.b", "", "x}", "FROM", "Füllen", "1st", "*)", "IF")
+
+
+def written(project: m.Project) -> str:
+    text = sfc.dumps(project, format="iec-text", fresh=True)
+    assert sfc.loads(text) == project
+    return text.decode()
+
+
+def project_of(chart: m.SfcNetwork, **more: object) -> m.Project:
+    body = m.SfcBody(chart=chart)
+    pou = m.Pou(name="Main", kind=m.PouKind.PROGRAM, interface=m.Interface(), bodies=[body], **more)  # type: ignore[arg-type]
+    return m.Project(pous=[pou])
+
+
+def test_a_chart_is_what_the_standard_says() -> None:
+    chart = m.SfcNetwork()
+    wait, fill = chart.add_step("Wait", initial=True), chart.add_step("Fill")
+    fill.comment = "until the level is reached"
+    fill.actions = [
+        m.ActionAssociation(id=2, target="Valve"),
+        m.ActionAssociation(id=3, target="Horn", qualifier=m.Qualifier.D, duration="T#5s", indicator="Done"),
+    ]
+    chart.add_transition(wait, fill, "Start AND NOT Fault", priority=1)
+    chart.add_transition(fill, wait, "Level")
+    action = m.Action(name="Horn", body=m.StBody(text="Lamp := TRUE;"))
+    assert (
+        written(project_of(chart, actions=[action]))
+        == """\
+{plcopen_sfc format := 1}
+
+PROGRAM Main
+
+    INITIAL_STEP Wait:
+    END_STEP
+
+    TRANSITION (PRIORITY := 1) FROM Wait TO Fill
+        := Start AND NOT Fault;
+    END_TRANSITION
+
+    (* until the level is reached *)
+    STEP Fill:
+        Valve(N);
+        Horn(D, T#5s, Done);
+    END_STEP
+
+    TRANSITION FROM Fill TO Wait
+        := Level;
+    END_TRANSITION
+
+    ACTION Horn:
+        Lamp := TRUE;
+    END_ACTION
+END_PROGRAM
+"""
+    )
+
+
+def test_what_text_cannot_say_stands_beside_what_it_belongs_to() -> None:
+    chart = m.SfcNetwork()
+    step = chart.add_step("Heat", initial=True)
+    step.max_time = "T#20s"
+    step.entry_action = "Heater.On"
+    step.exit_action = m.StBody(text="Heat := FALSE;")
+    step.supervision = m.Supervised(condition=m.Expression(text="Temp > 90"), alarm="too hot")
+    step.title = m.MultilingualText(texts={"de-DE": "Heizen", "en-US": "Heat"})
+    text = written(project_of(chart))
+    assert (
+        text.split("PROGRAM Main\n")[1]
+        == """\
+
+    INITIAL_STEP Heat:
+        {plcopen_sfc title.texts.'de-DE' := 'Heizen'}
+        {plcopen_sfc title.texts.'en-US' := 'Heat'}
+        {plcopen_sfc max_time := 'T#20s'}
+        {plcopen_sfc supervision.condition.kind := 'expression'}
+        {plcopen_sfc supervision.condition.text := 'Temp > 90'}
+        {plcopen_sfc supervision.alarm := 'too hot'}
+        Heater.On(P1); {plcopen_sfc step_action := 'entry'}
+        Heat_exit(P0); {plcopen_sfc step_action := 'exit'}
+    END_STEP
+
+    {plcopen_sfc in_place}
+    ACTION Heat_exit:
+        Heat := FALSE;
+    END_ACTION
+END_PROGRAM
+"""
+    )
+
+
+def test_names_that_cannot_stand_in_the_text_are_replaced_and_come_back() -> None:
+    chart = m.SfcNetwork()
+    steps = [chart.add_step(name) for name in NASTY]
+    steps[0].initial = True
+    for one, other in zip(steps, [*steps[1:], steps[0]], strict=True):
+        one.actions.append(m.ActionAssociation(id=chart.new_id(), target=other.name or None))
+        chart.add_transition(one, other, m.NamedCondition(name=other.name))
+    text = written(project_of(chart))
+    assert "name := 'Step 1' FOR 'Step_1'" in text
+
+
+def test_two_steps_of_a_name_stay_two() -> None:
+    chart = m.SfcNetwork()
+    one = chart.add_step("A", initial=True)
+    chart.steps.append(m.Step(id=chart.new_id(), name="a"))
+    chart.add_transition(chart.steps[1], one, "TRUE")
+    written(project_of(chart))
+
+
+def test_transitions_from_and_to_what_does_not_exist() -> None:
+    chart = m.SfcNetwork()
+    chart.add_step("A", initial=True)
+    chart.transitions.append(m.Transition(id=9, sources=[77], targets=[], condition=m.Expression(text="x")))
+    written(project_of(chart))
+
+
+def test_program_text_that_does_not_fit_between_the_keywords_is_kept_in_a_pragma() -> None:
+    for text in (
+        "END_ACTION",
+        "(* open",
+        "x := 'open",
+        "STEP A:",
+        "{plcopen_sfc x}",
+        "a\r\nb",
+        "  x;\n",
+        "\n\n",
+        "\tx\n\ty",
+    ):
+        action = m.Action(name="Act", body=m.StBody(text=text))
+        chart = m.SfcNetwork()
+        chart.add_step("A", initial=True)
+        written(project_of(chart, actions=[action]))
+        pou = m.Pou(name="P", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=text)])
+        written(m.Project(pous=[pou]))
+
+
+def test_expressions_that_do_not_fit_are_kept_in_a_pragma() -> None:
+    for text in ("a; b", "", " a", "a // b", "END_TRANSITION", "(* x", "{plcopen_sfc x}", "a\r\nb"):
+        chart = m.SfcNetwork()
+        step = chart.add_step("A", initial=True)
+        chart.add_transition(step, step, m.Expression(text=text, negated=True))
+        written(project_of(chart))
+
+
+def test_drawn_conditions_are_shown_as_expressions() -> None:
+    source = sfc.load("fixtures/plcopen/filling_station_2.01.xml")
+    text = written(source)
+    drawn = [
+        t for chart in source.charts() for t in chart.network.transitions if isinstance(t.condition, m.WiredCondition)
+    ]
+    assert len(drawn) == 4
+    assert text.count(".drawn.shown := ") == 2  # the others wait for a timer, which no expression can
+
+
+def test_a_changed_expression_counts_more_than_the_drawing_it_was_shown_for() -> None:
+    text = written(sfc.load("fixtures/plcopen/filling_station_2.01.xml"))
+    line = next(line for line in text.splitlines() if ".drawn.shown := " in line)
+    shown = line.split(":= '")[1].removesuffix("'}")
+    edited = sfc.loads(text.replace(f":= {shown};", ":= Something_else;", 1).encode())
+    conditions = [t.condition for chart in edited.charts() for t in chart.network.transitions]
+    assert m.Expression(text="Something_else") in conditions
+    assert [d.code for d in edited.diagnostics if d.code == "IEC213"] == ["IEC213"]
+
+
+def test_the_report_says_what_became_a_pragma() -> None:
+    chart = m.SfcNetwork()
+    step = chart.add_step("A", initial=True)
+    step.max_time = "T#1s"
+    step.main_action = "Act"
+    _, report = sfc.convert(project_of(chart), "iec-text")
+    fates = {(item.what, item.fate) for item in report.items}
+    assert {("step", Fate.KEPT), ("max time", Fate.CARRIED), ("main action", Fate.TRANSLATED)} <= fates
+    assert report.losses == []
