@@ -288,6 +288,8 @@ class BlockReader:
         arguments: list[_Argument],
         outputs: list[tuple[str, n.Name]],
     ) -> Product | None:
+        if standard is not None:
+            arguments = _in_order(standard, arguments)
         there = [a for a in arguments if a.value is not None]
         values = [a.value for a in there if a.value is not None]
         source = (block.id, "result")
@@ -339,6 +341,17 @@ def _is(variable: BlockVariable, name: str) -> bool:
 def _target(variable: BlockVariable) -> str:
     """The variable that stands at an output pin."""
     return (variable.output.expression or "").strip() if variable.output is not None else ""
+
+
+def _in_order(standard: StandardBlock, arguments: list[_Argument]) -> list[_Argument]:
+    """The inputs in the order of IEC 61131-3, where their names tell it."""
+    names = [standard.input_name(argument.variable.name) for argument in arguments]
+    order = {pin.name: place for place, pin in enumerate(standard.input_pins(len(arguments)))}
+    if len(set(names)) < len(names) or not set(names) <= order.keys():
+        return arguments
+    return [
+        argument for _, argument in sorted(zip(names, arguments, strict=True), key=lambda pair: order[pair[0] or ""])
+    ]
 
 
 def _operation(standard: StandardBlock, values: list[Expression]) -> Expression | None:

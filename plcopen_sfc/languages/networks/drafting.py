@@ -270,7 +270,8 @@ class Drafter:
         self._note_reading(expression)
         if isinstance(expression, n.Unreadable):
             self.problems.append(NetworkProblem(f"{expression.text!r} cannot be read; it stands at an input as it is"))
-        text = self._text(expression)
+        is_assignment = isinstance(expression, n.AssignmentExpression)
+        text = self._text(n.Parenthesized(expression) if is_assignment else expression)
         node = InputVariable(id=self.new_id(), expression=text, output=OutputPin())
         self.nodes.append(node)
         width = text_width(text)
@@ -326,7 +327,8 @@ class Drafter:
         given = [
             (a.name.identifier if a.name is not None else "", a.value) for a in call.arguments if a.value is not None
         ]
-        if block is not None and block.stateful:
+        names = [pin.casefold() for pin, _ in given if pin]
+        if (block is not None and block.stateful) or len(set(names)) < len(names) or {"en", "eno"} & {*names}:
             return None
         if block is not None:
             if not all(pin for pin, _ in given):

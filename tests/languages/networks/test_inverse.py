@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.drawing import draw_fbd, draw_fbd_expression, draw_ld, draw_ld_expression
+from plcopen_sfc.languages.networks.drawing import (
+    DrawnExpression,
+    draw_fbd,
+    draw_fbd_expression,
+    draw_ld,
+    draw_ld_expression,
+)
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.reading import body_statements, network_expression
 from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.standard_blocks import Tool
 from tests.languages.networks.programs import INSTANCES, booleans, numbers, programs
@@ -67,3 +78,30 @@ def test_statements_drawn_read_as_themselves(
 @given(booleans)
 def test_the_normal_form_is_normal(expression: n.Expression) -> None:
     assert normal_form(normal_form(expression)) == normal_form(expression)
+
+
+ODD = """
+NOT(a) | AND(a) | EXPT(IN1 := i, IN2 := j) | f(a, Out => b) | f() | SR(a) | SEL(a) | SEL(G := a) | SUB(i, j, k)
+ADD(IN1 := i, IN1 := j) | AND(IN2 := a, IN1 := b) | MAX(i) | a AND_THEN b | p^.x | THIS^.Go(a) | v[f(i)] > 5
+INT_TO_REAL(EN := a, IN := i) | TIME#5s > t | 'text' = s | (((a))) | -(-i) | +i | MOVE(IN := a) | NOT NOT a
+(a := b) AND c | Color#red = c
+"""
+
+
+@pytest.mark.parametrize("text", [text.strip() for text in re.split(r"[|\n]", ODD.strip())])
+@pytest.mark.parametrize("draw", [draw_fbd_expression, draw_ld_expression])
+def test_odd_expressions_read_as_themselves(text: str, draw: Callable[..., DrawnExpression]) -> None:
+    parsed = parse_expression(text, Dialect.CODESYS)
+    assert not parsed.problems
+    drawn = draw(parsed.tree, DrawingRules(Dialect.CODESYS))
+    read = network_expression(drawn.network, drawn.outputs, Dialect.CODESYS)
+    assert not read.before
+    assert read.tree is not None
+    assert shown(inverted(read.tree) if drawn.negated else read.tree) == shown(parsed.tree)
+
+
+def test_stored_variables_in_texts_of_boxes_are_those_of_the_dialect() -> None:
+    program = parse_statements("WHILE a DO x S= b; y R= b; END_WHILE", Dialect.CODESYS).tree
+    read = body_statements(draw_fbd(program.statements).body)
+    assert read.complete
+    assert normal_form(read.tree) == normal_form(program)
