@@ -12,7 +12,7 @@ from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.names.declarations import Declaration
+from plcopen_sfc.languages.names.declarations import Declaration, Kind
 from plcopen_sfc.languages.names.markup import edit_markup
 from plcopen_sfc.languages.names.pieces import Piece
 from plcopen_sfc.languages.names.uses import Names, Occurrence, Use, the_one
@@ -83,6 +83,8 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
     old, path = declaration.name, declaration.path
     if new == old:
         return RenameResult(path, old, new)
+    if declaration.kind is Kind.NAMESPACE:
+        raise ModelError("applications, resources and configurations cannot be renamed", location=Location(path=path))
     problem = objection(new, names.project.dialect)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))

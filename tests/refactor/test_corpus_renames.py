@@ -109,8 +109,8 @@ def assert_nothing_is_left(made: m.Project, old: str, result: RenameResult, note
         meaning = occurrence.meaning
         assert meaning.declaration is None or meaning.declaration.name != NEW, note
         doubts += meaning.doubt != "" and meaning.candidates is None
-        key = (id(occurrence.piece.holder), occurrence.piece.key)
-        explained[key] = explained.get(key, 0) + 1
+        place = (id(occurrence.piece.holder), occurrence.piece.key)
+        explained[place] = explained.get(place, 0) + 1
     assert doubts <= len(result.undecided), note
     nameless = set().union(*NAMELESS.values())
     for thing, key, text in texts(made):

@@ -133,6 +133,20 @@ def test_variables_that_an_instance_data_block_repeats() -> None:
     assert text_of(made, "Main") == '"DB".go := TRUE; #run := FALSE;'
 
 
+def test_values_in_values() -> None:
+    main = pou("Main", "", "v: Outer")
+    assert main.interface is not None
+    inner = m.StructValue(members=[m.MemberValue(member="a", value="1")])
+    main.interface.variables()[0].initial = m.StructValue(members=[m.MemberValue(member="a", value=inner)])
+    made = project(main, struct("Outer", "a: Inner"), struct("Inner", "a: INT"))
+    made.rename("Outer.a", "b")
+    initial = main.interface.variables()[0].initial
+    assert isinstance(initial, m.StructValue)
+    assert (initial.members[0].member, inner.members[0].member) == ("b", "a")
+    made.rename("Inner.a", "c")
+    assert (initial.members[0].member, inner.members[0].member) == ("b", "c")
+
+
 def test_markup_follows_the_text() -> None:
     made = project(pou("Main", "x := 1;", "x: INT"))
     body = made.pous[0].bodies[0]
@@ -223,6 +237,12 @@ def test_what_there_is_not() -> None:
     made = project(sfc("Main", "S1 S2"))
     assert "There is: Main.S1" in refused(made, "S1", "x")
     assert "declares no" in refused(made, "Main.S9", "x")
+
+
+def test_applications_keep_their_name() -> None:
+    made = project(pou("Main"))
+    made.applications = [m.Resource(name="App")]
+    assert "cannot be renamed" in refused(made, "App", "Other")
 
 
 def test_two_things_of_one_path() -> None:

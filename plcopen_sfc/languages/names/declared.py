@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Role
-from plcopen_sfc.languages.names.references import Reference, in_tree, named
+from plcopen_sfc.languages.names.references import Reference, in_pragmas, in_tree, named
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_declarations
@@ -16,7 +16,9 @@ from plcopen_sfc.languages.st.walking import children
 
 def in_declarations(text: str, dialect: Dialect) -> Iterator[Reference]:
     """Every name in a text of declarations, those that it declares too."""
-    yield from _in(parse_declarations(text, dialect).tree, dialect, ())
+    parsed = parse_declarations(text, dialect)
+    yield from _in(parsed.tree, dialect, ())
+    yield from in_pragmas(parsed)
 
 
 def _in(

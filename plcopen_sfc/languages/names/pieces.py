@@ -70,7 +70,7 @@ class ValueOf:
     """The type of an initial value: of a variable, or of the member below it that `members` lead to."""
 
     type: t.DataType
-    members: tuple[str, ...] = ()
+    members: tuple[t.MemberValue, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -295,7 +295,7 @@ def _below(thing: Model, key: str, where: _Where) -> _Where:
         owner = thing if isinstance(thing, VariableSection) else None
         return replace(where, language="foreign data", owner=owner)
     if key == "value" and isinstance(thing, t.MemberValue) and isinstance(where.owner, ValueOf):
-        return replace(where, owner=ValueOf(where.owner.type, (*where.owner.members, thing.member)))
+        return replace(where, owner=ValueOf(where.owner.type, (*where.owner.members, thing)))
     return where
 
 

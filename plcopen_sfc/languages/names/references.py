@@ -10,9 +10,9 @@ from typing import Any
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import JUMPS, instructions
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
+from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements
-from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.st.nodes import Quoting, Span
 from plcopen_sfc.languages.st.walking import children
 
@@ -68,6 +68,17 @@ def _in_statements(text: str, dialect: Dialect) -> Iterator[Reference]:
     parsed = parse_statements(text, dialect)
     condition = parse_condition(text, dialect) if parsed.problems else None  # of a transition, with nothing around it
     yield from in_tree(condition.tree if condition is not None and not condition.problems else parsed.tree, dialect)
+    yield from in_pragmas(parsed)
+
+
+def in_pragmas(parsed: Parsed[Any]) -> Iterator[Reference]:
+    """The words of pragmas that ask for things by name: ``{IF defined (variable: x)}`` of CODESYS."""
+    for comment in parsed.comments:
+        if comment.kind is CommentKind.PRAGMA and _ASKING.match(comment.text):
+            yield from unread(comment.text, comment.span[0], "it stands in a pragma")
+
+
+_ASKING = re.compile(r"\{\s*(?:ELS)?IF\b", re.IGNORECASE)
 
 
 def moved(found: Iterator[Reference], start: int) -> Iterator[Reference]:

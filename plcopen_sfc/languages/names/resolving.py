@@ -408,7 +408,7 @@ class Resolver:
             return Untyped.UNKNOWN
         type_ = self.settled(value.type, site.place)
         for member in value.members:
-            inner = self.member(type_, member).declaration
+            inner = self.member(type_, member.member).declaration
             type_ = self.type_of_declaration(inner) if inner is not None else Untyped.UNKNOWN
         return type_
 

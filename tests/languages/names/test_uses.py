@@ -482,6 +482,12 @@ def test_text_that_cannot_be_read() -> None:
     assert "Main:2:24" not in found
 
 
+def test_pragmas_that_ask_for_names() -> None:
+    made = project(pou("Main", "{IF defined (variable: x)} x := 1; {END_IF} {attribute 'x'}", "x: INT"))
+    assert places(made, "Main.x") == ["Main:1:28"]
+    assert doubtful(made, "Main.x") == ["Main:1:24"]
+
+
 def test_data_of_other_tools() -> None:
     main = pou("Main", "", "x: INT")
     main.carried = m.Carried(data=[m.ForeignData(name="urn:tool", content="<trace var='Main.x' xx='1'/>")])
