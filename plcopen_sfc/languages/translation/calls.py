@@ -90,7 +90,8 @@ class CallTranslator:
     def _instance_arguments(self, node: n.Call, block: StandardBlock | None) -> tuple[Argument, ...]:
         if block is None:
             self._note_unknown_pins(node)
-        return self._arguments(node.arguments, block)
+            return self._arguments(node.arguments, self._names.member)
+        return self._arguments(node.arguments, self._pins_of(block))
 
     def _note_unknown_pins(self, node: n.Call) -> None:
         """CODESYS has other pins at flip-flops and counters: whose type is not known, those cannot be translated."""
@@ -132,13 +133,13 @@ class CallTranslator:
 
     def _function(self, node: n.Call, callee: n.Name) -> Expression:
         name = callee.identifier.upper()
-        arguments = self._arguments(node.arguments, standard_block(name))
+        block = standard_block(name)
+        arguments = self._arguments(node.arguments, self._pins_of(block) if block is not None else _as_it_is)
         truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
         if truncated is not None:
             return self._with(node, self._named(callee, truncated), arguments)
         if re.fullmatch(r"TO_\w+", name) and self._target is Dialect.SCL:
             return self._converted(node, callee, name, arguments)
-        block = standard_block(name)
         if block is None:
             return self._unknown(node, callee, name, arguments)
         values = self._in_order(block, arguments)
@@ -198,7 +199,10 @@ class CallTranslator:
 
     # -- arguments ----------------------------------------------------------------------------------------------------
 
-    def _arguments(self, arguments: tuple[Argument, ...], block: StandardBlock | None) -> tuple[Argument, ...]:
+    def _arguments(
+        self, arguments: tuple[Argument, ...], parameter: Callable[[n.Name], n.Name]
+    ) -> tuple[Argument, ...]:
+        """Translated arguments; `parameter` gives the names of parameters in the target."""
         found = []
         for argument in arguments:
             if self._says_nothing(argument):
@@ -206,7 +210,7 @@ class CallTranslator:
                     Severity.INFO, "a parameter without a value was left out: it keeps what it has", argument
                 )
             else:
-                found.append(self._argument(argument, block))
+                found.append(self._argument(argument, parameter))
         same = len(found) == len(arguments) and all(a is b for a, b in zip(found, arguments, strict=True))
         return arguments if same else tuple(found)
 
@@ -214,11 +218,11 @@ class CallTranslator:
         """``IN := ,`` keeps the value that IN has: only CODESYS writes that."""
         return argument.value is None and self._source is Dialect.CODESYS and self._target is not Dialect.CODESYS
 
-    def _argument(self, argument: Argument, block: StandardBlock | None) -> Argument:
+    def _argument(self, argument: Argument, parameter: Callable[[n.Name], n.Name]) -> Argument:
         value = None if argument.value is None else self._translated(argument.value)
         name = argument.name
         if name is not None and self._source is not self._target:
-            name = self._parameter(argument, name, block)
+            name = self._enabling(name) or parameter(name)
         if argument.negated and self._target is not Dialect.IEC and self._source is not self._target:
             self._notes.add(
                 Severity.ERROR, f"{TITLES[self._target]} has no negated outputs; left as it stands", argument
@@ -227,19 +231,23 @@ class CallTranslator:
             return argument
         return replace(argument, value=value, name=name)
 
-    def _parameter(self, argument: Argument, name: n.Name, block: StandardBlock | None) -> n.Name:
-        if name.identifier.upper() in _ENABLING:
-            if self._target is Dialect.CODESYS:
-                reason = f"CODESYS has no {name.identifier.upper()} in structured text; left as it stands"
-                self._notes.add(Severity.ERROR, reason, argument)
-            return name
-        if block is None:
-            return self._names.member(name)
-        found = self._pin(name, block)
-        if found is None:
-            reason = f"{block.name} of {TITLES[self._target]} has no parameter {name.identifier}; left as it stands"
-            self._notes.add(Severity.ERROR, reason, argument)
-        return found or name
+    def _enabling(self, name: n.Name) -> n.Name | None:
+        if name.identifier.upper() not in _ENABLING:
+            return None
+        if self._target is Dialect.CODESYS:
+            reason = f"CODESYS has no {name.identifier.upper()} in structured text; left as it stands"
+            self._notes.add(Severity.ERROR, reason, name)
+        return name
+
+    def _pins_of(self, block: StandardBlock) -> Callable[[n.Name], n.Name]:
+        def pin(name: n.Name) -> n.Name:
+            found = self._pin(name, block)
+            if found is None:
+                reason = f"{block.name} of {TITLES[self._target]} has no parameter {name.identifier}; left as it stands"
+                self._notes.add(Severity.ERROR, reason, name)
+            return found or name
+
+        return pin
 
     def _in_order(self, block: StandardBlock, arguments: tuple[Argument, ...]) -> list[Expression] | None:
         """The values of all inputs in their order; None: some are missing, or there is more than inputs."""
@@ -302,6 +310,10 @@ class CallTranslator:
         if callee is node.callee and arguments is node.arguments:
             return node
         return replace(node, callee=callee, arguments=arguments)
+
+
+def _as_it_is(name: n.Name) -> n.Name:
+    return name
 
 
 def _operation(operator: Operator, values: list[Expression], node: n.Call) -> Expression:

@@ -29,20 +29,27 @@ class NameTranslator:
         self._notes = notes
         self._locals = None if context.locals is None else {name.casefold() for name in context.locals}
         self._types = {path.casefold(): type for path, type in context.types.items()}
-        self._local_names = set(self._locals or ())
-        self._member_names: set[str] = set()
-        if source is Dialect.SCL:
+        self._members: set[str] = set()
+        self._local_names: dict[str, str] = {}
+        self._hiding: set[str] = set()
+        if source is Dialect.SCL and target is not Dialect.SCL:
             self._collect(tree)
 
     def _collect(self, tree: n.Node) -> None:
-        # names that stay, so that none of those that change gets theirs
+        """Find the names that others must not get, and those that hide global ones."""
+        self._local_names = {name.casefold(): name for name in self._context.locals or ()}
         behind_dots = set()
         for node in walk(tree):
             if isinstance(node, n.Member | n.Argument) and node.name is not None:
                 behind_dots.add(id(node.name))
-                self._member_names.add(node.name.identifier.casefold())
+                self._members.add(node.name.identifier.casefold())
             elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL and id(node) not in behind_dots:
-                self._local_names.add(node.identifier.casefold())
+                self._local_names.setdefault(node.identifier.casefold(), node.identifier)
+        self._hiding = {self._local_name(name).casefold() for name in self._local_names.values()}
+
+    def _local_name(self, name: str) -> str:
+        taken = self._local_names.keys() - {name.casefold()}
+        return self._context.renames.legal_name(NameScope.LOCAL, name, taken, self._target)
 
     def is_local(self, name: n.Name) -> bool | None:
         """Whether the POU declares `name`; None: that is not known."""
@@ -77,9 +84,10 @@ class NameTranslator:
             return self._changed(name, name.identifier, Quoting.NONE)
         if self._source is not Dialect.SCL:
             return name
-        if name.quoting is Quoting.GLOBAL:
-            return self._legal(name, NameScope.GLOBAL, self._local_names)
-        return self._legal(name, NameScope.LOCAL, self._local_names - {name.identifier.casefold()})
+        if name.quoting is not Quoting.GLOBAL:
+            return self._legal(name, self._local_name(name.identifier))
+        new = self._context.renames.legal_name(NameScope.GLOBAL, name.identifier, self._hiding, self._target)
+        return self._legal(name, new)
 
     def member(self, name: n.Name) -> n.Name:
         """A name behind a dot, or of a parameter in a call."""
@@ -91,7 +99,9 @@ class NameTranslator:
             return self._changed(name, old, quoting)
         if self._source is not Dialect.SCL or name.identifier.upper() in _OF_THE_LANGUAGE:
             return name
-        return self._legal(name, NameScope.MEMBER, self._member_names - {name.identifier.casefold()})
+        taken = self._members - {name.identifier.casefold()}
+        new = self._context.renames.legal_name(NameScope.MEMBER, name.identifier, taken, self._target)
+        return self._legal(name, new)
 
     def block(self, name: n.Name) -> n.Name:
         """The name of what is called, if it is no standard function: an instance, a function or a function block."""
@@ -121,13 +131,12 @@ class NameTranslator:
         old = self._context.renames.old_name(NameScope.GLOBAL, name.identifier) or name.identifier
         return self._changed(name, old, Quoting.GLOBAL)
 
-    def _legal(self, name: n.Name, scope: NameScope, taken: set[str]) -> n.Name:
-        new = self._context.renames.legal_name(scope, name.identifier, taken, self._target)
+    def _legal(self, name: n.Name, new: str) -> n.Name:
         if new != name.identifier:
-            reason = f"{name.identifier} is called {new}: {TITLES[self._target]} takes no such name"
-            if name.identifier.casefold() in taken:
-                reason = f"{name.identifier} is called {new}: the global name is hidden by a local one"
-            self._notes.add(Severity.INFO, reason, name)
+            reason = f"{TITLES[self._target]} takes no such name"
+            if name.quoting is Quoting.GLOBAL and name.identifier.casefold() in self._hiding:
+                reason = "the global name is hidden by a local one"
+            self._notes.add(Severity.INFO, f"{name.identifier} is called {new}: {reason}", name)
         return self._changed(name, new, Quoting.NONE)
 
     def _changed(self, name: n.Name, identifier: str, quoting: Quoting) -> n.Name:

@@ -7,6 +7,7 @@ import unicodedata
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TypeAlias
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
@@ -16,8 +17,8 @@ from plcopen_sfc.languages.standard_blocks import standard_blocks
 class NameScope(StrEnum):
     """Where a name is declared.
 
-    LOCAL: in the interface of the POU (``#name`` in SCL). GLOBAL: outside (``"name"``). MEMBER: in a structure, a
-    block or an instance: what stands behind a dot or before ``:=`` in a call.
+    LOCAL: in the interface of the POU (``#name`` in SCL). GLOBAL: outside (``"name"``). MEMBER: in a structure, or in
+    the interface of another POU: what stands behind a dot or before ``:=`` in a call.
     """
 
     LOCAL = "local"
@@ -34,16 +35,24 @@ class Rename:
     new: str
 
 
+_Key: TypeAlias = tuple[bool, str]
+
+
+def _key(scope: NameScope, name: str) -> _Key:
+    # what is local to a POU is a member of its instances: these need one name
+    return scope is NameScope.GLOBAL, name.casefold()
+
+
 class Renames:
     """The renames of a project, in both directions: one name gets one new name, in whatever text it occurs.
 
     Grows while texts are translated to other dialects than SCL. Where bodies of a project share one, translate them
-    until it no longer grows: a global name may have to be changed because a later body has a local one like it.
+    until it no longer grows (`len`): a name may have to be changed because of one in a later body.
     """
 
     def __init__(self, renames: Iterable[Rename] = ()) -> None:
-        self._new: dict[tuple[NameScope, str], Rename] = {}
-        self._old: dict[tuple[NameScope, str], Rename] = {}
+        self._new: dict[_Key, Rename] = {}
+        self._old: dict[_Key, Rename] = {}
         for rename in renames:
             self._add(rename)
 
@@ -51,16 +60,17 @@ class Renames:
         return iter(self._new.values())
 
     def __len__(self) -> int:
-        return len(self._new)
+        """How many new names were ever given, those that had to be given up again too."""
+        return len(self._old)
 
     def new_name(self, scope: NameScope, old: str) -> str | None:
         """What `old` is called outside of SCL; None: no rename is known."""
-        found = self._new.get((scope, old.casefold()))
+        found = self._new.get(_key(scope, old))
         return found.new if found is not None else None
 
     def old_name(self, scope: NameScope, new: str) -> str | None:
         """What `new` is called in SCL; None: no rename is known."""
-        found = self._old.get((scope, new.casefold()))
+        found = self._old.get(_key(scope, new))
         return found.old if found is not None else None
 
     def legal_name(
@@ -71,26 +81,28 @@ class Renames:
         `taken`: names that mean something else there, casefolded.
         """
         known = self.new_name(scope, name)
-        if known is not None:
+        if known is not None and known.casefold() not in taken:
             return known
-        if is_identifier(name) and not is_reserved(name, scope, target) and name.casefold() not in taken:
+        if known is None and _is_legal(name, target) and name.casefold() not in taken:
             return name
         stem = identifier(name)
         new, number = stem, 1
-        while self._is_used(new, scope) or new.casefold() in taken or is_reserved(new, scope, target):
+        while self._is_given(new) or new.casefold() in taken or not _is_legal(new, target):
             number += 1
             new = f"{stem}_{number}"
         self._add(Rename(scope, name, new))
         return new
 
-    def _is_used(self, new: str, scope: NameScope) -> bool:
-        members = scope is NameScope.MEMBER
-        key = new.casefold()
-        return any((used is NameScope.MEMBER) == members and name == key for used, name in self._old)
+    def _is_given(self, new: str) -> bool:
+        return any(_key(scope, new) in self._old for scope in (NameScope.LOCAL, NameScope.GLOBAL))
 
     def _add(self, rename: Rename) -> None:
-        self._new[rename.scope, rename.old.casefold()] = rename
-        self._old[rename.scope, rename.new.casefold()] = rename
+        self._new[_key(rename.scope, rename.old)] = rename
+        self._old[_key(rename.scope, rename.new)] = rename
+
+
+def _is_legal(name: str, target: Dialect) -> bool:
+    return is_identifier(name) and not is_reserved(name, target)
 
 
 def is_identifier(name: str) -> bool:
@@ -113,12 +125,10 @@ def identifier(name: str) -> str:
     return f"_{text}" if text[0].isdigit() else text
 
 
-def is_reserved(name: str, scope: NameScope, target: Dialect) -> bool:
-    """Whether `target` reads a name as something else."""
+def is_reserved(name: str, target: Dialect) -> bool:
+    """Whether `target` reads a name as something else, so that no variable and no member can have it."""
     word = name.upper()
-    if word in KEYWORDS or (target is Dialect.IEC and word in _TEXTUAL_KEYWORDS):
-        return True
-    return scope is not NameScope.MEMBER and word in _STANDARD_NAMES
+    return word in KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_OPERATORS)
 
 
 _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
@@ -132,9 +142,12 @@ KEYWORDS = STATEMENT_KEYWORDS | frozenset(
     """.split()
 )
 """Words that are no names of variables in some dialect."""
-_TEXTUAL_KEYWORDS = frozenset(
+_IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(
     """STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION END_ACTION FROM WITH ON CONFIGURATION RESOURCE TASK
     PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()
 )
-"""Words of the textual form of charts and configurations, which tools without it take as names."""
-_STANDARD_NAMES = frozenset(block.name for block in standard_blocks()) | {"ADR", "SIZEOF", "SQR", "INI"}
+"""Standard functions and blocks, and words of textual charts and configurations; many tools take these as names."""
+_CODESYS_OPERATORS = frozenset(
+    """ADD MUL SUB DIV MOVE NOT SHL SHR ROL ROR SEL MAX MIN LIMIT MUX GT LT LE GE EQ NE ADR BITADR INI SIZEOF XSIZEOF
+    INDEXOF ABS SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN EXPT TRUNC TRUNC_INT""".split()
+)

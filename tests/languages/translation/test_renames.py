@@ -32,16 +32,17 @@ LOCAL, GLOBAL, MEMBER = NameScope.LOCAL, NameScope.GLOBAL, NameScope.MEMBER
 )
 def test_names_become_legal(old: str, new: str) -> None:
     renames = Renames()
-    assert renames.legal_name(LOCAL, old, ()) == new
+    assert renames.legal_name(LOCAL, old) == new
     assert list(renames) == [Rename(LOCAL, old, new)]
     assert renames.old_name(LOCAL, new) == old
-    assert renames.legal_name(LOCAL, old.swapcase() if old.isascii() else old, ()) == new
+    assert renames.legal_name(LOCAL, old.swapcase() if old.isascii() else old) == new
 
 
 def test_legal_names_stay_and_are_no_renames() -> None:
     renames = Renames()
-    assert renames.legal_name(LOCAL, "Motor", ()) == "Motor"
-    assert renames.legal_name(MEMBER, "LIMIT", ()) == "LIMIT"
+    assert renames.legal_name(LOCAL, "Motor") == "Motor"
+    assert renames.legal_name(LOCAL, "Step", target=Dialect.CODESYS) == "Step"
+    assert renames.legal_name(MEMBER, "Len", target=Dialect.CODESYS) == "Len"
     assert len(renames) == 0
 
 
@@ -49,8 +50,30 @@ def test_two_names_never_become_one() -> None:
     renames = Renames()
     found = [renames.legal_name(LOCAL, name, {"a_b"}) for name in ("a b", "a-b", "a.b")]
     assert found == ["a_b_2", "a_b_3", "a_b_4"]
-    assert renames.legal_name(GLOBAL, "a b", ()) == "a_b"  # of another scope, but no two are visible at one place
-    assert renames.legal_name(MEMBER, "a b", ()) == "a_b"
+    assert renames.legal_name(GLOBAL, "a b") == "a_b"
+    assert renames.legal_name(MEMBER, "a b") == "a_b_2"  # what is local is a member of instances
+
+
+def test_a_new_name_that_is_taken_elsewhere_is_given_up() -> None:
+    renames = Renames()
+    assert renames.legal_name(MEMBER, "a b") == "a_b"
+    assert renames.legal_name(LOCAL, "a b", {"a_b"}) == "a_b_2"
+    assert renames.legal_name(MEMBER, "a b") == "a_b_2"
+    assert len(renames) == 2  # so that whoever translates until nothing changes goes on
+
+
+def test_parameters_are_called_as_in_the_interface() -> None:
+    context = TranslationContext(locals=["Limit"])
+    translate_text("#Limit := 1;", "statements", SCL, IEC, context)
+    caller = TranslationContext(renames=context.renames)
+    text = "#inst(Limit := 5); #x := #inst.LIMIT + LIMIT(MN := 1, IN := 2, MX := 3);"
+    found = translate_text(text, "statements", SCL, IEC, caller)
+    assert found.text == "inst(Limit_2 := 5); x := inst.Limit_2 + LIMIT(MN := 1, IN := 2, MX := 3);"
+
+
+def test_a_global_name_like_the_new_one_of_a_local() -> None:
+    found = translate_text('"a_b" AND #"a b"', "expression", SCL, IEC)
+    assert found.text == "a_b_2 AND a_b"
 
 
 def test_a_global_name_that_a_local_one_hides() -> None:
@@ -80,7 +103,6 @@ _names = st.text(
 @given(st.lists(st.tuples(st.sampled_from([LOCAL, GLOBAL, MEMBER]), _names), max_size=8))
 def test_new_names_are_identifiers_and_lead_back(pairs: list[tuple[NameScope, str]]) -> None:
     renames = Renames()
-    news: dict[tuple[bool, str], str] = {}
     for scope, old in pairs:
         new = renames.legal_name(scope, old)
         parsed = parse_expression(new, IEC)
@@ -88,6 +110,5 @@ def test_new_names_are_identifiers_and_lead_back(pairs: list[tuple[NameScope, st
         assert parsed.tree == n.Name(new)
         if new != old:
             assert (renames.old_name(scope, new) or "").casefold() == old.casefold()
-        key = (scope is MEMBER, new.casefold())
-        if new != old:
-            assert news.setdefault(key, old.casefold()) == old.casefold()
+    found = [(rename.scope is GLOBAL, rename.new.casefold()) for rename in renames]
+    assert len(found) == len(set(found))
