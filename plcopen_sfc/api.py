@@ -17,6 +17,7 @@ from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
 from plcopen_sfc.model.body import FINGERPRINT, SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.model.project import Origin, Project
 from plcopen_sfc.report import ConversionReport, Fate
 
@@ -143,6 +144,8 @@ def _encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[
 def _verify(project: Project, kind: Format, data: bytes, report: ConversionReport) -> None:
     """Read back what was written: what does not come back is lost, whatever the writer thought, and is reported."""
     back: Project = kind.codec().read(data).project
+    if not kind.ids:
+        project, back = numbered_in_order(project), numbered_in_order(back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
         why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
         report.add(Fate.DROPPED, "field", difference.path, why)
@@ -171,7 +174,12 @@ def _prepared(project: Project, kind: Format, options: WriteOptions, report: Con
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     if style.structured and (project._origin is None or project._origin.format != kind.name):
         _note_limits(copy, report)
-    prepare(copy, style, positions=kind.positions, anew=bool(options.flavour), foreign=True)
+    # a format without ids has branches of its own instead of the bars of others
+    anew = bool(options.flavour) or (not kind.ids and not options.same)
+    prepare(copy, style, positions=kind.positions, anew=anew, foreign=True)
+    adapt = getattr(kind.codec(), "adapt", None)
+    if adapt is not None:
+        adapt(copy, options, report)
     return copy
 
 

@@ -53,7 +53,11 @@ class WriteOptions:
 
 
 class Codec(Protocol):
-    """The module of a format. One that does not write has no ``write``."""
+    """The module of a format. One that does not write has no ``write``.
+
+    One with ``adapt(project, options, report)`` changes a copy of the project, before it is written, into what the
+    format makes of it: numbers that its tool requires, names that it gives.
+    """
 
     def read(self, data: bytes, *, file: str | None = None) -> Reading:
         """Read a file. Raises `FormatError`."""
@@ -92,7 +96,7 @@ class Format:
     `module` is imported when the format is used. `recognises` looks at the start of a file (see
     `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
     is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`: the module is
-    an `XmlCodec`, a `TextCodec`.
+    an `XmlCodec`, a `TextCodec`. `ids`: its files keep the ids of steps, transitions and elements of networks.
     """
 
     name: str
@@ -108,6 +112,7 @@ class Format:
     drawing: DrawingNeed = DrawingNeed.NONE
     positions: bool = False
     dialect: Dialect | None = None
+    ids: bool = True
 
     def codec(self) -> Any:
         """The module that reads and writes it."""

@@ -68,6 +68,12 @@ def _is_scl(head: Head) -> bool:
     return _SCL_UNIT.match(head.text, position) is not None or head.text.startswith(_OWN_SCL)
 
 
+def _is_simaticml(head: Head) -> bool:
+    return head.root == "Document" and (
+        "<Engineering" in head.text or re.search(r"<SW\.(?:Blocks|Types|Tags)\.", head.text) is not None
+    )
+
+
 FORMATS: tuple[Format, ...] = (
     Format(
         name="codesys",
@@ -110,6 +116,32 @@ FORMATS: tuple[Format, ...] = (
         drawing=DrawingNeed.PLAIN,
         positions=True,
         dialect=Dialect.IEC,
+    ),
+    Format(
+        name="simaticml",
+        title="SimaticML of TIA Portal Openness",
+        module="plcopen_sfc.formats.simaticml.codec",
+        extensions=(".xml",),
+        recognises=_is_simaticml,
+        capabilities=(
+            "steps",
+            "interlocks",
+            "supervisions",
+            "events",
+            "permanent operations",
+            "sequences",
+            "times",
+            "comments",
+            "branches",
+            "logic bodies",
+            "data blocks",
+            "tags",
+        ),
+        versions=("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21"),
+        xml=True,
+        drawing=DrawingNeed.PLAIN,
+        dialect=Dialect.SCL,
+        ids=False,
     ),
     Format(
         name="json",

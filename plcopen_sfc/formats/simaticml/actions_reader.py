@@ -67,7 +67,7 @@ def _meaning(text: str, qualifier: str) -> Fields:
         if call is not None:
             return {"qualifier": Qualifier.CALL, "body": {"language": "ST", "text": call}}
     target, assigns, value = text.partition(":=")
-    if assigns and parse_operand(target) is not None and "\n" not in text:
+    if assigns and parse_operand(target) is not None and parse_operand(value) is not None and "\n" not in text:
         return {"target": target.strip(), "value": value.strip()}
     target, comma, rest = text.partition(",")
     if comma and parse_operand(target) is not None and "\n" not in text:

@@ -20,6 +20,14 @@ SAYABLE = frozenset(
     | {Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF}
 )
 """The qualifiers that GRAPH has."""
+NEAREST = {
+    Qualifier.R0: Qualifier.R,
+    Qualifier.SD: Qualifier.D,
+    Qualifier.DS: Qualifier.D,
+    Qualifier.DL: Qualifier.D,
+    Qualifier.SL: Qualifier.L,
+}
+"""What is written for qualifiers that GRAPH does not have; only R0 means the same."""
 AS_EVENTS = {Qualifier.P1: ActionEvent.S1, Qualifier.P: ActionEvent.S1, Qualifier.P0: ActionEvent.S0}
 """Qualifiers of IEC 61131-3 that GRAPH says with an event: once at activation (P1, P), or at deactivation (P0)."""
 
@@ -33,7 +41,8 @@ def write_row(element: etree._Element, action: ActionAssociation) -> None:
         element.set("Event", event.value)
     if action.interlock or event is ActionEvent.C:
         element.set("Interlock", "true")
-    name = {Qualifier.CALL: "N", Qualifier.NONE: "", Qualifier.R0: "R"}.get(qualifier, qualifier.value)
+    qualifier = NEAREST.get(qualifier, qualifier)
+    name = {Qualifier.CALL: "N", Qualifier.NONE: ""}.get(qualifier, qualifier.value)
     if name:
         element.set("Qualifier", name)
     tokens = _tokens(action)

@@ -25,7 +25,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_comments,
     read_object_text,
 )
-from plcopen_sfc.formats.simaticml.structured_text import read_code
+from plcopen_sfc.formats.simaticml.structured_text_writer import read_code
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
 
@@ -79,6 +79,8 @@ def _unit(ctx: ReadContext, unit: etree._Element, late: Fields) -> tuple[str, Fi
         else:
             carry_element(own, child)
     read_comments(ctx, unit, own)
+    if "body" in own:
+        return name, own["body"]
     parts = children(source) if source is not None else []
     if parts:
         ctx.note_schema(parts[0])
@@ -95,14 +97,14 @@ def _body(ctx: ReadContext, name: str, parts: list[etree._Element], own: Fields,
         return _chart(ctx, parts[0], own, late)
     if plain in ("LAD", "FBD") and kind in ([], ["FlgNet"]):
         try:
-            network = read_network(parts[0]) if parts else {"nodes": []}
+            network = read_network(ctx, parts[0]) if parts else {"nodes": []}
         except NotUnderstoodError:
             pass
         else:
             return {"language": LANGUAGES[plain], "networks": [_merged(network, own)], **marks}
     elif name == "SCL" and kind in ([], ["StructuredText"]):
         try:
-            return {"language": "ST", **_merged(read_code(parts[0]) if parts else {}, own)}
+            return {"language": "ST", **_merged(read_code(parts[0], ctx.types) if parts else {}, own)}
         except NotUnderstoodError:
             pass
     carry_attribute(own, "ProgrammingLanguage", name)

@@ -10,7 +10,15 @@ from plcopen_sfc.formats.simaticml.bodies_reader import NAMES
 from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.networks import write_network
 from plcopen_sfc.formats.simaticml.structured_text_writer import write_code
-from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, sub, write_object_text
+from plcopen_sfc.formats.simaticml.writing import (
+    ID,
+    WriteContext,
+    add_element,
+    finish,
+    keep_fields,
+    sub,
+    write_object_text,
+)
 from plcopen_sfc.model.base import Carried, Element
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -53,7 +61,8 @@ def write_units(ctx: WriteContext, parent: etree._Element, body: Body) -> None:
     else:
         what = "IL body" if isinstance(body, IlBody) else "body"
         ctx.note(Fate.CARRIED, what, why="TIA Portal has no such language")
-        native.discard("language")
+        keep_fields(unit, {"body": body.model_dump(mode="json", exclude_none=True)})
+        return
     finish(ctx, unit, body, frozenset(native), also=also)
 
 

@@ -7,8 +7,9 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.simaticml import adapting
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
-from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, find_version, read_project
+from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, version_named
@@ -30,6 +31,17 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
         except ValidationError as error:
             raise misfit(error, file) from error
     return Reading(project, ctx.diagnostics, version.name)
+
+
+def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
+    """Make of `project`, a copy, what this format makes of it."""
+    if not options.same:
+        if project.header.product == PRODUCT and options.version:
+            project.header.version = options.version
+        kept = project.carried.attributes if project.carried is not None else {}
+        for name in [name for name in kept if name.startswith(SCHEMA)]:
+            del kept[name]
+    adapting.adapt(project, report)
 
 
 def lines(content: bytes, project: Project) -> dict[str, int]:

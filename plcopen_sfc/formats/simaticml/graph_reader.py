@@ -14,18 +14,37 @@ from plcopen_sfc.formats.simaticml.reading import (
     NotUnderstoodError,
     ReadContext,
     attributes,
-    carried,
     carry_attribute,
     carry_element,
     children,
     local,
+    merge,
+    read_comments,
     read_languages,
     whole_number,
 )
-from plcopen_sfc.formats.simaticml.topology import Link, Ref
+from plcopen_sfc.formats.simaticml.topology import Ref
 from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, usual_order
 from plcopen_sfc.model.drawing import SymbolKind
 
+_SUPERVISIONS = [("AlarmSupervisionCategory", number, 0, None) for number in range(1, 9)]
+_FIRST = ("AlarmInterlockCategory", "AlarmWarningCategory")
+_CATEGORIES = {
+    "AlarmInterlockCategory": 1,
+    "AlarmSubcategory1Interlock": 0,
+    "AlarmSubcategory2Interlock": 0,
+    "AlarmCategorySupervision": 1,
+    "AlarmSubcategory1Supervision": 0,
+    "AlarmSubcategory2Supervision": 0,
+    "AlarmWarningCategory": 2,
+    "AlarmSubcategory1Warning": 0,
+    "AlarmSubcategory2Warning": 0,
+}
+USUAL_CATEGORIES = (
+    [*_SUPERVISIONS, *((name, number, None, None) for name, number in _CATEGORIES.items() if name in _FIRST)],
+    [*_SUPERVISIONS, *((name, number, None, None) for name, number in _CATEGORIES.items())],
+)
+"""The alarm categories (name, id, display class, text) that TIA Portal writes: up to Graph v2, and from v4 on."""
 CONNECTIONS = "Connections"
 """Carried attribute of a sequence: the order of its connections, where it is not the one that we write."""
 
@@ -66,8 +85,11 @@ class _ChartReader:
             else:
                 carry_element(chart, child)
         self._structure()
-        settings = {**late.get("graph_settings", {}), "alarm_categories": categories}
-        return {**chart, **late, "graph_settings": settings}
+        read_comments(self.ctx, element, chart)
+        settings = dict(late.get("graph_settings", {}))
+        if [tuple(category.values()) for category in categories] not in USUAL_CATEGORIES:
+            settings["alarm_categories"] = categories
+        return {**chart, **late, "graph_settings": settings or None}
 
     def _structure(self) -> None:
         """Read what connects steps and transitions, when all of them are known."""
@@ -99,6 +121,7 @@ class _ChartReader:
             for part in children(child):
                 if not _text(fields, part, "Title", "title") and local(part) != "FlgNet":
                     carry_element(fields, part)
+            read_comments(self.ctx, child, fields)
             found.append(fields)
         _keep_shell(self.chart, shell)
         return found
@@ -120,6 +143,7 @@ class _ChartReader:
                 self._connections.append((sequence, child))
             elif not _text(sequence, child, "Title", "title") and not _text(sequence, child, "Comment", "comment"):
                 carry_element(sequence, child)
+        read_comments(self.ctx, element, sequence)
 
     def _branches(self, sequence: Fields, element: etree._Element) -> None:
         for child in children(element):
@@ -149,6 +173,7 @@ class _ChartReader:
                 carry_element(fields, child)
         for name, value in left.items():
             carry_attribute(fields, name, value)
+        read_comments(self.ctx, element, fields)
         self.chart["steps"].append(fields)
         sequence["steps"].append(fields["id"])
         if number is None:
@@ -166,7 +191,9 @@ class _ChartReader:
             if local(row) != "Action":
                 shell.append(copy.deepcopy(row))
             elif row is not rows[-1] or len(row) or row.attrib:  # the last row of the editor is an empty one
-                step["actions"].append({"id": self.new_id(), **read_action(row)})
+                action = {"id": self.new_id(), **read_action(row)}
+                read_comments(self.ctx, row, action)
+                step["actions"].append(action)
         _keep_shell(step, shell)
 
     def _supervised(self, step: Fields, element: etree._Element, kind: str) -> None:
@@ -184,6 +211,7 @@ class _ChartReader:
                 and not _text(fields, part, "Title", "title")
                 and not _text(fields, part, "AlarmText", "alarm")
             ]
+            _replace_condition(self.ctx, child, fields)
             for part in unknown:
                 shell.append(copy.deepcopy(part))
             step[name] = fields if fields != {"condition": None} else None
@@ -215,6 +243,7 @@ class _ChartReader:
                 carry_element(fields, child)
         for name, value in left.items():
             carry_attribute(fields, name, value)
+        _replace_condition(self.ctx, element, fields)
         self.chart["transitions"].append(fields)
         if number is None:
             self.ctx.error("SFC107", "a transition has no usable number", element)
@@ -238,6 +267,15 @@ def _text(fields: Fields, element: etree._Element, name: str, field: str) -> boo
         return False
     fields[field] = text
     return True
+
+
+def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
+    """Put back what we keep in comments; a condition that is kept stands instead of the network drawn for it."""
+    kept: Fields = {}
+    read_comments(ctx, element, kept)
+    if "condition" in kept:
+        fields["condition"] = kept.pop("condition")
+    merge(fields, kept)
 
 
 def _shell(element: etree._Element) -> etree._Element:
@@ -284,6 +322,3 @@ def _category(element: etree._Element) -> Fields | None:
 def carried_order(links: str) -> dict[str, int]:
     """The place of each connection in the order of the file."""
     return {link: place for place, link in enumerate(links.split())}
-
-
-__all__ = ["CONNECTIONS", "RESULT_OF", "Link", "carried", "carried_order", "read_graph"]

@@ -8,20 +8,23 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.actions_reader import row_fields
 from plcopen_sfc.formats.simaticml.actions_writer import AS_EVENTS, SAYABLE, write_row
-from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, carried_order
+from plcopen_sfc.formats.simaticml.conditions import condition_body
+from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
 from plcopen_sfc.formats.simaticml.topology import Ref, write_link
+from plcopen_sfc.formats.simaticml.topology_reader import usual_order
 from plcopen_sfc.formats.simaticml.topology_writer import TopologyWriter
 from plcopen_sfc.formats.simaticml.writing import (
     WriteContext,
     add_element,
     finish,
     flag,
+    keep_fields,
     sub,
     verbatim,
     write_languages,
 )
-from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import Body, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
@@ -38,20 +41,6 @@ from plcopen_sfc.model.sfc import (
 )
 from plcopen_sfc.report import Fate
 
-_USUAL_CATEGORIES = (
-    *((f"AlarmSupervisionCategory {number}", number) for number in range(1, 9)),
-    ("AlarmInterlockCategory", 1),
-    ("AlarmSubcategory1Interlock", 0),
-    ("AlarmSubcategory2Interlock", 0),
-    ("AlarmCategorySupervision", 1),
-    ("AlarmSubcategory1Supervision", 0),
-    ("AlarmSubcategory2Supervision", 0),
-    ("AlarmWarningCategory", 2),
-    ("AlarmSubcategory1Warning", 0),
-    ("AlarmSubcategory2Warning", 0),
-)
-_FIRST_CATEGORIES = frozenset({"AlarmSupervisionCategory", "AlarmInterlockCategory", "AlarmWarningCategory"})
-"""The categories that Graph v1 and v2 have."""
 _ALL_CATEGORIES = 4
 """The schema version from which on all categories are written."""
 
@@ -152,6 +141,10 @@ class _ChartWriter:
         members = {("S", self.step_numbers[i]) for i in sequence.steps if i in self.step_numbers}
         members |= {("T", self.transition_numbers[i]) for i in transitions}
         links = [link for link in writer.links() if self._belongs(link.source, members, writer)]
+        own = [Ref("S", self.step_numbers[number]) for number in sequence.steps if number in self.step_numbers]
+        own += [Ref("T", number) for key, number in self.transition_numbers.items() if key in transitions]
+        own += [Ref("B", int(attributes["Number"])) for _, attributes in writer.branches()]
+        links = usual_order(links, own)
         order = carried_order(_attributes(sequence.carried).get(CONNECTIONS, ""))
         links.sort(key=lambda link: order.get(str(link), len(order)))
         used = {ref.number for link in links for ref in (link.source, link.target) if ref and ref.kind == "B"}
@@ -222,11 +215,16 @@ class _ChartWriter:
             native.add("body")
         if action.qualifier in AS_EVENTS:
             self.ctx.note(Fate.TRANSLATED, "action", target, f"{action.qualifier} is said with an event")
+            native -= {"qualifier", "event"}
         elif action.qualifier not in SAYABLE:
-            self.ctx.note(Fate.APPROXIMATED, "action", target, f"S7-GRAPH has no qualifier {action.qualifier}")
+            same = action.qualifier is Qualifier.R0
+            why = f"S7-GRAPH has no qualifier {action.qualifier}"
+            self.ctx.note(Fate.TRANSLATED if same else Fate.APPROXIMATED, "action", target, why)
+            native.discard("qualifier")
         else:
             self.ctx.keep("action", target)
-        finish(self.ctx, element, action, frozenset(native))
+        also = {"event": None} if "event" not in native and action.event is None else None
+        finish(self.ctx, element, action, frozenset(native), also=also)
 
     def _supervised(self, parent: etree._Element, step: Step, kind: str, supervised: Supervised | None) -> None:
         holder = sub(parent, f"{kind}s")
@@ -242,10 +240,20 @@ class _ChartWriter:
         body: Body = empty_network(name)
         if isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition.body):
             body = condition.body
+        elif isinstance(condition, Expression) and not _is_always(condition):
+            drawn = condition_body(condition, name)
+            if drawn is not None:
+                body = drawn
+                self.ctx.note(Fate.TRANSLATED, f"condition of the {kind.lower()}", why=f"a network of {drawn.language}")
+            else:
+                self.ctx.note(Fate.CARRIED, f"condition of the {kind.lower()}", why="it has no network")
+            keep_fields(
+                element,
+                {"condition": {"kind": "expression", **condition.model_dump(mode="json", exclude_none=True)}},
+            )
         elif condition is not None and not _is_always(condition):
             self.ctx.note(Fate.CARRIED, f"condition of the {kind.lower()}", why="it is no network of LAD or FBD")
-            carrier = Transition(id=0, condition=condition)
-            finish(self.ctx, element, carrier, frozenset({"id"}))
+            keep_fields(element, {"condition": condition.model_dump(mode="json", exclude_none=True)})
         write_flgnet_body(self.ctx, element, body)
 
     def _transition(self, parent: etree._Element, transition: Transition) -> None:
@@ -271,10 +279,10 @@ class _ChartWriter:
     def _alarms(self, parent: etree._Element) -> None:
         settings = self.chart.graph_settings
         given = list(settings.alarm_categories) if settings is not None else []
+        usual = USUAL_CATEGORIES[self.schema >= _ALL_CATEGORIES]
         categories = given or [
-            AlarmCategory(name=name.partition(" ")[0], id=number, display_class=0 if " " in name else None)
-            for name, number in _USUAL_CATEGORIES
-            if self.schema >= _ALL_CATEGORIES or name.partition(" ")[0] in _FIRST_CATEGORIES
+            AlarmCategory(name=name, id=number, display_class=display, text=text)
+            for name, number, display, text in usual
         ]
         element = sub(parent, "AlarmsSettings")
         group = sub(element, "AlarmSupervisionCategories")

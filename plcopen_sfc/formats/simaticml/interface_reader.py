@@ -12,6 +12,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_element,
     children,
     local,
+    read_comments,
     read_languages,
 )
 from plcopen_sfc.formats.simaticml.types import read_type, write_type
@@ -30,6 +31,8 @@ SECTIONS = {
 MEMBER_ATTRIBUTES = ("Version", "Remanence", "Accessibility", "Informative")
 """Attributes of ``Member`` itself; all others in `Variable.attributes` stand in its ``AttributeList``."""
 _INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offset", "PaddedSize"})
+_SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
+"""The kinds of types that TIA Portal spells; others are carried."""
 _INTEGERS = frozenset({"Offset", "PaddedSize"})
 
 
@@ -53,6 +56,7 @@ def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
                 carry_element(fields, section)
                 continue
             fields["sections"].append(_section(ctx, section, kind))
+        read_comments(ctx, sections, fields)
     return fields
 
 
@@ -63,6 +67,7 @@ def _section(ctx: ReadContext, element: etree._Element, kind: SectionKind) -> Fi
             fields["variables"].append(read_member(ctx, child))
         else:
             carry_element(fields, child)
+    read_comments(ctx, element, fields)
     return fields
 
 
@@ -104,7 +109,8 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
     if left:
         carried(fields)["attributes"].update(left)
     fields["type"] = read_type(spelled, members)
-    if spelled_as(fields["type"]) != spelled:
+    read_comments(ctx, element, fields)
+    if fields["type"]["kind"] in _SPELLED and spelled_as(fields["type"]) != spelled:
         carried(fields)["attributes"]["Datatype"] = spelled
     return fields
 

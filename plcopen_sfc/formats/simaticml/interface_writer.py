@@ -32,7 +32,7 @@ def write_interface(
             continue
         _section(ctx, sections, name, section, renamed or {})
     unsayable = [s for s in interface.sections if s.kind not in _NAMES]
-    left = {"sections": [s.model_dump(mode="json", exclude_defaults=True) for s in unsayable]} if unsayable else None
+    left = {"sections": [s.model_dump(mode="json", exclude_none=True) for s in unsayable]} if unsayable else None
     finish(ctx, sections, interface, frozenset({"sections"}), also=left)
 
 

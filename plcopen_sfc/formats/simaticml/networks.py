@@ -15,9 +15,10 @@ from plcopen_sfc.formats.simaticml.reading import (
     child_named,
     keep_verbatim,
     opaque,
+    read_comments,
     same,
 )
-from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, verbatim
+from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, keep_fields, sub, verbatim
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.report import Fate
@@ -26,12 +27,15 @@ _LANGUAGES = {"LAD": "LD", "FBD": "FBD"}
 _NAMES = {language: name for name, language in _LANGUAGES.items()}
 
 
-def read_network(element: etree._Element) -> Fields:
+def read_network(ctx: ReadContext, element: etree._Element) -> Fields:
     """The fields of a `LogicNetwork`. Raises `NotUnderstoodError` where the model cannot say all of it.
 
     What our writer would write otherwise is kept as it stands beside it.
     """
     fields: Fields = {"nodes": read_flgnet(element)}
+    read_comments(ctx, element, fields)
+    if fields.get("nodes") and element.find("{*}Wires") is None:
+        return fields  # from a comment
     if not fields["nodes"]:
         keep_verbatim(fields, element)
         return fields
@@ -61,13 +65,14 @@ def write_network(ctx: WriteContext, root: etree._Element, network: LogicNetwork
     if kept is not None and _nodes(kept) == network.nodes:
         return kept
     try:
-        write_flgnet(root, network)
+        write_flgnet(root, network, ctx.types)
     except NotUnderstoodError as error:
         for child in list(root):
             root.remove(child)
         sub(root, "Parts")
         ctx.note(Fate.CARRIED, "network", why=f"TIA Portal has no such element: {error}")
-        finish(ctx, root, network, frozenset({"title", "comment", "carried"}))
+        nodes = network.model_dump(mode="json", exclude_none=True, include={"nodes"})
+        keep_fields(root, nodes)
     return None
 
 
@@ -78,7 +83,7 @@ def _nodes(flgnet: etree._Element) -> object:
         return None
 
 
-def read_flgnet_body(_ctx: ReadContext, owner: etree._Element) -> Fields:
+def read_flgnet_body(ctx: ReadContext, owner: etree._Element) -> Fields:
     """The body of an element of GRAPH that has its language as an attribute and one ``FlgNet``, or none."""
     language = owner.get("ProgrammingLanguage", "")
     flgnet = child_named(owner, "FlgNet")
@@ -87,7 +92,7 @@ def read_flgnet_body(_ctx: ReadContext, owner: etree._Element) -> Fields:
         carry_attribute(fields, "ProgrammingLanguage", language)
     if flgnet is not None:
         try:
-            fields["networks"].append(read_network(flgnet))
+            fields["networks"].append(read_network(ctx, flgnet))
         except NotUnderstoodError:
             fields = opaque(flgnet)
             carry_attribute(fields, "ProgrammingLanguage", language)

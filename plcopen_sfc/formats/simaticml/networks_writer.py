@@ -6,11 +6,12 @@ stands where its first consumer does. ``UId`` count on from 21.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.operands import parse_operand, write_operand, write_path
+from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand, write_operand, write_path
 from plcopen_sfc.formats.simaticml.parts import (
     CALLS,
     COILS,
@@ -42,6 +43,10 @@ FIRST_UID = 21
 _COIL_NAMES = {storage: name for name, storage in COILS.items()}
 _CALL_NAMES = {call: name for name, call in CALLS.items()}
 _PART_ATTRIBUTES = ("Version", "DisabledENO")
+_UNTYPED = frozenset({"A", "O", "X", "Not"})
+"""Operators that are Boolean as such."""
+_COUNTED = frozenset({"AND", "OR", "XOR", "ADD", "MUL"})
+"""Operators with any number of inputs."""
 
 
 @dataclass
@@ -63,16 +68,22 @@ class _Draft:
     ends: list[_End]
     kind: str = ""
     uid: str = ""
+    number: int = -1
+    """The id of the element, or one below all ids where the element is none of the network."""
 
 
-def write_flgnet(root: etree._Element, network: LogicNetwork) -> None:
-    """Fill the ``FlgNet`` element `root`. Raises `NotUnderstoodError` where TIA Portal has no such network."""
-    _Writer(root, network).run()
+def write_flgnet(root: etree._Element, network: LogicNetwork, types: Mapping[str, str] | None = None) -> None:
+    """Fill the ``FlgNet`` element `root`. Raises `NotUnderstoodError` where TIA Portal has no such network.
+
+    `types` are those of variables (``#x``) as TIA Portal spells them, for boxes that must say of which type they are.
+    """
+    _Writer(root, network, types or {}).run()
 
 
 class _Writer:
-    def __init__(self, root: etree._Element, network: LogicNetwork) -> None:
+    def __init__(self, root: etree._Element, network: LogicNetwork, types: Mapping[str, str]) -> None:
         self.root = root
+        self.types = types
         self.hints = {
             key.removeprefix(HINT): value for key, value in _kept(network.carried).items() if key.startswith(HINT)
         }
@@ -80,11 +91,14 @@ class _Writer:
         self.inputs = {node.id: node for node in network.nodes if isinstance(node, InputVariable)}
         plain = (LeftPowerRail, InputVariable, OutputVariable)
         self.drafts = [_draft(node) for node in network.nodes if not isinstance(node, plain)]
-        self.by_node = {draft.node.id: draft for draft in self.drafts}
+        for draft in self.drafts:
+            draft.number = draft.node.id
+        self.by_node = {draft.number: draft for draft in self.drafts}
         for draft in self.drafts:
             for end in draft.ends:
                 end.sources = [self._source(*source) for source in end.sources]
         self._outputs(network)
+        self._join()
         self._wired_outputs()
         self.next = FIRST_UID
         self.access: dict[tuple[int, str], str] = {}
@@ -116,6 +130,21 @@ class _Writer:
         self.next += 1
         return str(self.next - 1)
 
+    def _join(self) -> None:
+        """Put an OR where wires meet: TIA Portal has one wire at a pin."""
+        joined: list[_Draft] = []
+        for draft in self.drafts:
+            for end in draft.ends:
+                if len(end.sources) > 1:
+                    number = JOIN - len(joined)
+                    ends = [_End(f"in{place}", [source]) for place, source in enumerate(end.sources, 1)]
+                    join = _Draft(Block(id=0, type_name="OR"), "O", [*ends, _End("out", is_output=True)], number=number)
+                    self.by_node[number] = join
+                    joined.append(join)
+                    end.sources = [(number, "out")]
+            joined.append(draft)
+        self.drafts = joined
+
     def _wired_outputs(self) -> None:
         """Outputs that wires start from, of elements that do not list theirs, and a check that all start somewhere."""
         for source, pin in [source for draft in self.drafts for end in draft.ends for source in end.sources]:
@@ -130,6 +159,8 @@ class _Writer:
         """Write operands and parts, then the wires between them."""
         parts = sub(self.root, "Parts")
         for draft in self.drafts:
+            if isinstance(draft.node, Block):
+                self._template_values(draft, draft.node, _kept(draft.node.carried))
             for end in _in_operand_order(draft):
                 if end.operand is not None:
                     self._access(parts, draft, end, end.operand)
@@ -150,11 +181,11 @@ class _Writer:
     def _is_open(self, draft: _Draft, end: _End) -> bool:
         if end.operand is not None or end.sources:
             return False
-        return not end.is_output or not self._consumers((draft.node.id, end.name))
+        return not end.is_output or not self._consumers((draft.number, end.name))
 
     def _access(self, parent: etree._Element, draft: _Draft, end: _End, text: str) -> None:
         number = self.uid()
-        self.access[draft.node.id, end.name] = number
+        self.access[draft.number, end.name] = number
         write_operand(parent, text, draft.kind, {"UId": number}, hint=self.hints.get(text))
 
     def _part(self, parent: etree._Element, draft: _Draft) -> None:
@@ -169,15 +200,39 @@ class _Writer:
         if isinstance(node, Block):
             if node.instance is not None:
                 self._instance(element, node.instance)
-            for key, value in kept.items():
-                if key not in marks:
-                    kind = template_type(key)
-                    sub(element, "TemplateValue", {"Name": key, "Type": kind}).text = value
+            for key, value in self._template_values(draft, node, kept).items():
+                sub(element, "TemplateValue", {"Name": key, "Type": template_type(key)}).text = value
             for variable in (*node.parameters.inputs, *node.parameters.outputs):
                 if variable.negated:
                     sub(element, "Negated", {"Name": _s7_pin(node, variable.name)})
         elif isinstance(node, Contact | Coil) and node.negated:
             sub(element, "Negated", {"Name": "operand"})
+
+    def _template_values(self, draft: _Draft, node: Block, kept: dict[str, str]) -> dict[str, str]:
+        """What a box says of itself: how many inputs it has, and of which type they are."""
+        values = {key: value for key, value in kept.items() if key not in _PART_ATTRIBUTES}
+        block = _standard(node)
+        if values or block is None or block.operator is None:
+            return values
+        inputs = [end for end in draft.ends if not end.is_output and end.name != "en"]
+        if draft.name not in _UNTYPED:
+            values["SrcType"] = self._type_of(inputs)
+            draft.kind = values["SrcType"]
+        if block.name in _COUNTED:
+            values["Card"] = str(len(inputs))
+        return values
+
+    def _type_of(self, inputs: list[_End]) -> str:
+        """The type of what a box compares or computes: that of a variable that is known, else of a literal."""
+        texts = [end.operand for end in inputs if end.operand is not None]
+        texts += [self.inputs[s].expression for end in inputs for s, _ in end.sources if s in self.inputs]
+        known = [self.types[text.lower()] for text in texts if text.lower() in self.types]
+        literals = [text for text in texts if parse_operand(text) is not None and not text.startswith(("#", '"', "%"))]
+        if known:
+            return known[0]
+        if any(text.upper().startswith(("T#", "TIME#")) for text in literals):
+            return "Time"
+        return literal_type(literals[0], "") if literals else "Int"
 
     def _call(self, parent: etree._Element, draft: _Draft, node: Block) -> None:
         draft.uid = self.uid()
@@ -207,14 +262,14 @@ class _Writer:
         """Write the wires that start at a pin, or end at it from an operand or nowhere."""
         here = ("NameCon", {"UId": draft.uid, "Name": end.name})
         if end.is_output:
-            ends = self._consumers((draft.node.id, end.name))
+            ends = self._consumers((draft.number, end.name))
             if end.operand is not None:
-                ends.append(("IdentCon", {"UId": self.access[draft.node.id, end.name]}))
+                ends.append(("IdentCon", {"UId": self.access[draft.number, end.name]}))
             elif not ends:
                 ends.append(("OpenCon", {"UId": opens[draft.uid, end.name]}))
             self._wire(parent, here, *ends)
         elif end.operand is not None or any(source in self.inputs for source, _ in end.sources):
-            self._wire(parent, ("IdentCon", {"UId": self.access[draft.node.id, end.name]}), here)
+            self._wire(parent, ("IdentCon", {"UId": self.access[draft.number, end.name]}), here)
         elif not end.sources:
             self._wire(parent, ("OpenCon", {"UId": opens[draft.uid, end.name]}), here)
 
@@ -234,6 +289,8 @@ class _Writer:
 
 
 RAIL_KEY = -1
+JOIN = -2
+"""The first id of the ORs that are put where wires meet; the following go down."""
 
 
 def _draft(node: Node) -> _Draft:

@@ -61,6 +61,9 @@ def read_pou(ctx: ReadContext, element: etree._Element) -> Fields:
     interface = values.pop("Interface", None)
     if interface is not None:
         fields["interface"] = read_interface(ctx, interface)
+        ctx.types = {
+            f"#{m.get('Name', '').lower()}": m.get("Datatype", "") for m in interface.iterfind("*/*/{*}Member")
+        }
     language = _text(values.pop("ProgrammingLanguage", None))
     settings = _settings(values) if language == "GRAPH" else {}
     units = _object_list(element, fields, "SW.Blocks.CompileUnit")

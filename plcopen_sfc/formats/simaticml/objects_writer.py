@@ -16,6 +16,7 @@ from plcopen_sfc.formats.simaticml.objects_reader import (
     TAG,
     TAG_TABLE,
 )
+from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.formats.simaticml.writing import (
     ID,
     WriteContext,
@@ -82,6 +83,8 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
     ctx.place.append(f"POU {pou.name}")
     ctx.body_name = pou.name
+    variables = pou.interface.variables() if pou.interface is not None else []
+    ctx.types = {f"#{variable.name.lower()}": write_type(variable.type) for variable in variables}
     native = {"interface", "bodies"}
     if pou.kind in _POU_TAGS:
         native.add("kind")

@@ -77,7 +77,8 @@ def read_project(
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
     fields["tag_tables"] = []
     _find_schemas(ctx, root)
-    objects = [child for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
+    ranks = [_rank(local(child)) for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
+    usual = ranks == sorted(ranks)
     for child in children(root):
         kind = local(child)
         found: Fields | None = None
@@ -98,7 +99,7 @@ def read_project(
             for name, value in attributes(child).items():
                 if name != "version":
                     carry_attribute(header, name, value)
-        if found is not None and len(objects) > 1:
+        if found is not None and not usual:
             carry_attribute(found, "ID", child.get("ID", ""))
     for name, value in attributes(root).items():
         carry_attribute(fields, name, value)
@@ -110,6 +111,12 @@ def read_project(
         if number != version.schema(kind):
             carry_attribute(fields, SCHEMA + kind, str(number))
     return fields, ctx
+
+
+def _rank(kind: str) -> int:
+    """The place of a kind of object among others: what others need stands first."""
+    groups: tuple[tuple[str, ...], ...] = ((TAG_TABLE,), (DATA_TYPE,), tuple(DATA_BLOCKS), tuple(POUS))
+    return next((rank for rank, group in enumerate(groups) if kind in group), len(groups))
 
 
 def _find_schemas(ctx: ReadContext, root: etree._Element) -> None:

@@ -44,6 +44,8 @@ class ReadContext:
         self.schemas: dict[str, int] = {}
         """The schema numbers that the file uses, by kind."""
         self.diagnostics: list[Diagnostic] = []
+        self.types: dict[str, str] = {}
+        """The types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
         self.place: list[str] = []
         """Names of the objects around the one being read, for messages."""
 
@@ -192,7 +194,7 @@ def merge(fields: Fields, found: Fields) -> None:
     """Add `found` to `fields`; lists and parts of objects are added to those that are there."""
     for name, value in found.items():
         present = fields.get(name)
-        if isinstance(value, dict) and isinstance(present, dict):
+        if isinstance(value, dict) and isinstance(present, dict) and not value.keys() & {"kind", "language"}:
             merge(present, value)
         elif isinstance(value, list) and isinstance(present, list):
             present.extend(value)

@@ -6,14 +6,7 @@ from collections.abc import Callable
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, children, local
-from plcopen_sfc.formats.simaticml.versions import neutral
-from plcopen_sfc.formats.xml.carrying import markup
-
-
-def read_code(element: etree._Element) -> Fields:
-    """The text of a ``StructuredText``, and its tokens as markup. Raises `NotUnderstoodError`."""
-    return {"text": scl_text(element), "markup": neutral(markup(element))}
+from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, children, local
 
 
 def scl_text(element: etree._Element) -> str:
@@ -40,15 +33,9 @@ def _access(access: etree._Element) -> str:
     symbol = next((child for child in children(access) if local(child) == "Symbol"), None)
     if symbol is None:
         return _children(access)
-    scope = access.get("Scope")
-    text, first = "", True
-    for part in children(symbol):
-        if local(part) == "Component" and first:
-            text += ("#" if scope == "LocalVariable" else "") + _component(part, quoted=scope == "GlobalVariable")
-            first = False
-        else:
-            text += _text(part)
-    return text + "".join(_text(child) for child in children(access) if child is not symbol)
+    return _path(symbol, access.get("Scope")) + "".join(
+        _text(child) for child in children(access) if child is not symbol
+    )
 
 
 def _component(component: etree._Element, *, quoted: bool = False) -> str:
@@ -71,14 +58,17 @@ def _constant(constant: etree._Element) -> str:
 
 
 def _line_comment(comment: etree._Element) -> str:
-    return "//" + "".join(_inner(text) for text in children(comment) if local(text) == "Text")
+    if comment.get("NoClosingBracket", "false") != "false":
+        raise NotUnderstoodError("a comment without its end")
+    text = "".join(_inner(text) for text in children(comment) if local(text) == "Text")
+    return f"(*{text}*)" if comment.get("Inserted") == "true" else f"//{text}"
 
 
 def _comment(comment: etree._Element) -> str:
-    texts = [text for text in children(comment) if local(text) in ("MultiLanguageText", "Text")]
-    if len(texts) > 1 or any(local(text) == "MultiLanguageText" for text in texts):
+    texts = [text for text in children(comment) if local(text) == "MultiLanguageText"]
+    if len(texts) != 1 or comment.get("Inserted") != "true":
         raise NotUnderstoodError("a comment in several languages")
-    return "(*" + _inner(texts[0] if texts else comment) + "*)"
+    return f"(/*{_inner(texts[0])}*/)"
 
 
 def _named(element: etree._Element) -> str:
@@ -88,6 +78,21 @@ def _named(element: etree._Element) -> str:
 def _call(element: etree._Element) -> str:
     name = element.get("Name")
     return (f'"{name}"' if name and element.get("BlockType") else name or "") + _children(element)
+
+
+def _instance(element: etree._Element) -> str:
+    return _path(element, element.get("Scope"))
+
+
+def _path(element: etree._Element, scope: str | None) -> str:
+    text, first = "", True
+    for part in children(element):
+        if local(part) == "Component" and first:
+            text += ("#" if scope == "LocalVariable" else "") + _component(part, quoted=scope == "GlobalVariable")
+            first = False
+        else:
+            text += _text(part)
+    return text
 
 
 def _repeated(letter: str) -> Callable[[etree._Element], str]:
@@ -122,7 +127,7 @@ _WRITERS: dict[str, Callable[[etree._Element], str]] = {
     "ConstantValue": _inner,
     "Instruction": _named,
     "CallInfo": _call,
-    "Instance": _children,
+    "Instance": _instance,
     "Parameter": _named,
     "NamelessParameter": _children,
     "TemplateValue": _nothing,

@@ -40,10 +40,10 @@ def usual_order(links: list[Link], symbols: list[Ref]) -> list[Link]:
 
     def rank(link: Link) -> tuple[int, int, int]:
         if link.target is None:
-            return 2, place[Ref(link.source.kind, link.source.number)], 0
+            return 2, place.get(Ref(link.source.kind, link.source.number), 0), 0
         if link.is_jump:
             return 1, 0, 0
-        return 0, place[Ref(link.target.kind, link.target.number)], link.target.leg or 0
+        return 0, place.get(Ref(link.target.kind, link.target.number), 0), link.target.leg or 0
 
     return sorted(links, key=rank)
 

@@ -40,6 +40,8 @@ class WriteContext:
         self.culture = project.language or "en-US"
         """The language of texts that do not say theirs."""
         self.place: list[str] = []
+        self.types: dict[str, str] = {}
+        """The types of the variables of the block being written, as TIA Portal spells them, by ``#name``."""
         self.body_name = ""
         """The name of the body being written, as `Pou.named_bodies` gives it."""
 
@@ -119,6 +121,12 @@ def add_element(ctx: WriteContext, parent: etree._Element, content: str) -> None
     add_markup(parent, concrete(content, ctx.schemas))
 
 
+def keep_fields(element: etree._Element, fields: dict[str, Any]) -> None:
+    """Write fields that have no place in SimaticML as an XML comment."""
+    text = COMMENT_MARK + json.dumps(fields, ensure_ascii=True).replace("--", "-\\u002d")
+    element.append(etree.Comment(text))
+
+
 def finish(
     ctx: WriteContext,
     element: etree._Element,
@@ -129,11 +137,14 @@ def finish(
 ) -> None:
     """Write the fields of `thing` that are not in `native`, which have no place in SimaticML, as an XML comment."""
     left = left_over(thing, native | {"carried"}) | (also or {})
+    carried: Carried | None = getattr(thing, "carried", None)
+    foreign = [data for data in carried.data if data.name != VERBATIM] if carried is not None else []
+    if foreign:
+        left["carried"] = Carried(data=foreign).model_dump(mode="json", exclude_defaults=True)
     if not left:
         return
-    text = COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")
-    element.append(etree.Comment(text))
+    keep_fields(element, left)
     name = str(getattr(thing, "name", None) or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(name) else name
-    for field in left:
+    for field in left.keys() - (also or {}).keys():
         ctx.note(Fate.CARRIED, field.replace("_", " "), subject, "SimaticML has no place for it")

@@ -1,0 +1,124 @@
+"""What SimaticML makes of a project of another tool, before it is written: numbers, names, languages of texts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from plcopen_sfc.formats.simaticml.project_reader import PRODUCT
+from plcopen_sfc.model.base import Carried, ForeignData, Model
+from plcopen_sfc.model.body import BodyBase, StBody
+from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import Project, Tag, TagTable
+from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
+from plcopen_sfc.model.text import MultilingualText
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
+from plcopen_sfc.report import ConversionReport, Fate
+
+FOREIGN = "urn:plcopen-sfc:carried"
+"""Foreign data that is what an object of another format carries, as JSON."""
+TAB = 4
+_TEXTS = ("comment", "title", "alarm")
+_WITH_TEXTS = (
+    *(Pou, DataBlock, DataTypeDeclaration, TagTable, Tag, Variable, BodyBase, LogicNetwork),
+    *(Sequence, Step, Transition, Supervised, PermanentOperation),
+)
+
+
+def adapt(project: Project, report: ConversionReport) -> None:
+    """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
+    if project.header.product != PRODUCT:
+        _wrap(project)
+    language = project.language or "en-US"
+    for pou in project.pous:
+        _languages(pou, language)
+    others: list[Model] = [*project.data_blocks, *project.data_types, *project.tag_tables]
+    for thing in others:
+        _languages(thing, language)
+    _without_tabs(project, report)
+    for chart in project.charts():
+        _numbers(chart.network, f"POU {chart.name}", report)
+
+
+def _wrap(thing: Any) -> None:
+    """Put away what another format carries: its attributes and elements must not be taken for our own."""
+    if isinstance(thing, Model):
+        for name in type(thing).model_fields:
+            value = getattr(thing, name)
+            if isinstance(value, Carried):
+                content = value.model_dump_json(exclude_defaults=True)
+                setattr(thing, name, Carried(data=[ForeignData(name=FOREIGN, content=content)]))
+            else:
+                _wrap(value)
+    elif isinstance(thing, list):
+        for item in thing:
+            _wrap(item)
+
+
+def _without_tabs(project: Project, report: ConversionReport) -> None:
+    """Blanks instead of tabs: tokens have no others between them."""
+    for name, _, body in project.bodies():
+        if isinstance(body, StBody) and "\t" in body.text and body.markup is None:
+            body.text = body.text.expandtabs(TAB)
+            report.add(Fate.TRANSLATED, "text", f"POU {name}", "tabs are blanks")
+
+
+def _languages(thing: Any, language: str) -> None:
+    """Say of every text that people read in which language it is."""
+    if isinstance(thing, Model):
+        for name in type(thing).model_fields:
+            value = getattr(thing, name)
+            if name in _TEXTS and isinstance(value, str) and isinstance(thing, _WITH_TEXTS):
+                setattr(thing, name, MultilingualText(texts={language: value}))
+            else:
+                _languages(value, language)
+    elif isinstance(thing, list):
+        for item in thing:
+            _languages(item, language)
+
+
+def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
+    _number(chart.steps)
+    _number(chart.transitions)
+    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions}
+    for transition in chart.transitions:
+        if not transition.name:
+            transition.name = _free(f"Trans{transition.number}", taken)
+            why = "it got a name, as S7-GRAPH requires"
+            report.add(Fate.TRANSLATED, "transition", f"{place} / {transition.name}", why)
+    if not chart.sequences and chart.steps:
+        chart.sequences = [Sequence(steps=[step.id for step in chart.steps])]
+    rivals: dict[tuple[int, ...], list[Transition]] = {}
+    for transition in chart.transitions:
+        rivals.setdefault(tuple(sorted(transition.sources)), []).append(transition)
+    for group in rivals.values():
+        if len(group) > 1:
+            for rank, transition in enumerate(sorted(group, key=lambda t: (t.priority is None, t.priority or 0)), 1):
+                transition.priority = rank
+
+
+def _number(things: Iterable[Any]) -> None:
+    """Number what has no number of its own."""
+    taken: set[int] = set()
+    for thing in things:
+        if thing.number in taken:
+            thing.number = None
+        if thing.number is not None:
+            taken.add(thing.number)
+    following = 1
+    for thing in things:
+        if thing.number is None:
+            while following in taken:
+                following += 1
+            thing.number = following
+            taken.add(following)
+
+
+def _free(name: str, taken: set[str]) -> str:
+    number, free = 1, name
+    while free.casefold() in taken:
+        number += 1
+        free = f"{name}_{number}"
+    taken.add(free.casefold())
+    return free

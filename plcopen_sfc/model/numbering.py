@@ -1,0 +1,76 @@
+"""Ids that say nothing but the order: to compare charts of formats that have no ids of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.network import Connection, Node
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+
+
+def numbered_in_order(project: Project) -> Project:
+    """A copy of `project` in which everything that has an id is numbered from 1 in the order in which it stands.
+
+    Each chart and each network counts for itself. Drawings are left out: they are full of ids and mean nothing more
+    than their chart.
+    """
+    copy = project.model_copy(deep=True)
+    for thing in _models(copy):
+        if isinstance(thing, SfcNetwork):
+            thing.drawing = None
+            _number_chart(thing)
+        elif (nodes := getattr(thing, "nodes", None)) is not None:
+            _number_nodes(nodes)
+    return copy
+
+
+def _models(thing: Any) -> Iterator[Model]:
+    if isinstance(thing, Model):
+        yield thing
+        for name in type(thing).model_fields:
+            yield from _models(getattr(thing, name))
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from _models(item)
+
+
+def _numbers(ids: Iterable[int]) -> dict[int, int]:
+    return {number: place for place, number in enumerate(dict.fromkeys(ids), 1)}
+
+
+def _number_chart(chart: SfcNetwork) -> None:
+    associations = [association for _, association in chart.associations()]
+    things = [*chart.steps, *chart.transitions, *associations, *chart.logic]
+    numbers = _numbers(thing.id for thing in things)
+    for thing in things:
+        thing.id = numbers[thing.id]
+    for transition in chart.transitions:
+        transition.sources = [numbers.get(number, 0) for number in transition.sources]
+        transition.targets = [numbers.get(number, 0) for number in transition.targets]
+    for sequence in chart.sequences:
+        sequence.steps = [numbers.get(number, 0) for number in sequence.steps]
+    wires = [wire for part in (chart.logic, [t.condition for t in chart.transitions]) for wire in _wires(part)]
+    for wire in wires:
+        wire.source = numbers.get(wire.source, 0)
+
+
+def _number_nodes(nodes: list[Node]) -> None:
+    numbers = _numbers(node.id for node in nodes)
+    for node in nodes:
+        node.id = numbers[node.id]
+    for wire in _wires(nodes):
+        wire.source = numbers.get(wire.source, 0)
+
+
+def _wires(thing: Any) -> list[Connection]:
+    """The wires in nodes or conditions, but for those inside bodies, which have ids of their own."""
+    if isinstance(thing, Connection):
+        return [thing]
+    if isinstance(thing, list):
+        return [wire for item in thing for wire in _wires(item)]
+    if isinstance(thing, Model) and not hasattr(thing, "language"):
+        return [wire for name in type(thing).model_fields if name != "body" for wire in _wires(getattr(thing, name))]
+    return []
