@@ -159,7 +159,9 @@ def _block(found: list[n.Statement]) -> tuple[n.Statement, ...]:
     )
 
 
-_titles = st.text(st.characters(exclude_categories=("Cs", "Cc", "Zl", "Zp")), max_size=8).map(str.strip)
+_titles = st.text(st.characters(exclude_categories=("Cs", "Cc", "Zl", "Zp")), max_size=8).map(
+    lambda title: title.strip().lstrip(":").strip()  # with a colon behind it, REGION is a name
+)
 
 
 def _compound(dialect: Dialect, inner: st.SearchStrategy[n.Statement]) -> st.SearchStrategy[n.Statement]:
