@@ -19,7 +19,17 @@ from plcopen_sfc.model.actions import ActionAssociation, ForcingOrder
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.conditions import Expression, NamedCondition
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
-from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, Task, TaskSettings, TreeNode
+from plcopen_sfc.model.project import (
+    Configuration,
+    PouInstance,
+    Project,
+    Resource,
+    Tag,
+    TagTable,
+    Task,
+    TaskSettings,
+    TreeNode,
+)
 from plcopen_sfc.model.variables import AccessVariable, ConfigVariable, Interface, VariableSection
 
 
@@ -393,5 +403,7 @@ _ENTERING: dict[type[Model], _Entering] = {
     Resource: _resource,
     Configuration: _configuration,
     Task: lambda task, where: where.at(task.name),
+    TagTable: lambda table, where: where.at(table.name),
+    Tag: lambda tag, where: where.at(tag.name),
     TreeNode: lambda node, where: replace(where, path="project tree", owner=(*(where.owner or ()), node)),
 }

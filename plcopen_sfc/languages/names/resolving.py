@@ -153,6 +153,7 @@ class Resolver:
         return self.scopes.levels(site)
 
     def _choose(self, found: list[Declaration], reference: Reference, site: Site) -> Meaning:
+        found = self._without_step_variables(found)
         if len(found) > 1 and reference.access:
             having = [d for d in found if self._may_have(d, reference.access)]
             found = having or found
@@ -168,6 +169,10 @@ class Resolver:
         if len(found) > 1:
             return Meaning(doubt="several things have this name", candidates=tuple(found))
         return self._of_external(found[0], site)
+
+    def _without_step_variables(self, found: Sequence[Declaration]) -> list[Declaration]:
+        """The same, with a step instead of the variable that its tool declares for it."""
+        return list(dict.fromkeys(self.scopes.step_of(d) or d for d in found))
 
     def _may_have(self, declaration: Declaration, member: str) -> bool:
         if declaration.kind is Kind.STEP:
@@ -193,6 +198,9 @@ class Resolver:
     def original(self, declaration: Declaration) -> Declaration:
         """The declaration that a variable in VAR_EXTERNAL or in an instance data block repeats, or itself."""
         if declaration.pou is not None:
+            step = self.scopes.step_of(declaration)
+            if step is not None:
+                return step
             return self._of_external(declaration, Site(place=declaration.pou.place)).declaration or declaration
         for block in self.project.data_blocks:
             if block.type_name and declaration in self.scopes.data_block(block):
@@ -201,12 +209,15 @@ class Resolver:
         return declaration
 
     def repeated(self, declaration: Declaration) -> Iterator[Named]:
-        """The variables that repeat a declaration: in VAR_EXTERNAL, and in instance data blocks."""
+        """The variables that repeat a declaration: in VAR_EXTERNAL, in instance data blocks, of steps."""
+        if declaration.pou is not None:
+            alike = self.scopes.pou(declaration.pou).named(declaration.name)
+            yield from (own.holder for own in alike if self.scopes.step_of(own) == declaration)
         for pou in self.project.pous:
             for site in (Site(pou, place=pou.place), *(Site(pou, method, place=pou.place) for method in pou.methods)):
                 yield from self._externals(declaration, site)
         for block in self.project.data_blocks:
-            if block.type_name and declaration.kind in (Kind.VARIABLE, Kind.MEMBER):
+            if block.type_name and declaration.kind in (Kind.VARIABLE, Kind.MEMBER, Kind.STEP, Kind.TRANSITION):
                 type_ = self.settled(_named_type(block.type_name), "")
                 if any(declaration in level for level in self._members(type_)):
                     yield from (own.holder for own in self.scopes.data_block(block).named(declaration.name))
@@ -227,6 +238,7 @@ class Resolver:
         for level in self._members(type_):
             found = [d for d in level.named(name) if d.kind is not Kind.TRANSITION]
             if found:
+                found = self._without_step_variables(found)
                 best = min(_VALUE_RANKS.get(d.kind, _LAST) for d in found)
                 found = [d for d in found if _VALUE_RANKS.get(d.kind, _LAST) == best]
                 if len(found) > 1:
@@ -347,8 +359,11 @@ class Resolver:
         """What is called."""
         if isinstance(callee, n.Name):
             meaning = self.lookup(named(callee, role=Role.ACTION), site)
-            if meaning.declaration is None and not meaning.doubt and standard_block(callee.identifier) is not None:
-                return Untyped.FOREIGN
+            if meaning is NOTHING:
+                # in SCL all but the instructions of the controller stand in quotes
+                instruction = self.dialect is Dialect.SCL and callee.quoting is Quoting.NONE
+                if instruction or standard_block(callee.identifier) is not None:
+                    return Untyped.FOREIGN
         elif isinstance(callee, n.Member):
             name = callee.name.identifier
             meaning = self.member(self.type_of(callee.base, site, name), name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from plcopen_sfc.languages.dialects import Dialect
@@ -24,7 +25,7 @@ from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.model.types import DataType, EnumType, StructType
+from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
@@ -39,6 +40,7 @@ class Scopes:
         self._everywhere = Level()
         self._values = Level()
         self._externals: set[int] = set()
+        self._steps: dict[int, Declaration] = {}
         self._owners: dict[int, tuple[str, Pou | None]] | None = None
 
     def levels(self, site: Site) -> tuple[Level, ...]:
@@ -81,7 +83,20 @@ class Scopes:
             level = self._levels[id(pou),] = Level()
             for declaration in self._of_pou(pou):
                 level.add(declaration)
+            self._find_step_variables(level)
         return level
+
+    def _find_step_variables(self, level: Level) -> None:
+        for variable in level:
+            type_ = getattr(variable.holder, "type", None)
+            if isinstance(type_, DerivedType) and _OF_STEPS.fullmatch(type_.name):
+                for other in level.named(variable.name):
+                    if other.kind in (Kind.STEP, Kind.TRANSITION):
+                        self._steps.setdefault(id(variable.holder), other)
+
+    def step_of(self, declaration: Declaration) -> Declaration | None:
+        """The step or transition whose variable this is, if the tool declares such among the others."""
+        return self._steps.get(id(declaration.holder))
 
     def pou_levels(self, pou: Pou) -> tuple[Level, ...]:
         """The scope of a POU and those of what it extends."""
@@ -242,6 +257,10 @@ class Scopes:
             for resource in configuration.resources:
                 yield place, Declaration(Kind.NAMESPACE, resource.name, (resource,))
                 yield from _of_resource(resource, f"{place}/resource/{resource.name}")
+
+
+_OF_STEPS = re.compile(r"G7_(?:Step|Transition)\w*|SFCStepType", re.IGNORECASE)
+"""The types of variables that S7-GRAPH declares for each step and transition, and CODESYS on demand, by its name."""
 
 
 def namespace_place(project: Project, namespace: Resource | Configuration) -> str:

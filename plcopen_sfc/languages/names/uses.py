@@ -165,7 +165,7 @@ def find_uses(project: Project, what: Declaration | Model | str) -> list[Use]:
 
 def the_one(names: Names, path: str) -> Declaration:
     """The declaration of this path. Raises `ModelError` where there is none, or more than one."""
-    found = names.find(path)
+    found = list(dict.fromkeys(names.resolver.original(declaration) for declaration in names.find(path)))
     if len(found) == 1:
         return found[0]
     if found:

@@ -471,6 +471,35 @@ def test_data_blocks_of_tia() -> None:
     assert places(made, "A Point") == ["Data / point:1:1", "Data / list:1:2"]
 
 
+def test_variables_that_a_tool_declares_for_steps() -> None:
+    graph = block("Graph", "", "S1: G7_StepPlus_V2; T1: G7_TransitionPlus_V2; v: G7_StepPlus_V2")
+    graph.bodies = [m.SfcBody(chart=chart("S1 S2", '#S1.U > T#1s AND "GraphDB".S1.X AND #v.X AND #T1.TT'))]
+    assert graph.sfc is not None
+    graph.sfc.transitions[0].name = "T1"
+    made = project(graph)
+    made.dialect = m.Dialect.SCL
+    data = interface("S1: G7_StepPlus_V2; v: G7_StepPlus_V2")
+    made.data_blocks = [m.DataBlock(name="GraphDB", kind=m.DataBlockKind.INSTANCE, type_name="Graph", interface=data)]
+    assert places(made, graph.sfc.steps[0]) == ["Graph / transition T1:1:2", "Graph / transition T1:1:28"]
+    assert places(made, graph.sfc.transitions[0]) == ["Graph / transition T1:1:47"]
+    graph.sfc.rename_step("S1", "Warten")
+    assert graph.interface is not None
+    assert [v.name for v in graph.interface.variables()] == ["Warten", "T1", "v"]
+    assert [v.name for v in data.variables()] == ["Warten", "v"]
+    made.rename("Graph.v", "w")
+    made.rename("Graph.T1", "Weiter")
+    assert [v.name for v in graph.interface.variables()] == ["Warten", "Weiter", "w"]
+    condition = graph.sfc.transitions[0].condition
+    assert isinstance(condition, m.Expression)
+    assert condition.text == '#Warten.U > T#1s AND "GraphDB".Warten.X AND #w.X AND #Weiter.TT'
+
+
+def test_instructions_of_scl_are_no_blocks_of_the_project() -> None:
+    made = project(block("Motor", '#x := PEEK(area := 1); #x := "Other"(area := 1);', "x: INT; area: INT"))
+    made.dialect = m.Dialect.SCL
+    assert doubtful(made, "Motor.area") == ["Motor:1:38"]
+
+
 # -- what nobody can tell ---------------------------------------------------------------------------------------------
 
 
