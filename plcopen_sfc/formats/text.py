@@ -138,12 +138,16 @@ class _Patch:
         number_of = {key: number for number, inner in enumerate(slice_.slices) for key in inner.keys}
         last = -1
         for old, new in pairs:
-            if old is not None:
+            if old is not None and new is not None:
                 last = number_of[old.key]
-                if new is not None:
-                    new_of[old.key] = new
+                new_of[old.key] = new
             elif new is not None:
                 following.setdefault(last, []).append(new)
+        final = following.get(last, [])
+        if slice_.slices and final and final[-1] is after.pieces[-1]:
+            # what ends the new text stands behind all that is there, in whatever order that is
+            following.pop(last)
+            following.setdefault(len(slice_.slices) - 1, []).extend(final)
         for number, inner in enumerate(slice_.slices):
             olds = [old_pieces[key] for key in inner.keys]
             news = [new_of[key] for key in inner.keys if key in new_of]
@@ -268,44 +272,60 @@ def _joined(edits: list[Edit]) -> list[Edit]:
     return joined
 
 
-_WORDS = re.compile(r"\w+|'[^'\r\n]*'|:=|=>|\.\.|[^\w\s]")
+_SIMILAR = 0.6
+"""So much of its words a text must keep to be changed word by word."""
+_Word: TypeAlias = re.Match[str]
+_WORDS = re.compile(
+    r"TITLE\s*=[^\r\n]*|//[^\r\n]*|\(\*(?:(?!\*\))[\s\S])*\*\)|'[^'\r\n]*'|\"[^\"\r\n]*\"|%[\w.*]+|\w+#[\w.+-]+|\w+|:=|=>|\.\.|[^\w\s]"
+)
 
 
 def _merged(source: str, old: str, new: str) -> str | None:
     """`source`, which says `old` in its own layout, changed to say `new`; None where they differ too much."""
     words, old_words, new_words = (list(_WORDS.finditer(text)) for text in (source, old, new))
-    place = _places([w.group() for w in old_words], [w.group() for w in words])
-    matcher = SequenceMatcher(a=[w.group() for w in old_words], b=[w.group() for w in new_words], autojunk=False)
+    marks, old_marks, new_marks = ([_mark(word.group()) for word in found] for found in (words, old_words, new_words))
+    place = _places(old_marks, marks)
     edits: list[Edit] = []
-    for operation, low, high, new_low, new_high in matcher.get_opcodes():
+    said, position = [], 0  # what the source says after the edits
+    for operation, low, high, new_low, new_high in SequenceMatcher(
+        a=old_marks, b=new_marks, autojunk=False
+    ).get_opcodes():
         if operation == "equal":
             continue
-        at = [place.get(index) for index in range(low, high)]
-        if None in at:
+        at = [place.get(index, -1) for index in range(low, high)]
+        first = at[0] if at else place.get(low - 1, -1) + 1 if low else 0
+        if -1 in at or at != list(range(first, first + high - low)) or (not at and low and low - 1 not in place):
             return None
-        left, right = place.get(low - 1), place.get(high)
-        if low == high:
-            if (left is None and low > 0) or (right is None and high < len(old_words)):
-                return None
-            begin = words[left].end() if left is not None else 0
-            gap_start = new_words[new_low - 1].end() if new_low else 0
-            inserted = new[gap_start : new_words[new_high - 1].end()]
-            edits.append(Edit(begin, begin, inserted))
-        else:
-            first, last = at[0], at[-1]
-            if first is None or last is None or last - first != high - low - 1:
-                return None
-            begin, end = words[first].start(), words[last].end()
-            if new_low == new_high:  # removed, with the spaces before it
-                begin = words[first - 1].end() if first else begin
-                inserted = ""
-            else:
-                inserted = new[new_words[new_low].start() : new_words[new_high - 1].end()]
-            edits.append(Edit(begin, end, inserted))
-    return apply_edits(source, edits)
+        said += marks[position:first] + new_marks[new_low:new_high]
+        position = first + high - low
+        edits.append(_word_edit(words[first:position], words[:first], new, new_words, slice(new_low, new_high)))
+    text = apply_edits(source, edits)
+    said += marks[position:]
+    return text if [_mark(word) for word in _WORDS.findall(text)] == said else None
+
+
+def _word_edit(gone: list[_Word], before: list[_Word], new: str, new_words: list[_Word], at: slice) -> Edit:
+    """Replaces the words `gone`, which stand behind those `before`, by the words of `new` that stand `at`."""
+    end_before = before[-1].end() if before else 0
+    put = new_words[at]
+    if not gone:  # with the spaces that stand before it in the new text
+        gap = new_words[at.start - 1].end() if at.start else 0
+        return Edit(end_before, end_before, new[gap : put[-1].end()])
+    if not put:  # with the spaces before it
+        return Edit(end_before, gone[-1].end(), "")
+    return Edit(gone[0].start(), gone[-1].end(), new[put[0].start() : put[-1].end()])
+
+
+def _mark(word: str) -> str:
+    """What a word says: case does not matter, nor how a comment is written."""
+    if word.startswith("//"):
+        return f"// {word[2:].strip()}"
+    if word.startswith("(*"):
+        return f"// {word[2:-2].strip()}"
+    return word.casefold()
 
 
 def _places(old: Sequence[str], words: Sequence[str]) -> dict[int, int]:
-    """Which word of the source each old word is; case does not matter."""
-    matcher = SequenceMatcher(a=[w.casefold() for w in old], b=[w.casefold() for w in words], autojunk=False)
+    """Which word of the source each old word is."""
+    matcher = SequenceMatcher(a=old, b=words, autojunk=False)
     return {block.a + i: block.b + i for block in matcher.get_matching_blocks() for i in range(block.size)}

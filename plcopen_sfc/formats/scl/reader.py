@@ -171,7 +171,8 @@ class _Reader:
             (Slice((key,), span, slices) for key, (_, span, slices) in zip(keys, pieces, strict=True)),
             key=lambda each: each.span,
         )
-        self._found.append((("block", thing.name), (start, unit.span[1]), tuple(inner)))
+        kind = "POU" if isinstance(thing, Pou) else "data block"
+        self._found.append(((kind, thing.name), (start, unit.span[1]), tuple(inner)))
 
     def _lost(self, unit: Unit) -> None:
         self._note("SCL103", Severity.ERROR, f"this {unit.keyword} cannot be read; its text is kept", unit.span[0])

@@ -12,7 +12,7 @@ from plcopen_sfc.formats.scl.blocks import KEYWORDS
 from plcopen_sfc.formats.scl.reader import read_source
 from plcopen_sfc.formats.scl.start_values import can_be_assigned, write_start_values
 from plcopen_sfc.formats.text import Piece, SourceText, numbered
-from plcopen_sfc.languages.declarations import write_data_type, write_type, write_variable
+from plcopen_sfc.languages.declarations import split_units, write_data_type, write_type, write_variable
 from plcopen_sfc.languages.declarations.comments import LINE_END, comment_lines
 from plcopen_sfc.languages.declarations.kept import keep, kept
 from plcopen_sfc.languages.declarations.names import is_quoted_in_scl
@@ -81,10 +81,10 @@ def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
         yield Piece(("type", declaration.name), _data_type(declaration), apart=True)
     for pou in project.pous:
         report.add(Fate.KEPT, "POU", f"POU {pou.name}")
-        yield Piece(("block", pou.name), pieces=tuple(_named(_pou(pou))), apart=True)
+        yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou))), apart=True)
     for block in project.data_blocks:
         report.add(Fate.KEPT, "data block", f"data block {block.name}")
-        yield Piece(("block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
+        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
 
 
 def _data_type(declaration: DataTypeDeclaration) -> str:
@@ -106,8 +106,16 @@ def _pou(pou: Pou) -> Iterator[Piece]:
         yield from map(_section, pou.interface.sections)
     yield Piece(("begin", ""), "BEGIN")
     text = pou.body.text if isinstance(pou.body, StBody) else ""
-    yield Piece(("body", ""), text, verbatim=True)
+    yield Piece(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
     yield Piece(("end", ""), f"END_{keyword}")
+
+
+def _stays_inside(body: str, keyword: str) -> bool:
+    """Whether a block ends behind `body`: no comment in it is left open, no end of a block stands in it."""
+    end = f"END_{keyword}"
+    text = f'{keyword} "x"\nBEGIN\n{body}\n{end}'
+    units = split_units(f"{text}\n{keyword} y\n{end}", _SCL).units
+    return len(units) == 2 and units[0].span == (0, len(text))
 
 
 def _head(keyword: str, name: str, result: str, title: Text | None, carried: Carried | None) -> Iterator[Piece]:

@@ -64,7 +64,9 @@ def _inside(comment: Comment) -> str:
 
 
 def comment_lines(text: str, dialect: Dialect) -> list[str]:
-    """Comments that say `text`, one for each of its lines."""
+    """Comments that say `text`, one for each of its lines; none if there are only spaces in it."""
+    if not text.strip():
+        return []
     lines = LINE_END.split(text)
     if dialect is Dialect.IEC and len(lines) == 1 and not re.search(r"\(\*|\*\)", text):
         return [f"(* {text} *)"]

@@ -19,7 +19,8 @@ _SECTIONS = frozenset(
     """VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_EXTERNAL VAR_GLOBAL VAR_STAT VAR_INST VAR_ACCESS
     VAR_CONFIG VAR_GENERIC""".split()
 )
-_WORDS = _UNITS | _SECTIONS | {f"END_{word}" for word in _UNITS} | {"END_VAR", "BEGIN", "STRUCT", "END_STRUCT"}
+_WORDS = _UNITS | _SECTIONS | {f"END_{word}" for word in _UNITS} | {"END_VAR"}
+_SCL_WORDS = _WORDS | {"BEGIN", "STRUCT", "END_STRUCT", "TITLE"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ class Units:
 
 def split_units(text: str, dialect: Dialect = Dialect.IEC) -> Units:
     """The units of `text`, in their order."""
-    found = tokenize(text, dialect, _WORDS)
+    found = tokenize(text, dialect, _SCL_WORDS if dialect is Dialect.SCL else _WORDS)
     tokens = found.tokens
     units: list[Unit] = []
     problems: list[Problem] = []

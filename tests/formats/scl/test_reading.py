@@ -1,0 +1,189 @@
+"""SCL sources: what a reader takes from them, and that they come back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.errors import FormatError
+from tests.corpus import corpus_files, require_corpus
+
+FIXTURES = Path(__file__).resolve().parents[3] / "fixtures" / "scl"
+TIA = FIXTURES / "filling_line.scl"
+CLASSIC = FIXTURES / "conveyor_step7.scl"
+
+
+def corpus_sources() -> list[Path]:
+    """The sources of the corpus, without one that holds comments only."""
+    return [path for path in corpus_files("simaticml") if path.suffix == ".scl" and path.stem != "StateMachine"]
+
+
+def test_blocks_types_and_data_blocks_of_tia() -> None:
+    project = sfc.load(TIA)
+    assert project.diagnostics == ()
+    assert project.dialect is m.Dialect.SCL
+    kinds = {pou.name: pou.kind for pou in project.pous}
+    assert kinds == {
+        "FB_Fill": m.PouKind.FUNCTION_BLOCK,
+        "FC_Scale": m.PouKind.FUNCTION,
+        "Main": m.PouKind.ORGANIZATION_BLOCK,
+    }
+    block = project.pou("FB_Fill")
+    assert block.title == "Filling with two valves (it's slow)"
+    assert block.comment == 'Fills a tank: coarse first, then fine.\nNeeds "FB_Valve".'
+    assert block.interface is not None
+    assert [(s.kind, s.retain, s.constant) for s in block.interface.sections[3:]] == [
+        (m.SectionKind.LOCAL, True, False),
+        (m.SectionKind.LOCAL, False, False),
+        (m.SectionKind.TEMP, False, False),
+        (m.SectionKind.LOCAL, False, True),
+    ]
+    start = block.interface.sections[0].variables[0]
+    assert (start.name, start.comment) == ("start", "button")
+    assert start.attributes == {"S7_HMI_Visible": "true", "ExternalAccessible": "True"}
+    assert isinstance(block.body, m.StBody)
+    assert block.body.text.startswith("\tREGION Steps\n")
+    assert block.body.text.endswith("#busy := #step <> 0;")
+    scale = project.pou("FC_Scale").interface
+    assert scale is not None
+    assert scale.return_type == m.ElementaryType(name="REAL")
+    (udt,) = project.data_types
+    assert isinstance(udt.type, m.StructType)
+    assert [member.name for member in udt.type.members] == ["open", "feedback", "stroke"]
+
+
+def test_data_blocks() -> None:
+    recipe, table, instance = sfc.load(TIA).data_blocks
+    assert (recipe.kind, recipe.comment) == (m.DataBlockKind.GLOBAL, "Amounts of the recipe in use")
+    assert recipe.interface is not None
+    values = {v.name: v.initial for v in recipe.interface.variables()}
+    assert values == {
+        "amount": m.SimpleValue(text="2.5"),
+        "name": m.SimpleValue(text="'Grüße'"),
+        "valve": m.StructValue(members=[m.MemberValue(member="open", value="TRUE")]),
+        "counter": None,
+    }
+    assert table.interface is not None
+    assert isinstance(table.interface.variables()[0].initial, m.ArrayValue)
+    assert (instance.kind, instance.type_name) == (m.DataBlockKind.INSTANCE, "FB_Fill")
+
+
+def test_a_source_of_step_7_in_its_code_page() -> None:
+    project = sfc.load(CLASSIC)
+    assert [(d.code, d.location.line) for d in project.diagnostics] == [("SCL201", 1)]
+    block = project.pou("FB10")
+    assert block.comment == "Förderband für Gepäckstücke"
+    assert [block.name for block in project.data_blocks] == ["DB10", "DB11"]
+    assert project.data_blocks[0].type_name == "FB10"
+    assert isinstance(block.body, m.StBody)
+    assert "Größe" in block.body.text
+
+
+@pytest.mark.parametrize("path", [TIA, CLASSIC], ids=lambda path: path.stem)
+def test_fixtures_come_back_byte_for_byte_and_anew_as_an_equal_model(path: Path) -> None:
+    project = sfc.load(path)
+    assert project._origin is not None
+    assert project._origin.format == "scl"
+    assert sfc.dumps(project) == path.read_bytes()
+    anew = sfc.dumps(project, fresh=True)
+    assert b"plcopen_sfc" not in anew
+    assert sfc.loads(anew) == project
+    assert sfc.dumps(sfc.loads(anew), fresh=True) == anew
+
+
+@pytest.mark.corpus
+def test_the_sources_of_the_corpus_come_back() -> None:
+    require_corpus()
+    paths = corpus_sources()
+    assert len(paths) == 9
+    for path in paths:
+        project = sfc.load(path)
+        assert project.diagnostics == (), path
+        assert len(project.pous) == 1, path
+        assert sfc.check_syntax(project) == [], path
+        assert sfc.dumps(project) == path.read_bytes(), path
+        anew = sfc.dumps(project, fresh=True)
+        assert b"plcopen_sfc" not in anew, path
+        assert sfc.loads(anew) == project, path
+
+
+@pytest.mark.parametrize(
+    ("source", "known"),
+    [
+        ('FUNCTION "f" : Void\nBEGIN\nEND_FUNCTION', True),
+        ("\ufeff// comment\n(* more *)\nDATA_BLOCK DB1 STRUCT END_STRUCT; BEGIN END_DATA_BLOCK", True),
+        ("FUNCTION_BLOCK FB12\nBEGIN\nEND_FUNCTION_BLOCK", True),
+        ('TYPE "t" STRUCT a : Int; END_STRUCT; END_TYPE', True),
+        ("organization_block OB1 BEGIN END_ORGANIZATION_BLOCK", True),
+        ("FUNCTION_BLOCK f VAR x : INT; END_VAR END_FUNCTION_BLOCK", False),
+        ("// only a comment", False),
+    ],
+)
+def test_sources_are_recognised_by_their_content(source: str, known: bool) -> None:
+    data = source.encode()
+    if known:
+        project = sfc.loads(data)
+        assert project._origin is not None
+        assert project._origin.format == "scl"
+    else:
+        try:
+            project = sfc.loads(data)
+        except FormatError:
+            return
+        assert project._origin is not None
+        assert project._origin.format != "scl"
+
+
+def test_a_source_of_comments_only_is_kept() -> None:
+    data = b"// one\n(* two *)\n"
+    project = sfc.loads(data, format="scl")
+    assert project.comment == "one\ntwo"
+    assert sfc.dumps(project) == data
+    assert sfc.loads(sfc.dumps(project, fresh=True), format="scl") == project
+
+
+# -- what is wrong in a source ----------------------------------------------------------------------------------------
+
+
+BROKEN = b"""FUNCTION_BLOCK "a"
+   VAR
+      x : Int;
+      y ! Int;
+   END_VAR
+BEGIN
+   ;
+END_FUNCTION_BLOCK
+what is this?
+METHOD m
+END_METHOD
+TYPE "t" : Int; END_TYPE
+FUNCTION "b" : Void
+BEGIN
+"""
+
+
+def test_what_cannot_be_read_is_kept_and_reported() -> None:
+    project = sfc.loads(BROKEN)
+    assert [(d.code, d.location.line) for d in project.diagnostics] == [
+        ("SCL102", 4),
+        ("SCL101", 9),
+        ("SCL103", 10),
+        ("SCL101", 14),
+    ]
+    assert [pou.name for pou in project.pous] == ["a", "b"]
+    assert sfc.dumps(project) == BROKEN
+    anew = sfc.loads(sfc.dumps(project, fresh=True))
+    for text in ("y ! Int;", "what is this?", "METHOD m"):
+        assert text in sfc.dumps(project, fresh=True).decode("utf-8-sig")
+    assert [pou.name for pou in anew.pous] == ["a", "b"]
+
+
+@pytest.mark.parametrize("count", range(1, 60))
+def test_a_source_that_ends_early_is_read_as_far_as_it_goes(count: int) -> None:
+    data = TIA.read_bytes()
+    data = data[: len(data) * count // 60]
+    project = sfc.loads(data, format="scl")
+    assert sfc.dumps(project) == data
