@@ -41,6 +41,7 @@ DEFECTS = (
     "broken/transition_without_condition.xml",
     "broken/two_initial_steps.xml",
 )
+IECTEXT = ("iectext/mixing_plant.st", "iectext/distribution_belt.st")
 ENCODINGS = {
     "broken/umlauts_utf8.xml": "utf-8",
     "broken/umlauts_cp1252.xml": "cp1252",
@@ -109,10 +110,10 @@ def wires(element: etree._Element) -> list[etree._Element]:
 def test_every_fixture_is_listed_here_and_in_the_readme() -> None:
     written = {
         p.relative_to(FIXTURES).as_posix()
-        for folder in ("codesys", "twincat", "plcopen", "broken")
+        for folder in ("codesys", "twincat", "plcopen", "iectext", "broken")
         for p in (FIXTURES / folder).iterdir()
     }
-    assert written == {*VALID, *UNREADABLE}
+    assert written == {*VALID, *IECTEXT, *UNREADABLE}
     readme = (FIXTURES / "README.md").read_text(encoding="utf-8")
     assert [name for name in sorted(written) if f"`{name}`" not in readme] == []
 
@@ -387,6 +388,17 @@ def test_broken_charts_have_one_defect_each(name: str, defects: Counter[str]) ->
         initial=sum(e.get("initialStep") == "true" for e in elements) - 1,
     )
     assert +found == defects
+
+
+def test_texts_say_what_their_sources_say() -> None:
+    belt = sfc.load(FIXTURES / "iectext/distribution_belt.st")
+    assert belt == sfc.load(FIXTURES / "codesys/distribution_belt.xml")
+    for name in IECTEXT:
+        data = (FIXTURES / name).read_bytes()
+        assert data.endswith(b"\n")
+        assert b"\r" not in data
+        assert sfc.load(FIXTURES / name).diagnostics == ()
+    assert b"{" not in (FIXTURES / "iectext/mixing_plant.st").read_bytes()
 
 
 def test_unreadable_files_are_unreadable_for_their_reason() -> None:

@@ -240,7 +240,7 @@ class _Header:
 
 
 def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end: int) -> Fields | None:
-    """What ``:= expression;`` (`mark` ASSIGN) or ``: body`` says; {} where nothing stands there, None if it is neither."""
+    """What ``:= expression;`` (`mark` ASSIGN) or ``: body`` says; {} where nothing stands there, None if neither."""
     if mark == "COLON":
         return {"kind": "body", "body": body_fields(taken(text[begin:end]), tokens)}
     if not tokens or tokens[-1].type != "SEMICOLON":
@@ -320,7 +320,7 @@ def number(src: Source, chart: ChartText, fields: Fields) -> None:
     for said, transition in zip(chart.transitions, transitions, strict=True):
         for side, names in said.sides.items():
             if side not in transition:
-                _resolve(src, said, transition, side, names, by_name)
+                transition.update(_resolved(src, said, side, names, by_name))
 
 
 def ids_within(value: Any) -> Iterator[int]:
@@ -336,16 +336,17 @@ def ids_within(value: Any) -> Iterator[int]:
             yield from ids_within(item)
 
 
-def _resolve(src: Source, said: Said, transition: Fields, side: str, names: list[str], by_name: dict[str, int]) -> None:
+def _resolved(src: Source, said: Said, side: str, names: list[str], by_name: dict[str, int]) -> Fields:
+    """The ids of the steps in FROM or TO; names of no step are carried."""
     found = [by_name[name.casefold()] for name in names if name.casefold() in by_name]
-    if found:
-        transition[side] = found
+    fields: Fields = {side: found} if found else {}
     for name in names:
         if name.casefold() not in by_name:
             keyword = "FROM" if side == "sources" else "TO"
             src.note("SFC103", f"{keyword} names {name!r}, which is no step of this chart", said.start, said.path)
-            carried = transition.setdefault("carried", {})
-            carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
+            said.fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(keyword.lower(), name))
+            fields["carried"] = said.fields["carried"]
+    return fields
 
 
 def change(src: Source, fields: Fields, found: tuple[Change, int], path: str) -> None:

@@ -55,7 +55,7 @@ class _Writer:
     def configuration(self, configuration: Configuration, extra: list[Change]) -> str:
         resources = configuration.resources
         name = self._name(configuration.name)
-        top = self._top(configuration, name, "", [], extra)
+        top = self._top(configuration, name, "", place=[], extra=extra)
         text = f"{top}CONFIGURATION {name}\n"
         text += self._sections(configuration.global_variables, INDENT)
         unique = len({resource.name.casefold() for resource in resources}) == len(resources)
@@ -85,7 +85,7 @@ class _Writer:
     def _resource(self, resource: Resource, place: list[Segment] | None) -> str:
         name = self._name(resource.name)
         processor = next((kept[1] for kept in self._kept(resource) if kept[0] == ON_PLACE), "PLC")
-        text = self._top(resource, name, INDENT, place, [])
+        text = self._top(resource, name, INDENT, place=place)
         text += f"{INDENT}RESOURCE {name} ON {processor}\n"
         inner = INDENT * 2
         text += self._sections(resource.global_variables, inner)
@@ -110,8 +110,9 @@ class _Writer:
         thing: Configuration | Resource | Task | PouInstance,
         name: str,
         indent: str,
-        place: list[Segment] | None,
-        extra: list[Change],
+        *,
+        place: list[Segment] | None = None,
+        extra: list[Change] | None = None,
         said: Fields | None = None,
     ) -> str:
         """The lines above a thing: its comment and what its text does not say. Big data waits for the end."""
@@ -123,7 +124,7 @@ class _Writer:
             for found, data in zip(self._kept(thing), meant.get("carried", {}).get("data", []), strict=False):
                 if found[0] == ON_PLACE:
                     said.setdefault("carried", {}).setdefault("data", []).append(data)
-        near, late = split([*extra, *changes(said, meant)])
+        near, late = split([*(extra or []), *changes(said, meant)])
         for change in (*near, *late):
             self.printer.note(Fate.CARRIED, label(change), thing.name, "IEC text cannot say it")
         if place is None:
@@ -143,7 +144,7 @@ class _Writer:
         if task.priority >= 0:
             arguments.append(f"PRIORITY := {task.priority}")
             said |= {"priority": task.priority} if task.priority else {}
-        text = self._top(task, name, indent, None, [], said) + f"{indent}TASK {name}({', '.join(arguments)});\n"
+        text = self._top(task, name, indent, said=said) + f"{indent}TASK {name}({', '.join(arguments)});\n"
         return text + "".join(self._instance(instance, name, indent) for instance in task.instances)
 
     def _is_argument(self, text: str) -> bool:
@@ -155,7 +156,7 @@ class _Writer:
         name = self._name(instance.name)
         type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
         said: Fields = {} if type_name == name else {"type_name": type_name}
-        text = self._top(instance, name, indent, None, [], said)
+        text = self._top(instance, name, indent, said=said)
         return f"{text}{indent}PROGRAM {name}{f' WITH {task}' if task is not None else ''} : {type_name};\n"
 
 

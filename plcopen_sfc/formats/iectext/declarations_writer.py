@@ -19,21 +19,21 @@ _WITHOUT_INTERFACE = frozenset({"ACTION", "TRANSITION"})
 
 
 def write_interface(
-    printer: Printer, keyword: str, name: str, interface: Interface | None, indent: str, *, meant: Fields, said: Fields
+    printer: Printer, keyword: str, name: str, interface: Interface | None, *, indent: str, meant: Fields, said: Fields
 ) -> tuple[str, list[str]]:
     """The header of a unit and its sections; what is meant goes into `meant`, what they say into `said`."""
     if keyword in _WITHOUT_INTERFACE:
         return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}", []
     said["interface"] = {}
     if interface is None:
-        return _header(printer, keyword, name, None, indent, meant, said), []
+        return _header(printer, keyword, name, None, indent=indent, meant=meant, said=said), []
     meant["interface"] = plain_fields(interface)
     typed = _as_typed(printer, keyword, name, interface.declaration)
     if typed is not None:
         text, said["interface"] = typed
         _keep_as_typed(meant["interface"], interface.declaration or "", text)
         return text, []
-    header = _header(printer, keyword, name, interface, indent, meant, said)
+    header = _header(printer, keyword, name, interface, indent=indent, meant=meant, said=said)
     sections = [write_said_section(printer, section, indent + INDENT) for section in interface.sections]
     if sections:
         said["interface"]["sections"] = [fields for _, fields in sections]
@@ -41,13 +41,7 @@ def write_interface(
 
 
 def _header(
-    printer: Printer,
-    keyword: str,
-    name: str,
-    interface: Interface | None,
-    indent: str,
-    meant: Fields,
-    said: Fields,
+    printer: Printer, keyword: str, name: str, interface: Interface | None, *, indent: str, meant: Fields, said: Fields
 ) -> str:
     kept = [(unwrapped(data.get("content", "")), data) for data in meant.get("carried", {}).get("data", [])]
     words = [keyword, name]
@@ -71,15 +65,13 @@ def _header(
 
 
 def _read_back(printer: Printer, text: str, keyword: str) -> tuple[Part | None, Source]:
-    found = outline(text if keyword != "METHOD" else text, printer.dialect)
-    src = Source(found)
+    """The unit or method that `text` is, if it is just that."""
+    whole = text if keyword != "METHOD" else f"FUNCTION_BLOCK x\n{text}\nEND_FUNCTION_BLOCK"
+    src = Source(outline(whole, printer.dialect))
+    parts = src.outline.parts
     if keyword == "METHOD":
-        found = outline(f"FUNCTION_BLOCK x\n{text}\nEND_FUNCTION_BLOCK", printer.dialect)
-        src = Source(found)
-        parts = found.parts[0].parts if len(found.parts) == 1 else []
-    else:
-        parts = found.parts
-    if found.problems or len(parts) != 1 or parts[0].keyword != keyword or not parts[0].closed:
+        parts = parts[0].parts if len(parts) == 1 else []
+    if src.outline.problems or len(parts) != 1 or parts[0].keyword != keyword or not parts[0].closed:
         return None, src
     return parts[0], src
 

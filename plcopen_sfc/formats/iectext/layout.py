@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from typing import NamedTuple
 
@@ -60,7 +59,11 @@ def _dedented(text: str) -> str:
 
 
 def _margin(lines: list[str]) -> str:
-    return os.path.commonprefix([line[: len(line) - len(line.lstrip(" \t"))] for line in lines if line.strip()])
+    margins = [line[: len(line) - len(line.lstrip(" \t"))] for line in lines if line.strip()]
+    margin = min(margins, key=len, default="")
+    while not all(one.startswith(margin) for one in margins):
+        margin = margin[:-1]
+    return margin
 
 
 def indented(text: str, indent: str) -> str:

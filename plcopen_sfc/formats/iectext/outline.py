@@ -66,8 +66,8 @@ class Part:
     """A part of the text.
 
     `start` and `end` are offsets from its keyword to behind its END keyword, `inside` those of what stands between,
-    `tokens` the range of tokens between, `head` the range of tokens from the keyword to the end of the header. `name` is
-    empty where there is none, as `return_type` (its offsets) is None.
+    `tokens` the range of tokens between, `head` the range of tokens from the keyword to the end of the header. `name`
+    is empty where there is none, as `return_type` (its offsets) is None.
     """
 
     kind: Kind

@@ -23,7 +23,7 @@ def file_slices(project: Project, src: Source, before: Piece) -> Slice:
     found = list(_units(src))
     pous = iter(project.pous)
     inside = {id(part): next(pous) for _, _, part in found if part is not None}
-    return _matched(src, ("project", ""), (0, len(src.text)), found, before, inside)
+    return _matched(src, ("project", ""), (0, len(src.text)), found, before, inside=inside)
 
 
 def _units(src: Source) -> Iterator[Found]:
@@ -148,6 +148,7 @@ def _matched(
     span: tuple[int, int],
     found: list[Found],
     before: Piece,
+    *,
     inside: dict[int, Pou],
 ) -> Slice:
     """A slice for each piece of `before`: where it was found, or an empty one behind that of the piece before it."""
@@ -175,7 +176,7 @@ def _container(
     found = list(_parts(src, part, place[0], thing))
     actions = iter(getattr(thing, "actions", ()))
     methods = iter(getattr(thing, "methods", ()))
-    slices = _matched(src, piece.key, place, found, piece, {})
+    slices = _matched(src, piece.key, place, found, piece, inside={})
     inner: list[Slice] = []
     parts = {keys[0]: one for keys, _, one in found if keys and one is not None}
     by_key = {p.key: p for p in piece.pieces}

@@ -65,8 +65,8 @@ class Remark:
 class Source:
     """A text that is being read.
 
-    `ignored` are the offsets of pragmas that do not fit and are left out, `named` the transition objects of the POU that
-    is being read, in lower case, `checked` the places whose text was parsed.
+    `ignored` are the offsets of pragmas that do not fit and are left out, `named` the transition objects of the POU
+    that is being read, in lower case, `checked` the places whose text was parsed.
     """
 
     outline: Outline

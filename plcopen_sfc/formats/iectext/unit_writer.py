@@ -42,7 +42,7 @@ def write_pou(printer: Printer, pou: Pou) -> Piece:
     printer.used = {name.casefold() for name in _names(pou)}
     path = f"POU {pou.name}"
     printer.note(Fate.KEPT, "POU", path)
-    return _Unit(printer, pou, _KEYWORDS[pou.kind], path, "", pou.transitions).piece()
+    return _Unit(printer, pou, _KEYWORDS[pou.kind], path, indent="", objects=pou.transitions).piece()
 
 
 def _names(pou: Pou) -> list[str]:
@@ -68,6 +68,7 @@ class _Unit:
         thing: Pou | Action | Method | NamedTransition,
         keyword: str,
         path: str,
+        *,
         indent: str,
         objects: list[NamedTransition],
     ) -> None:
@@ -94,7 +95,7 @@ class _Unit:
         bodies = thing.bodies if isinstance(thing, Pou) else [thing.body] if thing.body is not None else []
         interface = getattr(thing, "interface", None)
         head, sections = write_interface(
-            self.printer, self.keyword, name, interface, self.indent, meant=meant, said=said
+            self.printer, self.keyword, name, interface, indent=self.indent, meant=meant, said=said
         )
         self.alone = "\n" not in head and not sections
         body = self._body(bodies[0] if bodies else None, meant, said)
@@ -137,7 +138,7 @@ class _Unit:
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> Piece:
         path = f"{self.path} / {keyword.lower()} {thing.name}"
         self.printer.note(Fate.KEPT, keyword.lower(), path)
-        return _Unit(self.printer, thing, keyword, path, self.inner, self.objects).piece()
+        return _Unit(self.printer, thing, keyword, path, indent=self.inner, objects=self.objects).piece()
 
     def _lift(self, thing: BaseModel) -> Fields | None:
         if not is_text_body(thing):
@@ -213,7 +214,9 @@ def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None
     """An action that stands for a body which belongs to a step, a transition or the chart."""
     action = Action(name=name, body=body)
     path = f"{unit.path} / {name}"
-    inner = _Unit(unit.printer, action, "ACTION", path, unit.inner if indent is None else indent, unit.objects)
+    inner = _Unit(
+        unit.printer, action, "ACTION", path, indent=unit.inner if indent is None else indent, objects=unit.objects
+    )
     return inner.piece([Change(("in_place",), True)])
 
 

@@ -145,8 +145,8 @@ def _appended(item: Any, path: tuple[Segment, ...], index: int) -> Iterator[Chan
         yield Change((*path, Append()), item)
         return
     yield Change((*path, Append()), {key: value for key, value in item.items() if key not in lists})
-    for key in lists:
-        yield from additions(lists[key], (*path, index, key))
+    for key, value in lists.items():
+        yield from additions(value, (*path, index, key))
 
 
 _WIDE = 300

@@ -223,5 +223,6 @@ END_CONFIGURATION
 
 @pytest.mark.parametrize("newline", ["\r\n", "\r"])
 def test_line_ends_do_not_matter(newline: str) -> None:
-    text = "PROGRAM Main\nINITIAL_STEP A:\n  Act(N);\nEND_STEP\nACTION Act:\n  a := 1;\n  b := 2;\nEND_ACTION\nEND_PROGRAM\n"
+    text = "PROGRAM Main\nINITIAL_STEP A:\n  Act(N);\nEND_STEP\nACTION Act:\n  a := 1;\n  b := 2;\nEND_ACTION\n"
+    text += "END_PROGRAM\n"
     assert load(text.replace("\n", newline)) == load(text)

@@ -17,7 +17,7 @@ def written(project: m.Project) -> str:
 
 def project_of(chart: m.SfcNetwork, **more: object) -> m.Project:
     body = m.SfcBody(chart=chart)
-    pou = m.Pou(name="Main", kind=m.PouKind.PROGRAM, interface=m.Interface(), bodies=[body], **more)  # type: ignore[arg-type]
+    pou = m.Pou(name="Main", kind=m.PouKind.PROGRAM, interface=m.Interface(), bodies=[body], **more)
     return m.Project(pous=[pou])
 
 
