@@ -159,8 +159,10 @@ def _block(found: list[n.Statement]) -> tuple[n.Statement, ...]:
     )
 
 
-_titles = st.text(st.characters(exclude_categories=("Cs", "Cc", "Zl", "Zp")), max_size=8).map(
-    lambda title: title.strip().lstrip(":").strip()  # with a colon behind it, REGION is a name
+_titles = (
+    st.text(st.characters(exclude_categories=("Cs", "Cc", "Zl", "Zp")), max_size=8)
+    .map(str.strip)
+    .filter(lambda title: not title.startswith(":"))  # with a colon behind it, REGION is a name
 )
 
 
