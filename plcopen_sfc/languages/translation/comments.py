@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from typing import Any
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
-from plcopen_sfc.languages.st.nodes import Node
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.translation.families import TITLES
 from plcopen_sfc.languages.translation.notes import Outcome
@@ -73,16 +75,26 @@ def with_translated_comments(text: str, source: Dialect, target: Dialect, *, reg
     return apply_edits(text, edits)
 
 
-def region_edits(text: str, tree: Node) -> list[Edit]:
+def holds_regions(comments: Iterable[Comment]) -> bool:
+    """Whether there are pragmas of regions among comments."""
+    return any(_REGION.fullmatch(comment.text) or _END_REGION.fullmatch(comment.text) for comment in comments)
+
+
+def region_edits(parsed: Parsed[Any]) -> list[Edit]:
     """The edits that make pragmas of the regions of SCL: other dialects have nothing else for them."""
+    text = parsed.text
+    ends = [end.span() for end in _END_OF_REGION.finditer(text)]
+    ends = [end for end in ends if not any(a <= end[0] < b for a, b in (c.span for c in parsed.comments))]
     edits = []
-    for node in walk(tree):
+    for node in walk(parsed.tree):
         if isinstance(node, n.Region) and node.span is not None:
             start, end = node.span
-            title_end = min((text.find(mark, start, end) for mark in "\r\n" if mark in text[start:end]), default=end)
-            last = max(found.start() for found in _END_OF_REGION.finditer(text, start, end))
-            edits.append(Edit(start, title_end, f"{{region '{_escaped(node.title)}'}}"))
-            edits.append(Edit(last, end, "{endregion}" + text[last + len("END_REGION") : end].replace(";", "")))
+            first = min((text.find(mark, start, end) for mark in "\r\n" if mark in text[start:end]), default=end)
+            last = max(each for each in ends if start < each[0] < end)
+            edits.append(Edit(start, first, f"{{region '{_escaped(node.title)}'}}"))
+            edits.append(Edit(*last, "{endregion}"))
+            if text[last[1] : end].endswith(";"):
+                edits.append(Edit(end - 1, end, ""))
     return edits
 
 

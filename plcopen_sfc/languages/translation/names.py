@@ -48,8 +48,7 @@ class NameTranslator:
         self._hiding = {self._local_name(name).casefold() for name in self._local_names.values()}
 
     def _local_name(self, name: str) -> str:
-        taken = self._local_names.keys() - {name.casefold()}
-        return self._context.renames.legal_name(NameScope.LOCAL, name, taken, self._target)
+        return self._context.renames.legal_name(NameScope.LOCAL, name, self._local_names, self._target)
 
     def is_local(self, name: n.Name) -> bool | None:
         """Whether the POU declares `name`; None: that is not known."""
@@ -99,8 +98,7 @@ class NameTranslator:
             return self._changed(name, old, quoting)
         if self._source is not Dialect.SCL or name.identifier.upper() in _OF_THE_LANGUAGE:
             return name
-        taken = self._members - {name.identifier.casefold()}
-        new = self._context.renames.legal_name(NameScope.MEMBER, name.identifier, taken, self._target)
+        new = self._context.renames.legal_name(NameScope.MEMBER, name.identifier, self._members, self._target)
         return self._legal(name, new)
 
     def block(self, name: n.Name) -> n.Name:

@@ -78,12 +78,13 @@ class Renames:
     ) -> str:
         """What `name` is called in `target`: itself, if it is legal there and not `taken`.
 
-        `taken`: names that mean something else there, casefolded.
+        `taken`: the names that others have there, casefolded; for LOCAL and MEMBER all, the name itself among them.
         """
         known = self.new_name(scope, name)
         if known is not None and known.casefold() not in taken:
             return known
-        if known is None and _is_legal(name, target) and name.casefold() not in taken:
+        hidden = scope is NameScope.GLOBAL and name.casefold() in taken
+        if known is None and not hidden and _is_legal(name, target):
             return name
         stem = identifier(name)
         new, number = stem, 1

@@ -15,7 +15,12 @@ from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expr
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.rendering import render, tree_edits
 from plcopen_sfc.languages.st.walking import transform
-from plcopen_sfc.languages.translation.comments import region_edits, translated_comment, with_translated_comments
+from plcopen_sfc.languages.translation.comments import (
+    holds_regions,
+    region_edits,
+    translated_comment,
+    with_translated_comments,
+)
 from plcopen_sfc.languages.translation.context import TranslationContext
 from plcopen_sfc.languages.translation.families import TITLES, family
 from plcopen_sfc.languages.translation.notes import Note, Notes
@@ -84,7 +89,7 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
     tree = TreeTranslator(parsed.tree, source, into, context, notes).translated()
     edits = tree_edits(parsed, tree)
     if source is Dialect.SCL and into is not Dialect.SCL:
-        edits += region_edits(parsed.text, parsed.tree)
+        edits += region_edits(parsed)
     text = apply_edits(parsed.text, edits)
     regions = _regions_fit(parsed, text, source, into)
     for comment in parsed.comments:
@@ -108,7 +113,7 @@ def _parse(like: Parsed[Any], text: str, dialect: Dialect) -> Parsed[Any]:
 
 def _regions_fit(parsed: Parsed[Any], text: str, source: Dialect, target: Dialect) -> bool:
     """Whether the pragmas of regions make whole regions, which SCL demands and others do not."""
-    if target is not Dialect.SCL or not isinstance(parsed.tree, Statements):
+    if target is not Dialect.SCL or not isinstance(parsed.tree, Statements) or not holds_regions(parsed.comments):
         return False
     plain = with_translated_comments(text, source, target, regions=False)
     marked = with_translated_comments(text, source, target, regions=True)

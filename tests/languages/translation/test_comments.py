@@ -96,3 +96,11 @@ def test_comments_inside_of_what_changes_are_translated() -> None:
 
 def test_regions_behind_letters_that_grow_in_capitals() -> None:
     assert translated("REGION ßß\n; End_Region", SCL, IEC).text == "{region 'ßß'}\n; {endregion}"
+
+
+def test_the_end_of_a_region_may_be_named_in_a_comment() -> None:
+    text = "REGION a (* END_REGION *)\n; (* END_REGION *) END_REGION (* END_REGION; *) ; (* END_REGION *)"
+    found = translated(text, SCL, IEC).text
+    assert found == (
+        "{region 'a (* END_REGION *)'}\n; (* END_REGION *) {endregion} (* END_REGION; *)  (* END_REGION *)"
+    )

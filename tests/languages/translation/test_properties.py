@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import permutations
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -16,7 +17,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node, transform, walk, without_parentheses
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Quoting
-from plcopen_sfc.languages.translation import TranslationContext, translate, translate_text, translate_tree
+from plcopen_sfc.languages.translation import TextKind, TranslationContext, translate, translate_text, translate_tree
 from tests.languages.st_strategies import laid_out, programs
 
 IEC, CODESYS, TWINCAT, SCL = Dialect.IEC, Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL
@@ -217,3 +218,26 @@ def _without_empty_arguments(node: Node) -> Node:
 def _inside(comment: str) -> str:
     """What a comment says, without what starts and ends it."""
     return re.sub(r"^(\(\*pragma |\(/?\*|/\*|//)|(\*/?\)|\*/)$", "", comment)
+
+
+_fragments = st.sampled_from(
+    [
+        *"""( ) [ ] ; : := => .. . , # " ' (* *) // /* */ { } ^ + - * / ** = <> & :P S= R= REF= += %IX0.0 %MW T# T#5s
+        S5T# 16#FF P#M1.0 IF THEN ELSE END_IF CASE OF END_CASE REGION END_REGION {region} {endregion} GOTO JMP a "b" #c
+        x.3 TON EXPT SQR LIMIT CONCAT ROUND TRUNC_INT AND_THEN NOT MOD TRUE Color#red ß""".split(),
+        "\n",
+    ]
+)
+
+
+@SLOW_TO_DRAW
+@given(
+    st.lists(_fragments | st.text(max_size=3), max_size=12).map(" ".join),
+    st.sampled_from(["statements", "expression", "condition"]),
+    st.sampled_from(Dialect),
+    st.sampled_from(Dialect),
+)
+def test_no_text_is_an_error(text: str, kind: TextKind, source: Dialect, target: Dialect) -> None:
+    found = translate_text(text, kind, source, target, TranslationContext(locals=["a"], enumerations=["Color"]))
+    if found.parsed.problems and not any(note.severity is Severity.ERROR for note in found.notes):
+        pytest.fail(found.text)
