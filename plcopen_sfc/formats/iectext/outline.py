@@ -105,6 +105,12 @@ class Outline:
         last = bisect_left(comments, end, key=lambda c: c.span[0])
         return [c for c in comments[first:last] if c.span[1] <= end]
 
+    def tokens_within(self, start: int, end: int) -> list[Token]:
+        """The tokens that start between two offsets."""
+        tokens = self.found.tokens
+        first = bisect_left(tokens, start, key=lambda t: t.span[0])
+        return tokens[first : bisect_left(tokens, end, key=lambda t: t.span[0])]
+
     def tokens(self, span: tuple[int, int]) -> list[Token]:
         """The tokens of a range."""
         return self.found.tokens[span[0] : span[1]]

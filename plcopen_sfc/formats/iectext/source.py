@@ -76,6 +76,7 @@ class Source:
     named: frozenset[str] = frozenset()
     checked: list[tuple[int, int]] = field(default_factory=list)
     _lines: Lines | None = None
+    _noted: set[Diagnostic] = field(default_factory=set)
 
     @property
     def text(self) -> str:
@@ -92,7 +93,8 @@ class Source:
     def note(self, code: str, message: str, offset: int, path: str = "", severity: Severity = Severity.ERROR) -> None:
         """Add a finding; the same one only once."""
         finding = Diagnostic(code, severity, message, self.location(offset, path))
-        if finding not in self.diagnostics:
+        if finding not in self._noted:
+            self._noted.add(finding)
             self.diagnostics.append(finding)
 
     def check(self, problems: Iterable[Problem], start: int, end: int, text: str, *, code: str, path: str) -> None:

@@ -220,8 +220,7 @@ def _body_region(
         src.note("IEC104", "these statements belong to no step, action or transition", start, container.path)
         container.rest.append(text)
     else:
-        tokens = [t for t in src.outline.found.tokens if start <= t.span[0] < above]
-        container.body = body_fields(text, tokens)
+        container.body = body_fields(text, src.outline.tokens_within(start, above))
         src.check_code(container.body, start, above, container.path)
     return above
 

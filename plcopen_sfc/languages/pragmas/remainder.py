@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal, TypeAlias, get_origin
 
 from pydantic import BaseModel
@@ -72,15 +73,25 @@ def plain_fields(thing: BaseModel, substitute: Substitute | None = None, leave: 
     `substitute` may give other data for an object inside it; None: none.
     """
     fields: Fields = {}
-    for name, info in type(thing).model_fields.items():
-        if name in leave:
-            continue
-        value = getattr(thing, name)
-        default = info.get_default(call_default_factory=True)
-        tag = name in _TAGS and get_origin(info.annotation) is Literal
-        if info.is_required() or tag or value != default:
-            fields[name] = plain_value(value, substitute)
+    for name, always, default in _defaults(type(thing)):
+        if name not in leave:
+            value = getattr(thing, name)
+            if always or value != default:
+                fields[name] = plain_value(value, substitute)
     return fields
+
+
+@cache
+def _defaults(kind: type[BaseModel]) -> list[tuple[str, bool, Any]]:
+    """Of each field its name, whether it is always to be said, and its default."""
+    return [
+        (
+            name,
+            info.is_required() or (name in _TAGS and get_origin(info.annotation) is Literal),
+            info.get_default(call_default_factory=True),
+        )
+        for name, info in kind.model_fields.items()
+    ]
 
 
 def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
