@@ -41,6 +41,7 @@ DEFECTS = (
     "broken/transition_without_condition.xml",
     "broken/two_initial_steps.xml",
 )
+SCL = ("scl/filling_line.scl", "scl/conveyor_step7.scl")
 IECTEXT = ("iectext/mixing_plant.st", "iectext/distribution_belt.st")
 ENCODINGS = {
     "broken/umlauts_utf8.xml": "utf-8",
@@ -110,10 +111,10 @@ def wires(element: etree._Element) -> list[etree._Element]:
 def test_every_fixture_is_listed_here_and_in_the_readme() -> None:
     written = {
         p.relative_to(FIXTURES).as_posix()
-        for folder in ("codesys", "twincat", "plcopen", "iectext", "broken")
+        for folder in ("codesys", "twincat", "plcopen", "iectext", "scl", "broken")
         for p in (FIXTURES / folder).iterdir()
     }
-    assert written == {*VALID, *IECTEXT, *UNREADABLE}
+    assert written == {*VALID, *IECTEXT, *SCL, *UNREADABLE}
     readme = (FIXTURES / "README.md").read_text(encoding="utf-8")
     assert [name for name in sorted(written) if f"`{name}`" not in readme] == []
 
@@ -388,6 +389,15 @@ def test_broken_charts_have_one_defect_each(name: str, defects: Counter[str]) ->
         initial=sum(e.get("initialStep") == "true" for e in elements) - 1,
     )
     assert +found == defects
+
+
+def test_scl_sources_are_written_as_their_tools_write_them() -> None:
+    tia, classic = ((FIXTURES / name).read_bytes() for name in SCL)
+    assert tia.startswith(b"\xef\xbb\xbf//")
+    assert tia.decode("utf-8-sig").count("Grüße") == 1
+    assert classic.startswith("// Förderband".encode("cp1252"))
+    for data in (tia, classic):
+        assert data.count(b"\n") == data.count(b"\r\n") == data.count(b"\r")
 
 
 def test_texts_say_what_their_sources_say() -> None:
