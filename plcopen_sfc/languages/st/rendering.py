@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
+from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.st.lexer import CommentKind
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind
 from plcopen_sfc.languages.st.nodes import Node, Operation, Span, Statements, Unary
 from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.printing import Printer, needs_parentheses, operands
@@ -36,6 +39,8 @@ class _Comparison:
     def __init__(self, parsed: Parsed[Any]) -> None:
         self._text = parsed.text
         self._comments = parsed.comments
+        self._comment_starts = [comment.span[0] for comment in parsed.comments]
+        self._lines = Lines(parsed.text)
         self._old = {id(node): node for node in walk(parsed.tree)}
         self._by_place = {(type(node), node.span): node for node in self._old.values()}
         self._used: list[Span] = []
@@ -109,15 +114,22 @@ class _Comparison:
     def _lost_comments(self, start: int, end: int, indent: str) -> str:
         """The comments from `start` to `end` that no part used again contains: they move before what is new there."""
         text = ""
-        for comment in self._comments:
+        for comment in self._comments_from(start):
             first, last = comment.span
-            if start <= first and last <= end and not any(a <= first and last <= b for a, b in self._used):
+            if first >= end:
+                break
+            if last <= end and not any(a <= first and last <= b for a, b in self._used):
                 text += comment.text + (f"{self._newline}{indent}" if comment.kind is CommentKind.LINE else " ")
         return text
 
+    def _comments_from(self, offset: int) -> Iterator[Comment]:
+        """The comments that start at `offset` or behind it."""
+        return map(self._comments.__getitem__, range(bisect_left(self._comment_starts, offset), len(self._comments)))
+
     def _indent_at(self, offset: int) -> str:
         """The spaces at the start of the line that `offset` is in."""
-        line = max(self._text.rfind("\n", 0, offset), self._text.rfind("\r", 0, offset)) + 1
+        _, column = self._lines.place(offset)
+        line = offset - column + 1
         found = re.compile(r"[ \t]*").match(self._text, line)
         return found.group() if found is not None else ""
 
@@ -166,7 +178,7 @@ class _Comparison:
 
     def _end_with_comment(self, end: int) -> int:
         """`end`, or the end of the comment that follows it in its line."""
-        for comment in self._comments[bisect_left(self._comments, end, key=lambda found: found.span[0]) :][:1]:
+        for comment in islice(self._comments_from(end), 1):
             same_line = not self._text[end : comment.span[0]].strip(" \t") and not re.search(r"[\r\n]", comment.text)
             if same_line and comment.kind is not CommentKind.PRAGMA:
                 return comment.span[1]

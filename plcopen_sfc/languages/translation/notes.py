@@ -40,16 +40,14 @@ class Notes:
     def __init__(self, text: str) -> None:
         self._end = len(text)
         self._lines = Lines(text)
-        self._found: list[Note] = []
+        self._found: dict[Note, None] = {}
 
     def add(self, severity: Severity, reason: str, place: Node | Span) -> None:
         """Note something about a node of the source text, or about a place in it."""
         span = place.span if isinstance(place, Node) else place
         start, end = span or (0, self._end)
         line, column = self._lines.place(start)
-        note = Note(severity, reason, (start, end), line, column)
-        if note not in self._found:
-            self._found.append(note)
+        self._found[Note(severity, reason, (start, end), line, column)] = None
 
     def take(self, outcome: Outcome, place: Node | Span) -> str:
         """The text of an outcome, after noting what it has to say."""
