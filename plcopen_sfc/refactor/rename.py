@@ -11,12 +11,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.names.declarations import Declaration, Kind
-from plcopen_sfc.languages.names.markup import edit_markup
-from plcopen_sfc.languages.names.pieces import Piece
+from plcopen_sfc.languages.names.markup import edit_markup, edit_tokens, is_tokens
+from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
+from plcopen_sfc.languages.names.references import Reference
 from plcopen_sfc.languages.names.uses import Names, Occurrence, Use, the_one
-from plcopen_sfc.languages.names.words import objection
+from plcopen_sfc.languages.names.words import needs_quotes, objection
+from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -100,9 +103,10 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
     )
     result = RenameResult(path, old, new, tuple(occurrence.use for occurrence in uses), undecided)
     holders = (*declaration.holders, *names.resolver.repeated(declaration))
-    edits = _edits(uses, new)
     changes = [_Change(holder, "name", holder.name, new) for holder in holders]
-    changes += [change for piece, edit in edits for change in _text_changes(piece, edit)]
+    for own in _by_piece(o for o in found if o.reference.name.casefold() == old.casefold()):
+        if any(occurrence.refers_to(declaration) for occurrence in own):
+            changes += _text_changes(own, declaration, new, names.dialect)
     for change in changes:
         change.make()
     after = list(names.after_edits().occurrences(old, new))
@@ -149,18 +153,32 @@ class _Change:
             setattr(self.holder, self.key, text)
 
 
-def _edits(uses: list[Occurrence], new: str) -> list[tuple[Piece, list[Edit]]]:
-    """What to put where, by text."""
-    edits: dict[tuple[int, str | int], tuple[Piece, list[Edit]]] = {}
-    for occurrence in uses:
-        piece = occurrence.piece
-        _, own = edits.setdefault((id(piece.holder), piece.key), (piece, []))
-        own.append(Edit(*occurrence.reference.span, new))
-    return list(edits.values())
+def _by_piece(found: Iterable[Occurrence]) -> list[list[Occurrence]]:
+    """The occurrences of each text, in the order of the text."""
+    pieces: dict[tuple[int, str | int], list[Occurrence]] = {}
+    for occurrence in found:
+        pieces.setdefault((id(occurrence.piece.holder), occurrence.piece.key), []).append(occurrence)
+    return [sorted(own, key=lambda occurrence: occurrence.reference.span) for own in pieces.values()]
 
 
-def _text_changes(piece: Piece, edits: list[Edit]) -> Iterator[_Change]:
+def _text_changes(found: list[Occurrence], declaration: Declaration, new: str, dialect: Dialect) -> Iterator[_Change]:
+    """The changes of a text in which `found` are all places that have the old name."""
+    piece = found[0].piece
+    edits = [
+        Edit(*o.reference.span, _spelt(new, o.reference, piece, dialect)) for o in found if o.refers_to(declaration)
+    ]
     yield _Change(piece.holder, piece.key, piece.text, apply_edits(piece.text, edits))
     markup: str | None = getattr(piece.holder, "markup", None)
-    if markup is not None:
+    if markup is not None and is_tokens(markup):
+        names = [new if occurrence.refers_to(declaration) else None for occurrence in found]
+        yield _Change(piece.holder, "markup", markup, edit_tokens(markup, declaration.name, names))
+    elif markup is not None:
         yield _Change(piece.holder, "markup", markup, edit_markup(markup, piece.text, edits))
+
+
+def _spelt(new: str, reference: Reference, piece: Piece, dialect: Dialect) -> str:
+    """The new name as it is written in a place: in SCL some need quotes, where it stands in program text."""
+    alone = piece.reading is Reading.NAME or reference.role is Role.TYPE
+    if dialect is not Dialect.SCL or alone or reference.quoting in (Quoting.GLOBAL, Quoting.LOCAL_QUOTED):
+        return new
+    return f'"{new}"' if needs_quotes(new) else new

@@ -147,6 +147,42 @@ def test_values_in_values() -> None:
     assert (initial.members[0].member, inner.members[0].member) == ("b", "c")
 
 
+@pytest.mark.parametrize(("new", "written"), [("Neu", "Neu"), ("neu 2", '"neu 2"'), ("IF", '"IF"'), ("7", '"7"')])
+def test_names_of_scl_stand_in_quotes_where_they_must(new: str, written: str) -> None:
+    text = '#x := #"x"; "DB".x := #p.y.x;'
+    made = project(block("Motor", text, "x: INT; p: Outer"), struct("Outer", "y: Inner"), struct("Inner", "x: INT"))
+    made.dialect = m.Dialect.SCL
+    made.rename("Motor.x", new)
+    assert text_of(made, "Motor") == f'#{written} := #"{new}"; "DB".x := #p.y.x;'
+    made.rename("Inner.x", new)
+    made.rename("Inner", "Type 2")
+    assert text_of(made, "Motor") == f'#{written} := #"{new}"; "DB".x := #p.y.{written};'
+    outer = made.data_types[0].type
+    assert isinstance(outer, m.StructType)
+    assert outer.members[0].type == m.DerivedType(name="Type 2")
+    assert "cannot be a name" in refused(made, "Motor.p", 'a"b')
+
+
+def test_tokens_of_tia_follow_the_text() -> None:
+    made = project(block("Motor", "#x := #p.x; // x", "x: INT; p: Point"), struct("Point", "x: INT"))
+    made.dialect = m.Dialect.SCL
+    body = made.pous[0].bodies[0]
+    assert isinstance(body, m.StBody)
+    tokens = (
+        '<StructuredText><Access Scope="LocalVariable"><Symbol><Component Name="x" UId="3"/></Symbol></Access>'
+        '<Token Text=":="/><Access><Symbol><Component Name="p"/><Token Text="."/><Component Name="x"/></Symbol>'
+        "</Access><LineComment><Text> x</Text></LineComment></StructuredText>"
+    )
+    body.markup = tokens
+    made.rename("Point.x", "y")
+    assert body.markup == tokens.replace('<Token Text="."/><Component Name="x"', '<Token Text="."/><Component Name="y"')
+    made.rename("Motor.x", "Ende & Aus")
+    assert body.markup.count('Name="Ende &amp; Aus" UId="3"') == 1
+    body.markup = "<StructuredText/>"
+    made.rename("Motor.p", "q")
+    assert body.markup is None
+
+
 def test_markup_follows_the_text() -> None:
     made = project(pou("Main", "x := 1;", "x: INT"))
     body = made.pous[0].bodies[0]

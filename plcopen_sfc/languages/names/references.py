@@ -92,7 +92,7 @@ def in_tree(node: n.Node, dialect: Dialect) -> Iterator[Reference]:
     if isinstance(node, n.Name):
         yield named(node)
     elif isinstance(node, n.Member):
-        if node.name.identifier[:1] not in "%0123456789":
+        if node.name.quoting is not Quoting.NONE or node.name.identifier[:1] not in "%0123456789":  # a bit of a word
             yield named(node.name, base=node.base)
         if isinstance(node.base, n.Name):
             yield named(node.base, access=node.name.identifier)

@@ -11,8 +11,11 @@ from plcopen_sfc.model.types import Elementary
 def objection(name: str, dialect: Dialect) -> str:
     """Why `name` cannot be a name in `dialect` (IEC 61131-3 ed. 3, 6.1.2); empty if it can.
 
-    Letters of any alphabet are taken, as tools do; so are names in quotes in SCL, which the caller gives bare.
+    Letters of any alphabet are taken, as tools do. In SCL a name can be anything, in quotes; it is given without.
     """
+    if dialect is Dialect.SCL:
+        printable = bool(name.strip()) and name.isprintable() and '"' not in name
+        return "" if printable else "a name has no quotes and no control characters in it"
     if not re.fullmatch(r"[^\W\d]\w*", name):
         return "a name consists of letters, digits and underscores, and starts with no digit"
     if name.upper() in RESERVED:
@@ -21,6 +24,11 @@ def objection(name: str, dialect: Dialect) -> str:
         # tools take them, the standard does not: those that exist already stay as they are
         return "" if dialect is not Dialect.IEC else "underscores stand alone and not at the end of a name"
     return ""
+
+
+def needs_quotes(name: str) -> bool:
+    """Whether a name stands in quotes in SCL wherever it is used."""
+    return not re.fullmatch(r"[^\W\d]\w*", name) or name.upper() in RESERVED
 
 
 RESERVED = (
