@@ -35,8 +35,8 @@ NAME_GUID = "38391c6d-6d4a-42f8-8ee7-9f45e5adafa8"
 
 
 def fixture_files() -> list[Path]:
-    """Every fixture that can be loaded."""
-    return sorted(p for p in FIXTURES.rglob("*.xml") if p.name not in UNREADABLE)
+    """Every fixture of PLCopen XML that can be loaded."""
+    return sorted(p for p in FIXTURES.rglob("*.xml") if p.name not in UNREADABLE and p.parent.name != "simaticml")
 
 
 def real_files() -> list[Path]:

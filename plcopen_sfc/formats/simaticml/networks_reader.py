@@ -11,7 +11,17 @@ from dataclasses import dataclass, field
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.operands import read_operand, read_path
-from plcopen_sfc.formats.simaticml.parts import CALLS, COILS, HINT, RAIL, RESULTS, model_pin, part_block, template_type
+from plcopen_sfc.formats.simaticml.parts import (
+    CALLS,
+    COILS,
+    COUNTED,
+    HINT,
+    RAIL,
+    RESULTS,
+    model_pin,
+    part_block,
+    template_type,
+)
 from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, attributes, children, local
 from plcopen_sfc.languages.standard_blocks import StandardBlock
 
@@ -201,6 +211,8 @@ def _block(number: str, part: _Part, name: str) -> Fields:
         else:
             raise NotUnderstoodError(kind)
     _parameters(fields, part, block, negated)
+    if name in COUNTED and left == {"Card": str(len(fields["parameters"]["inputs"]))}:
+        left = {}
     if left:
         fields["carried"] = {"attributes": left}
     return fields

@@ -12,6 +12,8 @@ RESULTS = ("TrCoil", "IlCoil", "SvCoil")
 """The coils in which the networks of transitions, interlocks and supervisions end."""
 COILS = {"Coil": "none", "SCoil": "set", "RCoil": "reset"}
 CARDINALITIES = ("Card", "card")
+COUNTED = ("A", "O", "X")
+"""Boxes that say nothing of themselves but how many inputs they have."""
 CALLS = {"FB": "functionblock", "FC": "function"}
 
 

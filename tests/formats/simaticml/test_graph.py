@@ -1,0 +1,182 @@
+"""GRAPH blocks: as many objects in the model as in the file, what connections mean, and every kind of action row."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+import plcopen_sfc as sfc
+from plcopen_sfc.drawing import fits
+from plcopen_sfc.formats.simaticml.actions_reader import read_action
+from plcopen_sfc.formats.simaticml.actions_writer import write_row
+from plcopen_sfc.model import (
+    ActionAssociation,
+    ActionEvent,
+    BodyCondition,
+    Expression,
+    MultilingualText,
+    Project,
+    Qualifier,
+    SfcNetwork,
+    StBody,
+)
+from tests.formats.simaticml.documents import FIXTURES, GRAPH_PARAMS, parsed
+
+
+def charts(project: Project) -> list[SfcNetwork]:
+    return [chart.network for chart in project.charts()]
+
+
+@pytest.mark.parametrize("path", GRAPH_PARAMS)
+def test_as_many_objects_as_elements(path: Path) -> None:
+    root = parsed(path.read_bytes())
+    (chart,) = charts(sfc.load(path))
+    assert len(chart.steps) == len(root.findall(".//{*}Steps/{*}Step"))
+    assert len(chart.transitions) == len(root.findall(".//{*}Transitions/{*}Transition"))
+    assert len(chart.sequences) == len(root.findall(".//{*}Sequence"))
+    rows = [row for row in root.findall(".//{*}Actions/{*}Action") if len(row) or row.attrib]
+    assert len(list(chart.associations())) == len(rows)
+    assert len(chart.permanent_pre) == len(root.findall(".//{*}PreOperations/{*}PermanentOperation"))
+    assert len(chart.permanent_post) == len(root.findall(".//{*}PostOperations/{*}PermanentOperation"))
+    assert [step.number for step in chart.steps] == [int(e.get("Number", "")) for e in root.iter("{*}Step")]
+
+
+@pytest.mark.parametrize("path", GRAPH_PARAMS)
+def test_connections_mean_what_they_say(path: Path) -> None:
+    """Without branches, a transition leads from the step that is connected to it to the one that it is connected to."""
+    root = parsed(path.read_bytes())
+    project = sfc.load(path)
+    (chart,) = charts(project)
+    if any(d.code == "SFC102" for d in project.diagnostics) or not chart.steps:
+        pytest.skip("a template with a connection to nothing")
+    assert fits(chart)
+    numbers = {step.id: step.number for step in chart.steps}
+    transitions = {t.number: t for t in chart.transitions}
+    seen = 0
+    for connection in root.iter("{*}Connection"):
+        source, target = (next(iter(node)) for node in list(connection)[:2])
+        kinds = [etree.QName(source).localname, etree.QName(target).localname]
+        if kinds == ["StepRef", "TransitionRef"]:
+            found = transitions[int(target.get("Number", ""))].sources
+            assert [numbers[i] for i in found] == [int(source.get("Number", ""))]
+        elif kinds == ["TransitionRef", "StepRef"]:
+            found = transitions[int(source.get("Number", ""))].targets
+            assert [numbers[i] for i in found] == [int(target.get("Number", ""))]
+        elif kinds == ["TransitionRef", "EndConnection"]:
+            assert transitions[int(source.get("Number", ""))].targets == []
+        else:
+            continue
+        seen += 1
+    assert seen
+
+
+def test_the_drilling_machine() -> None:
+    (chart,) = charts(sfc.load(FIXTURES / "FB_Drill.xml"))
+    names = {step.id: step.name for step in chart.steps}
+    nets = {t.name: ([names[i] for i in t.sources], [names[i] for i in t.targets]) for t in chart.transitions}
+    assert nets["T_Clamped"] == (["Clamp part"], ["Drill", "Cool"])
+    assert nets["T_Down"] == (["Drill", "Cool"], ["Bottom"])
+    assert nets["T_Free"] == (["Release"], ["Ready"])
+    assert nets["T_End"] == (["Lamp on"], [])
+    assert [t.name for t in chart.outgoing(chart.step("Bottom"))] == ["T_Deep", "T_Flat"]
+    assert [[names[i] for i in sequence.steps][-1] for sequence in chart.sequences] == ["Release", "Lamp on"]
+    drill = chart.step("Drill")
+    assert drill.supervision is not None
+    assert drill.supervision.alarm == MultilingualText(texts={"de-DE": "Druck zu klein", "en-US": "Pressure too low"})
+    assert chart.step("Ready").supervision is None
+    settings = chart.graph_settings
+    assert settings is not None
+    assert settings.acknowledge_errors_required is True
+    assert settings.alarm_categories == []  # the usual ones
+    conditions = [t.condition for t in chart.transitions]
+    assert all(isinstance(condition, BodyCondition) for condition in conditions)
+
+
+def test_priorities_are_the_order_of_the_legs() -> None:
+    data = (FIXTURES / "FB_Drill.xml").read_bytes()
+    project = sfc.loads(data)
+    (chart,) = charts(project)
+    deep, flat = (chart.transition(name) for name in ("T_Deep", "T_Flat"))
+    assert (deep.priority, flat.priority) == (1, 2)
+    deep.priority, flat.priority = 2, 1
+    (again,) = charts(sfc.loads(sfc.dumps(project)))
+    assert [t.name for t in again.outgoing(again.step("Bottom"))] == ["T_Flat", "T_Deep"]
+
+
+def test_a_step_added_to_a_chart_is_written_with_its_connections() -> None:
+    data = (FIXTURES / "FB_Drill.xml").read_bytes()
+    project = sfc.loads(data)
+    (chart,) = charts(project)
+    transition = chart.transition("T_Free")
+    step = chart.add_step("Unload")
+    ready = chart.step("Ready")
+    transition.targets = [step.id]
+    chart.add_transition(step, ready, "#Start")
+    (again,) = charts(sfc.loads(sfc.dumps(project)))
+    names = {s.id: s.name for s in again.steps}
+    assert [names[i] for i in again.transition("T_Free").targets] == ["Unload"]
+    (leaving,) = again.outgoing(again.step("Unload"))
+    assert [names[i] for i in leaving.targets] == ["Ready"]
+    assert leaving.condition == Expression(text="#Start")
+
+
+def test_a_connection_to_nothing_is_an_error_and_stays() -> None:
+    data = (FIXTURES / "FB_Drill.xml").read_bytes()
+    damaged = data.replace(b'<TransitionRef Number="3" />', b'<TransitionRef Number="333" />', 1)
+    project = sfc.loads(damaged)
+    assert [d.code for d in project.diagnostics][:1] == ["SFC102"]
+    assert sfc.dumps(project) == damaged
+    fresh = sfc.dumps(project, fresh=True)
+    assert fresh.count(b"<Connection>") == data.count(b"<Connection>")
+    assert b'<TransitionRef Number="333" />' in fresh
+
+
+def row(*tokens: str, **attributes: str) -> etree._Element:
+    element = etree.Element("Action", attributes)
+    for token in (*tokens, "\n"):
+        etree.SubElement(element, "Token", {"Text": token})
+    return element
+
+
+ROWS = (
+    (row('"Tag"', Qualifier="N"), {"qualifier": Qualifier.N, "target": '"Tag"'}),
+    (row("#a.b[1]", Qualifier="S", Event="S1"), {"event": ActionEvent.S1, "target": "#a.b[1]"}),
+    (row("#x", Qualifier="N", Interlock="true"), {"interlock": True, "target": "#x"}),
+    (row("#x", ",", "T#5S", Qualifier="D"), {"target": "#x", "duration": "T#5S"}),
+    (row("#x", ",", '"DB".time', Qualifier="L"), {"target": "#x", "duration": '"DB".time'}),
+    (row("#x", ":=", "1", Qualifier="N"), {"target": "#x", "value": "1"}),
+    (row('"C1"', ",", "C#10", Qualifier="CS", Event="S1"), {"target": '"C1"', "value": "C#10"}),
+    (row("Step5", Qualifier="OFF", Event="S1"), {"qualifier": Qualifier.OFF, "target": "Step5"}),
+    (row("#x", " ", ":=", " ", "1", Qualifier="N"), {"target": "#x", "value": "1"}),
+)
+
+
+@pytest.mark.parametrize(("element", "expected"), ROWS)
+def test_rows_of_actions(element: etree._Element, expected: dict[str, object]) -> None:
+    fields = read_action(element)
+    action = ActionAssociation.model_validate({"id": 1, **fields})
+    assert {name: getattr(action, name) for name in expected} == expected
+    if action.carried is None:
+        again = etree.Element("Action")
+        write_row(again, action)
+        assert etree.tostring(again, method="c14n") == etree.tostring(element, method="c14n")
+
+
+def test_a_call_is_a_statement() -> None:
+    tokens = ["CALL", " ", '"FC_1"', " ", "\n", "    ", "(", "a", " ", ":=", " ", "1", "\n"]
+    tokens += ["     ", "b", " ", ":=", " ", "#c", "\n", "    ", ")"]
+    action = ActionAssociation.model_validate({"id": 1, **read_action(row(*tokens, Qualifier="N"))})
+    assert action.qualifier is Qualifier.CALL
+    assert action.body == StBody(text='"FC_1"(a := 1, b := #c);')
+    assert action.carried is None
+
+
+def test_a_row_that_no_rule_fits_is_kept() -> None:
+    element = row("IF", " ", "#a", Qualifier="N")
+    assert read_action(element)["body"] == {"language": "ST", "text": "IF #a"}
+    unknown = etree.fromstring('<Action Qualifier="N"><Access Scope="Unnamed" /></Action>')
+    assert read_action(unknown)["body"]["content"] == (
+        '<Action xmlns="" Qualifier="N"><Access Scope="Unnamed"></Access></Action>'
+    )
