@@ -72,7 +72,12 @@ class CallTranslator:
         return leaves_scl and name.identifier.upper() in S7_TIMERS_AND_COUNTERS
 
     def _instance(self, callee: Expression, block: StandardBlock | None) -> Expression:
-        if block is None or self._target is not Dialect.SCL:
+        if self._target is not Dialect.SCL or self._source is Dialect.SCL:
+            return self._callee(callee)
+        if block is None:
+            if isinstance(callee, n.Member) and not self._names.type_of(callee):
+                reason = "S7 calls instances, neither methods nor actions: this is right only if it is an instance"
+                self._notes.add(Severity.WARNING, reason, callee)
             return self._callee(callee)
         if is_lacking(block.name, self._target):
             reason = f"SCL has no function block {block.name}: LAD and FBD have it as a box with an operand"

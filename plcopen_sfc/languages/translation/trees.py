@@ -9,6 +9,7 @@ from typing import Any, TypeVar, cast
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Statement
 from plcopen_sfc.languages.st.walking import parts, walk
 from plcopen_sfc.languages.translation.addresses import translated_address, translated_part
@@ -131,14 +132,14 @@ class TreeTranslator:
         return None if self._steps is None else self._steps.translated(node)
 
     def _literal(self, node: n.Literal) -> Expression:
-        type, mark, value = node.text.partition("#")
-        if mark and self._target is not self._source and type.casefold() in self._enumerations:
+        if self._target is self._source:
+            return node
+        if _is_enumerated(node, self._source):
+            type, _, value = node.text.partition("#")
             if self._target is Dialect.CODESYS:
                 return n.Member(n.Name(type), n.Name(value), span=node.span)
             if self._target is Dialect.SCL:
                 self._lacks("enumerations", node)
-            return node
-        if self._target is self._source:
             return node
         new = self._notes.take(translated_literal(node.text, self._source, self._target), node)
         return node if new == node.text else replace(node, text=new)
@@ -169,6 +170,10 @@ class TreeTranslator:
     def _dereference(self, node: n.Dereference) -> Expression:
         if self._target is Dialect.IEC and self._source is not Dialect.IEC and _is_object(node.base):
             return node.base  # THIS and SUPER are no pointers there (6.6.5.7)
+        one_has_pointers = (self._source is Dialect.CODESYS) is not (self._target is Dialect.CODESYS)
+        if one_has_pointers and not _is_object(node.base):
+            reason = "CODESYS follows pointers with ^, IEC 61131-3 and S7 follow references (REF_TO)"
+            self._notes.add(Severity.WARNING, reason, node)
         return self._inside(node)
 
     def _unary(self, node: n.Unary) -> Expression:
@@ -242,6 +247,13 @@ def _grouped(value: Expression) -> Expression:
 
 def _without_enclosure(operand: Expression) -> Expression:
     return operand.inner if isinstance(operand, n.Parenthesized) else operand
+
+
+def _is_enumerated(node: n.Literal, source: Dialect) -> bool:
+    try:
+        return literal_value(node, source).kind is LiteralKind.ENUMERATED
+    except LiteralError:
+        return False
 
 
 def _is_object(node: Expression) -> bool:

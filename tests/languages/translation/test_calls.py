@@ -128,6 +128,7 @@ def test_instances(text: str, source: Dialect, target: Dialect, expected: str) -
         ("s(S1 := a, Foo := b);", IEC, CODESYS, "s(SET1 := a, Foo := b);", (ERROR, "no parameter Foo")),
         ("x(EN := a, ENO => b);", IEC, CODESYS, "x(EN := a, ENO => b);", (ERROR, "no EN")),
         ("x(IN := , PT := T#1s);", CODESYS, IEC, "x(PT := T#1s);", (INFO, "keeps what it has")),
+        ("x.Init(a := b);", CODESYS, SCL, "#x.Init(a := #b);", (WARNING, "neither methods nor actions")),
         ("x(NOT Q => b);", IEC, SCL, "#x(NOT Q => #b);", (ERROR, "no negated outputs")),
     ],
 )

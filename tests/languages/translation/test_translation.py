@@ -40,7 +40,7 @@ def test_names_lose_their_quotes_and_prefixes(text: str, expected: str, target: 
         ("DB.station[i].Value", '"DB".station[#i].Value'),
         ("Größe > 1", '"Größe" > 1'),
         ("FC1(x := I)", '"FC1"(x := #I)'),
-        ("A.b(In := a, Out => c);", '#A.b(In := #a, Out => "c");'),
+        ("A(In := a, Out => c);", '#A(In := #a, Out => "c");'),
         ("REGION + 1", '"REGION" + 1'),
         ("ABS(a)", "ABS(#a)"),
         ("INT_TO_REAL(a)", "INT_TO_REAL(#a)"),
@@ -142,7 +142,7 @@ def test_s5time_becomes_time() -> None:
 
 
 def test_enumerations() -> None:
-    assert_says_the_same("Color#red", IEC, CODESYS, "Color.red", enumerations=["color"])
+    assert_says_the_same("Color#red", IEC, CODESYS, "Color.red")
     assert_says_the_same("Color.red", CODESYS, IEC, "Color#red", enumerations=["color"])
     assert_says_the_same("Color.red", CODESYS, IEC, "Color.red")  # a variable, for all that is known
 
@@ -228,9 +228,16 @@ def test_operators(text: str, source: Dialect, target: Dialect, expected: str) -
     assert found.text == expected
 
 
+@pytest.mark.parametrize(("source", "target"), [(CODESYS, IEC), (CODESYS, SCL), (IEC, CODESYS), (SCL, CODESYS)])
+def test_pointers_are_no_references(source: Dialect, target: Dialect) -> None:
+    found = translated("p^ + 1", source, target, locals=["p"])
+    assert found.text == ("#p^ + 1" if target is SCL else "p^ + 1")
+    assert [(note.severity, note.span) for note in found.notes] == [(WARNING, (0, 2))]
+
+
 def test_short_circuit_that_matters_is_noted() -> None:
-    found = translated("p <> 0 AND_THEN p^ > 1", CODESYS, IEC)
-    assert found.text == "p <> 0 AND p^ > 1"
+    found = translated("p <> 0 AND_THEN 100 / p > 1", CODESYS, IEC)
+    assert found.text == "p <> 0 AND 100 / p > 1"
     assert [note.severity for note in found.notes] == [WARNING]
 
 
