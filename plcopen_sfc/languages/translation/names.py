@@ -38,12 +38,14 @@ class NameTranslator:
     def _collect(self, tree: n.Node) -> None:
         """Find the names that others must not get, and those that hide global ones."""
         self._local_names = {name.casefold(): name for name in self._context.locals or ()}
-        behind_dots = set()
+        others = set()
         for node in walk(tree):
             if isinstance(node, n.Member | n.Argument) and node.name is not None:
-                behind_dots.add(id(node.name))
+                others.add(id(node.name))
                 self._members.add(node.name.identifier.casefold())
-            elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL and id(node) not in behind_dots:
+            elif isinstance(node, n.Call) and isinstance(node.callee, n.Name) and not node.callee.quoting:
+                others.add(id(node.callee))  # most likely a function of S7
+            elif isinstance(node, n.Name) and node.quoting is not Quoting.GLOBAL and id(node) not in others:
                 self._local_names.setdefault(node.identifier.casefold(), node.identifier)
         self._hiding = {self._local_name(name).casefold() for name in self._local_names.values()}
 

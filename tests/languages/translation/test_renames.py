@@ -90,6 +90,12 @@ def test_members_and_parameters_hide_nothing() -> None:
     assert found.text == "Start := DB.Start AND DB.Stop AND F(Start := Stop);"
 
 
+def test_functions_are_not_renamed() -> None:
+    context = TranslationContext()
+    translate_text("x := LIMIT(MN := 1, IN := SQR(#r), MX := 3) + ROUND(#r);", "statements", SCL, IEC, context)
+    assert list(context.renames) == []
+
+
 def test_known_renames_are_used() -> None:
     context = TranslationContext(renames=Renames([Rename(GLOBAL, "Motor 1", "M1")]))
     assert translate_text('"motor 1".run', "expression", SCL, IEC, context).text == "M1.run"

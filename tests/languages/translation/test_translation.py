@@ -145,6 +145,8 @@ def test_enumerations() -> None:
     assert_says_the_same("Color#red", IEC, CODESYS, "Color.red")
     assert_says_the_same("Color.red", CODESYS, IEC, "Color#red", enumerations=["color"])
     assert_says_the_same("Color.red", CODESYS, IEC, "Color.red")  # a variable, for all that is known
+    found = translated("Color.red", CODESYS, SCL, enumerations=["color"])
+    assert (found.text, [note.severity for note in found.notes]) == ("Color.red", [ERROR])
 
 
 # -- addresses and bits -----------------------------------------------------------------------------------------------
