@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.formats.iectext.chart_reader import change
-from plcopen_sfc.formats.iectext.declarations_reader import read_section
+from plcopen_sfc.formats.iectext.declarations_reader import read_listing, read_section
 from plcopen_sfc.formats.iectext.layout import newlines
 from plcopen_sfc.formats.iectext.outline import Kind, Part
 from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
@@ -70,7 +70,7 @@ def config_fields(src: Source, part: Part, gap: tuple[int, int]) -> Fields:
 
 def _add_section(src: Source, part: Part, gap: tuple[int, int], fields: Fields, place: str) -> None:
     name = _LISTS.get(part.keyword)
-    sections = read_section(src, part, gap, place) if name else read_global_section(src, part, gap, place)
+    sections = read_listing(src, part, gap, place) if name else read_global_section(src, part, gap, place)
     if name is None:
         fields.setdefault("global_variables", []).extend(sections)
         return

@@ -7,12 +7,25 @@ from plcopen_sfc.formats.iectext.outline import Part
 from plcopen_sfc.formats.iectext.source import Source
 from plcopen_sfc.languages.declarations import Declared, read_declarations
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.variables import VariableSection
 
 
 def read_section(src: Source, part: Part, gap: tuple[int, int], place: str) -> list[Fields]:
-    """``VAR .. END_VAR`` with the comments before it."""
+    """``VAR .. END_VAR`` with the comments before it; nothing where it is a section of configurations."""
+    found = [section for section in _sections(src, part, gap, place) if isinstance(section, VariableSection)]
+    return [plain_fields(section) for section in found]
+
+
+def read_listing(src: Source, part: Part, gap: tuple[int, int], place: str) -> list[Fields]:
+    """``VAR_ACCESS`` or ``VAR_CONFIG`` of a configuration."""
+    found = _sections(src, part, gap, place)
+    return [plain_fields(section) for section in found if not isinstance(section, VariableSection)]
+
+
+def _sections(src: Source, part: Part, gap: tuple[int, int], place: str) -> list[Element]:
     declared = _declared(src, src.core(*gap)[0], part.end, place, "" if part.closed else "\nEND_VAR")
-    return [plain_fields(found.thing) for found in declared.items if found.thing is not None]
+    return [found.thing for found in declared.items if isinstance(found.thing, Element)]
 
 
 def read_types(src: Source, part: Part, gap: tuple[int, int]) -> list[Fields]:

@@ -56,7 +56,7 @@ _NESTED = {
 }
 _CLOSERS = {f"END_{kind.value}" for kind in Kind if kind not in (Kind.LOOSE, Kind.INITIAL_STEP)}
 KEYWORDS = frozenset({kind.value for kind in Kind if kind is not Kind.LOOSE} | _CLOSERS | VAR_KEYWORDS)
-_MODIFIERS = frozenset({"PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "FINAL", "ABSTRACT", "OVERRIDE"})
+MODIFIERS = frozenset({"PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "FINAL", "ABSTRACT", "OVERRIDE"})
 _TYPE_PREFIXES = frozenset({"POINTER", "REFERENCE"})
 _WORD = re.compile(r"[^\W\d]\w*")
 
@@ -300,6 +300,8 @@ class _Scan:
             nested = None if found == closer else self.nested_opener()
             ends = found == closer or (nested is None and self.ends_container(kind, found))
             ends = ends or (nested in (Kind.METHOD, Kind.PROPERTY) and kind not in POUS)
+            # an action is a chart or statements: where statements stand, the next part shows that its end is missing
+            ends = ends or (kind is Kind.ACTION and nested is not None and loose >= 0)
             if nested is None and not ends:
                 loose = self.at if loose < 0 else loose
                 self.at += 1
@@ -348,7 +350,7 @@ class _Scan:
 
     def header(self, part: Part) -> None:
         """Move behind ``name``, ``: type``, ``EXTENDS ..`` and the like."""
-        while self.word() in _MODIFIERS and self.is_word(1):
+        while self.word() in MODIFIERS and self.is_word(1):
             self.at += 1
         if self.is_word():
             part.name = self.tokens[self.at].value

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from pydantic import BaseModel
 
 from plcopen_sfc.formats.iectext.layout import Block, block, format_comment, indented, taken
-from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
+from plcopen_sfc.formats.iectext.outline import KEYWORDS, MODIFIERS, Kind, outline
 from plcopen_sfc.formats.iectext.source import OWN_PRAGMA, is_own, unwrapped
 from plcopen_sfc.formats.text import Piece, numbered
 from plcopen_sfc.languages.dialects import Dialect
@@ -19,7 +19,8 @@ from plcopen_sfc.model.body import IlBody, SfcBody, StBody
 from plcopen_sfc.report import ConversionReport, Fate
 
 _CLOSERS = frozenset(k for k in KEYWORDS if k.startswith("END_"))
-_RESERVED = frozenset({"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"})
+_OF_HEADS = frozenset({":", "EXTENDS", "IMPLEMENTS"})
+_RESERVED = MODIFIERS | {"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"}
 _FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}")
 _WIDE = 160
 _APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
@@ -97,6 +98,8 @@ class Printer:
         if found.problems or any(t.type in _CLOSERS for t in found.tokens) or taken(source) != lines.text:
             return lines, False
         if any(is_own(c) for c in found.comments):
+            return lines, False
+        if found.tokens and found.tokens[0].value.upper() in _OF_HEADS:  # it would belong to the head before it
             return lines, False
         return lines, self._stays_loose(lines.text)
 

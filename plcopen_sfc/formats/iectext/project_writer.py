@@ -7,7 +7,6 @@ from collections import Counter
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.iectext.config_writer import write_application, write_configuration, write_global_section
 from plcopen_sfc.formats.iectext.declarations_writer import write_said_type
-from plcopen_sfc.formats.iectext.outline import outline
 from plcopen_sfc.formats.iectext.printing import Printer, numbered_pieces, pragmas, split
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.source import unwrapped
@@ -61,12 +60,13 @@ def _foreign_units(meant: Fields, said: Fields, project: Project) -> list[str]:
     texts: list[str] = []
     for data in meant.get("carried", {}).get("data", []):
         kept = unwrapped(data.get("content", ""))
-        if kept is None or kept[0] != "unit" or len(outline(kept[1], project.dialect).parts) != 1:
+        if kept is None or kept[0] != "unit":
             continue
-        back = read_project(f"{kept[1]}\n", None)[0].carried
-        if back is not None and [one.content for one in back.data] == [data["content"]]:
+        known = said.get("carried", {}).get("data", [])
+        back = read_project("\n\n".join([*texts, kept[1], ""]), None)[0].carried
+        if back is not None and [one.content for one in back.data] == [one["content"] for one in (*known, data)]:
             texts.append(kept[1])
-            said.setdefault("carried", {}).setdefault("data", []).append(data)
+            said["carried"] = {"data": [*known, data]}
     return texts
 
 

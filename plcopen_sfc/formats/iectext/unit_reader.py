@@ -228,7 +228,11 @@ def _body_region(
 def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
     place = container.path
     if part.kind is Kind.VAR:
-        container.sections += read_section(src, part, gap, place)
+        sections = read_section(src, part, gap, place)
+        if not sections:
+            src.note("IEC108", f"{part.keyword} cannot stand in a POU", part.start, place)
+            _carry(container.fields, "section", newlines(src.text[part.start : part.end]))
+        container.sections += sections
     elif part.kind is Kind.STEP:
         container.chart.steps.append(read_step(src, part, src.remark(*gap, place), place))
     elif part.kind is Kind.TRANSITION and (_leads(src, part) or not part.closed):
@@ -246,6 +250,10 @@ def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Contain
         body = _body(fields.pop("body", None), fields.pop("chart", None))
         if body is not None:
             fields["body"] = body
+        # only a POU has parts of its own; where an END is missing, those of its neighbours stand inside
+        for name in ("actions", "transitions", "methods"):
+            getattr(container, name).extend(fields.pop(name, []))
+        container.rest += [one["content"] for one in fields.pop("bodies", [])]
         if in_place:
             container.in_place[part.name.casefold()] = fields.get("body", {})
         elif part.kind is Kind.METHOD:
