@@ -183,6 +183,19 @@ def test_tokens_of_tia_follow_the_text() -> None:
     assert body.markup is None
 
 
+def test_the_variable_of_a_step_that_codesys_declares_on_demand() -> None:
+    main = sfc("Main", "S1 S2", "S1.x AND S1._x", declared="S1: SFCStepType")
+    assert main.interface is not None
+    assert main.sfc is not None
+    main.interface.declaration = "PROGRAM Main\nVAR\n  S1 : SFCStepType; // S1\nEND_VAR"
+    made = project(main, pou("Other", "y := Main.S1.x;"))
+    main.sfc.rename_step("S1", "Neu")
+    assert main.interface.declaration == "PROGRAM Main\nVAR\n  Neu : SFCStepType; // S1\nEND_VAR"
+    assert main.interface.variables()[0].name == "Neu"
+    assert condition(main) == "Neu.x AND Neu._x"
+    assert text_of(made, "Other") == "y := Main.Neu.x;"
+
+
 def test_markup_follows_the_text() -> None:
     made = project(pou("Main", "x := 1;", "x: INT"))
     body = made.pous[0].bodies[0]

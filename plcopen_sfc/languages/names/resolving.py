@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names import placed
 from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level, Named
+from plcopen_sfc.languages.names.meaning import NOTHING, Meaning
 from plcopen_sfc.languages.names.pieces import Piece, Role, Site, ValueOf
 from plcopen_sfc.languages.names.references import Reference, named
 from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variables_in
@@ -19,25 +20,8 @@ from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlock, Method, Pou, PouKind
-from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag, TreeNode
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Tag
 from plcopen_sfc.model.variables import VariableSection
-
-
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What a name refers to. Without declaration: nothing of the project, or, with `doubt`, nobody can tell.
-
-    `candidates` are the declarations that are in doubt; None: it can be any that has members or parameters.
-    """
-
-    declaration: Declaration | None = None
-    doubt: str = ""
-    candidates: tuple[Declaration, ...] | None = None
-
-
-NOTHING = Meaning()
-"""Nothing of the project: a standard function, a library, a name that is declared nowhere."""
 
 
 class Untyped(Enum):
@@ -74,13 +58,14 @@ class Resolver:
         if reference.role is Role.MEMBER:
             return self._member_of_value(piece.owner, reference.name, site)
         if reference.role is Role.STEP:
-            return self._step_of(piece.owner, reference.name, site)
+            return placed.step_of(self.scopes, piece.owner, reference.name, site)
         if reference.role is Role.OBJECT:
-            return self._object(piece.owner)
+            return placed.object_of(self.scopes, piece.owner)
         if reference.role is Role.HEAD:
-            return self._head(piece)
+            return placed.head_of(self.scopes, piece)
         if reference.declares:
-            return self._declared(reference, piece)
+            own = placed.declared(self.scopes, reference, piece).declaration
+            return Meaning(self.original(own)) if own is not None else NOTHING
         if reference.base is not None:
             return self.member(self.type_of(reference.base, site, reference.name), reference.name)
         if reference.callee is not None:
@@ -426,72 +411,6 @@ class Resolver:
             inner = self.member(type_, member.member).declaration
             type_ = self.type_of_declaration(inner) if inner is not None else Untyped.UNKNOWN
         return type_
-
-    def _step_of(self, chart: object, name: str, site: Site) -> Meaning:
-        if not isinstance(chart, SfcNetwork):
-            return Meaning(doubt="there is no chart of this name")
-        found = [d for d in self.scopes.chart(chart, site.pou).named(name) if d.kind is Kind.STEP]
-        return Meaning(found[0]) if found else NOTHING
-
-    def _object(self, nodes: tuple[TreeNode, ...]) -> Meaning:
-        """What a node of the project tree stands for: what has its id; without ids, what has its name there."""
-        node = nodes[-1]
-        around = {outer.name.casefold() for outer in nodes[:-1]}
-        alike: list[Declaration] = []
-        for declaration in self.scopes.objects():
-            object_id = getattr(declaration.holder, "object_id", None)
-            if object_id is not None and object_id == node.object_id:
-                return Meaning(declaration)
-            same = declaration.name.casefold() == node.name.casefold()
-            if object_id is None and same and (declaration.pou is None or declaration.pou.name.casefold() in around):
-                alike.append(declaration)
-        if len(alike) > 1:
-            return Meaning(doubt="several things have this name in the project tree", candidates=tuple(alike))
-        return Meaning(alike[0]) if alike else NOTHING
-
-    def _head(self, piece: Piece) -> Meaning:
-        site = piece.site
-        if isinstance(piece.owner, VariableSection):
-            return self.lookup(Reference(piece.owner.name or "", (0, 0), Role.VALUE, Quoting.GLOBAL), site)
-        if site.pou is not None and site.method is not None:
-            path = f"{site.pou.name}.{site.method.name}"
-            return Meaning(Declaration(Kind.METHOD, path, (site.method,), site.pou))
-        return Meaning(Declaration(Kind.POU, site.pou.name, (site.pou,))) if site.pou is not None else NOTHING
-
-    def _declared(self, reference: Reference, piece: Piece) -> Meaning:
-        """What a text of declarations declares with this name."""
-        holder = piece.owner if isinstance(piece.owner, VariableSection) else piece.holder
-        within = reference.within
-        type_: t.DataType | None = None
-        level = Level()
-        if isinstance(holder, t.DataTypeDeclaration):
-            type_, within = holder.type, within[1:]
-        elif isinstance(holder, VariableSection):
-            for variable in variables_in(holder):
-                level.add(variable)
-        else:
-            own = self.scopes.local(piece.site)[len(piece.site.charts) :]
-            level = own[0] if own else level
-        for name in within:
-            if type_ is not None:
-                level = self._in_place(type_)
-            variables = [d.holder for d in level.named(name)]
-            type_ = next((variable.type for variable in variables if isinstance(variable, t.Variable)), None)
-            if type_ is None:
-                return NOTHING
-        if type_ is not None:
-            level = self._in_place(type_)
-        kinds = (Kind.VARIABLE, Kind.MEMBER, Kind.ENUM_VALUE)
-        found = [d for d in level.named(reference.name) if d.kind in kinds]
-        return self._of_external(found[0], piece.site) if found else NOTHING
-
-    def _in_place(self, type_: t.DataType) -> Level:
-        """What a type declares itself: the members of a structure, the values of an enumeration."""
-        while isinstance(type_, t.ArrayType | t.PointerType):
-            type_ = type_.base
-        if isinstance(type_, t.EnumType):
-            return self.scopes.enumeration(type_)
-        return self.scopes.structure(type_) if isinstance(type_, t.StructType) else Level()
 
 
 def _name(pou: Pou | None) -> str:

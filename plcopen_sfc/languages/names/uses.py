@@ -9,9 +9,10 @@ from difflib import get_close_matches
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
+from plcopen_sfc.languages.names.meaning import Meaning
 from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
 from plcopen_sfc.languages.names.references import Reference, references
-from plcopen_sfc.languages.names.resolving import Meaning, Resolver
+from plcopen_sfc.languages.names.resolving import Resolver
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.nodes import Span
 from plcopen_sfc.model.base import Model
