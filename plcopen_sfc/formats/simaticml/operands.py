@@ -38,7 +38,7 @@ def read_operand(access: etree._Element) -> str:
             raise NotUnderstoodError
         return value
     if kind == "Address" and scope == "Address":
-        return _read_address(part)
+        return read_address(part)
     raise NotUnderstoodError
 
 
@@ -70,11 +70,18 @@ _LETTERS = {"Input": "I", "Output": "Q", "Memory": "M"}
 _WIDTHS = {"": "Bool", "X": "Bool", "B": "Byte", "W": "Word", "D": "DWord", "L": "LWord"}
 
 
-def _read_address(element: etree._Element) -> str:
+def read_address(element: etree._Element) -> str:
+    """The text of an absolute address: ``%I0.1``. Raises `NotUnderstoodError`."""
     area, kind = element.get("Area", ""), element.get("Type", "")
     offset = element.get("BitOffset", "")
     width = {name: letter for letter, name in _WIDTHS.items() if letter != "X"}.get(kind)
-    if len(element.attrib) != 3 or area not in _LETTERS or width is None or not offset.isdigit() or len(element):
+    if (
+        not set(element.attrib) <= {"Area", "Type", "BitOffset", "UId"}
+        or area not in _LETTERS
+        or width is None
+        or not offset.isdigit()
+        or len(element)
+    ):
         raise NotUnderstoodError
     byte, bit = divmod(int(offset), 8)
     return f"%{_LETTERS[area]}{width}{byte}" + (f".{bit}" if kind == "Bool" else "")

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.operands import read_address
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, children, local
 
 
@@ -108,12 +109,17 @@ def _repeated(letter: str) -> Callable[[etree._Element], str]:
 _MOST_BLANKS = 100_000
 
 
+def _address(element: etree._Element) -> str:
+    return "" if element.get("Informative") == "true" else read_address(element)
+
+
 def _nothing(_: etree._Element) -> str:
     return ""
 
 
 _WRITERS: dict[str, Callable[[etree._Element], str]] = {
     "Access": _access,
+    "Address": _address,
     "Token": lambda token: token.get("Text") or "",
     "Text": _inner,
     "Blank": _repeated(" "),

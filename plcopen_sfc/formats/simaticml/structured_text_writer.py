@@ -17,6 +17,7 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
 
 FIRST_UID = 21
+_BOTH_ENDS = len("(**)")
 
 
 def write_code(ctx: WriteContext, source: etree._Element, body: StBody) -> None:
@@ -139,11 +140,11 @@ class _Writer:
     def _comment(self, parent: etree._Element, text: str) -> None:
         if text.startswith("//"):
             sub(sub(parent, "LineComment"), "Text").text = text[2:]
-        elif text.startswith("(/*"):
+        elif text.startswith("(/*") and text.endswith("*/)") and len(text) >= _BOTH_ENDS + 2:
             content = text[3:-3]
             element = sub(parent, "Comment", {"Inserted": "true"})
             sub(element, "MultiLanguageText", {"Lang": self.culture}).text = content
-        elif text.startswith("(*") and text.endswith("*)"):
+        elif text.startswith("(*") and text.endswith("*)") and len(text) >= _BOTH_ENDS:
             sub(sub(parent, "LineComment", {"Inserted": "true"}), "Text").text = text[2:-2]
         else:
             sub(parent, "Token", {"Text": text})
