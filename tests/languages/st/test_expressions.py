@@ -60,7 +60,10 @@ def test_a_power_binds_less_than_a_sign_but_not_in_scl() -> None:
         ("word.3", ("Member", "word", "3")),
         ("Step1.x AND Step1.t > T#2s", ("AND", ("Member", "Step1", "x"), (">", ("Member", "Step1", "t"), "T#2s"))),
         ("THIS^.Run()", ("Call", ("Member", ("Dereference", "THIS"), "Run"), [])),
-        ("f(a)(b)", ("Call", ("Call", "f", [("Argument", "a", None, False, False)]), [("Argument", "b", None, False, False)])),  # noqa: E501
+        (
+            "f(a)(b)",
+            ("Call", ("Call", "f", [("Argument", "a", None, False, False)]), [("Argument", "b", None, False, False)]),
+        ),  # noqa: E501
         ("inst.END_IF", ("Member", "inst", "END_IF")),
     ],
 )
@@ -96,15 +99,25 @@ def test_operators_as_functions() -> None:
     """1 1_000 16#FF 2#1010_0101 8#17 1.5 1.5e-3 1E6 TRUE FALSE INT#5 INT#-5 UINT#16#FF REAL#1.5 BOOL#1 BYTE#2#11
     T#5s T#-5s t#1d2h3m4s5.5ms TIME#10ms LTIME#1us2ns D#2024-02-29 DATE#2024-1-1 TOD#12:30:15.250 DT#2024-02-29-12:30:15
     LDT#2024-02-29-12:30:15.123456789 DATE_AND_TIME#1990-01-01-00:00:00 TIME_OF_DAY#0:0:0 'text' 'it$'s' '' '$N$41'
-    STRING#'x' Color#red WSTRING#"x" """.split()
-    + ["'with space'", '"wide $"text$""', "'(* no comment *)'"],
+    STRING#'x' Color#red WSTRING#"x" 'one_word' """.split(),
 )
 def test_literals_are_one_token(literal: str) -> None:
+    assert_literal(literal)
+
+
+@pytest.mark.parametrize("literal", ["'with space'", '"wide $"text$""', "'(* no comment *)'"])
+def test_texts_are_one_token(literal: str) -> None:
+    assert_literal(literal)
+
+
+def assert_literal(literal: str) -> None:
     assert parse_expression(literal).tree == Literal(literal)
     assert parse_expression(literal, CODESYS).tree == Literal(literal)
 
 
-@pytest.mark.parametrize("literal", ["S5T#10s", "S5TIME#1m", "W#16#FFFF", "P#M0.0", "P#DB1.DBX0.0 BYTE 10", "DTL#2024-01-01"])
+@pytest.mark.parametrize(
+    "literal", ["S5T#10s", "S5TIME#1m", "W#16#FFFF", "P#M0.0", "P#DB1.DBX0.0 BYTE 10", "DTL#2024-01-01"]
+)
 def test_literals_of_scl(literal: str) -> None:
     assert parse_expression(literal, SCL).tree == Literal(literal)
 

@@ -80,7 +80,12 @@ def test_assignments_of_codesys() -> None:
         ("AssignmentExpression", "b", "c"),
         "?=",
     ]
-    assert read("SUPER^.Run(); THIS^.x := 1;", CODESYS)[1] == ("Assignment", ("Member", ("Dereference", "THIS"), "x"), "1", ":=")  # noqa: E501
+    assert read("SUPER^.Run(); THIS^.x := 1;", CODESYS)[1] == (
+        "Assignment",
+        ("Member", ("Dereference", "THIS"), "x"),
+        "1",
+        ":=",
+    )  # noqa: E501
     assert read("__TRY a; __CATCH(e) b; __FINALLY c; __ENDTRY", CODESYS) == [
         ("Try", [("CallStatement", "a")], "e", [("CallStatement", "b")], [("CallStatement", "c")])
     ]
@@ -101,7 +106,8 @@ def test_statements_of_scl() -> None:
             [("Assignment", ("Member", '"DB', "a"), "1", ":="), ("Region", "", [])],
         )
     ]
-    assert read('"TON_DB".TON(IN := #a, PT := T#1s, Q => #q); #inst(x := 1);', SCL)[0][1][1] == ("Member", '"TON_DB', "TON")
+    call = read('"TON_DB".TON(IN := #a, PT := T#1s, Q => #q); #inst(x := 1);', SCL)[0][1]
+    assert call[1] == ("Member", '"TON_DB', "TON")
     assert read('CASE #s OF "IDLE": ; "RUN": ; END_CASE;', SCL)[0][2] == [
         ("CaseBranch", ['"IDLE'], [("Empty",)]),
         ("CaseBranch", ['"RUN'], [("Empty",)]),
