@@ -63,7 +63,7 @@ def test_a_power_binds_less_than_a_sign_but_not_in_scl() -> None:
         (
             "f(a)(b)",
             ("Call", ("Call", "f", [("Argument", "a", None, False, False)]), [("Argument", "b", None, False, False)]),
-        ),  # noqa: E501
+        ),
         ("inst.END_IF", ("Member", "inst", "END_IF")),
     ],
 )

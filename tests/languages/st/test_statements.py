@@ -85,7 +85,7 @@ def test_assignments_of_codesys() -> None:
         ("Member", ("Dereference", "THIS"), "x"),
         "1",
         ":=",
-    )  # noqa: E501
+    )
     assert read("__TRY a; __CATCH(e) b; __FINALLY c; __ENDTRY", CODESYS) == [
         ("Try", [("CallStatement", "a")], "e", [("CallStatement", "b")], [("CallStatement", "c")])
     ]
