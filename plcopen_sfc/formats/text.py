@@ -113,7 +113,13 @@ def numbered(keys: Sequence[Key]) -> list[Key]:
 
 def patch(source: SourceText, slices: Slice, before: Piece, after: Piece) -> str:
     """The text of `source` with what differs between the pieces `before` and `after` put into it."""
+    if source.text == _file(before, source.newline):  # the text is as the writer writes it, and stays so
+        return _file(after, source.newline)
     return apply_edits(source.text, _Patch(source.text, source.newline).edits(slices, before, after))
+
+
+def _file(piece: Piece, newline: str) -> str:
+    return piece.whole().replace("\n", newline) + newline
 
 
 class _Patch:
@@ -172,11 +178,12 @@ class _Patch:
         old, new = before.whole(), after.whole()
         if after.verbatim:
             return Edit(start, end, self._with_newlines(new))
-        mergeable = not after.block and source.count("\n") < _LONG
-        text = _merged(source, old.strip(), new.strip()) if mergeable else None
-        if text is None:
-            text = self._laid_out(new, start)
-        return Edit(start, end, self._with_newlines(text))
+        anew = self._laid_out(new, start)
+        is_one_text = not (before.pieces or after.pieces or after.block)
+        if not is_one_text or source.count("\n") >= _LONG or source == self._laid_out(old, start):
+            return Edit(start, end, anew)
+        merged = _merged(source, old.strip(), new.strip())
+        return Edit(start, end, anew if merged is None else self._with_newlines(merged))
 
     def _removed(self, slice_: Slice, *, apart: bool) -> Edit:
         start, end = slice_.span
@@ -185,7 +192,11 @@ class _Patch:
         return Edit(start, end, "") if line is None or rest is None else Edit(line, rest.end(), "")
 
     def _inserted(self, slices: Sequence[Slice], number: int, pieces: list[Piece]) -> Edit:
-        behind = slices[number]
+        at = slices[number].span[1]
+        line_end = _LINE_END.search(self._text, at)
+        stop = line_end.start() if line_end is not None else len(self._text)
+        if not any(at <= other.span[0] < stop for other in slices[number + 1 :]):
+            at = stop  # behind a comment that belongs to nothing
         text = ""
         for piece in pieces:
             kinds = {piece.key[0]}
@@ -193,7 +204,7 @@ class _Patch:
             like = next((s for s in neighbours if kinds & {kind for kind, _ in s.keys}), None)
             lines = self._reindented(piece.whole(), self._indent(like.span[0])) if like is not None else piece.whole()
             text += ("\n\n" if piece.apart else "\n") + lines
-        return Edit(behind.span[1], behind.span[1], self._with_newlines(text))
+        return Edit(at, at, self._with_newlines(text))
 
     def _put_first(self, slice_: Slice, pieces: list[Piece]) -> Edit:
         at = slice_.slices[0].span[0] if slice_.slices else slice_.span[1]
@@ -228,6 +239,7 @@ class _Patch:
         return re.sub(r"\r\n|\r|\n", self._newline, text)
 
 
+_LINE_END = re.compile(r"[\r\n]")
 _REST_OF_LINE = r"[ \t]*(?:\r\n|\r|\n|\Z)"
 _LONG = 200
 """Texts of more lines are not merged word by word, which takes the square of their length."""

@@ -6,6 +6,7 @@ back.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -83,10 +84,12 @@ class _Reader:
         self._kept += [self._text[problem.span[0] : problem.span[1]] for problem in strays]
         changes = self._own_changes(units.comments)
         comments = [c for c in units.comments if not OWN_COMMENT.match(c.text)]
+        starts = [c.span[0] for c in comments]
         position = 0
         for unit in units.units:
             behind = max([position, *(p.span[1] for p in strays if p.span[1] <= unit.span[0])])
-            start = next((c.span[0] for c in comments if behind <= c.span[0] < unit.span[0]), unit.span[0])
+            first = bisect_left(starts, behind)
+            start = min([unit.span[0], *starts[first : first + 1]])
             self._unit(project, unit, start)
             position = unit.span[1]
         rest = [comment for comment in comments if comment.span[0] >= position]
@@ -277,7 +280,7 @@ class _Reader:
         return end
 
     def _closing_length(self, end: int) -> int:
-        return next((len(w) for w in ("END_VAR", "END_STRUCT") if self._text[:end].upper().endswith(w)), 0)
+        return next((len(w) for w in ("END_VAR", "END_STRUCT") if self._text[end - len(w) : end].upper() == w), 0)
 
     def _body(self, unit: Unit) -> Iterator[_Place]:
         body = self._body_span(unit)

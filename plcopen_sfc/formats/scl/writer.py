@@ -42,7 +42,7 @@ def write_pieces(project: Project, report: ConversionReport) -> Piece:
         pieces.append(Piece(("comment", ""), "\n".join(comment_lines(plain(project.comment), _SCL)), apart=True))
     written = Piece(("file", ""), pieces=tuple(pieces))
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
-    left = list(changes(plain_fields(back), plain_fields(project)))
+    left = [] if back == project else list(changes(plain_fields(back), plain_fields(project)))
     for change in left:
         _report(change, report)
     if left:

@@ -52,6 +52,7 @@ _RESERVED = KEYWORDS | STATEMENT_KEYWORDS | frozenset("AND OR XOR MOD TRUE FALSE
 _SYSTEM_TYPES = re.compile(
     r"(?:FB|FC|DB|OB|UDT|SFB|SFC)\d+|Void|Variant|Any|Pointer|Block_\w+|DTL|S5Time|Timer|Counter|Struct"
     r"|(?:IEC|HW|OB|CONN|DB|PORT|RTM|PIP|EVENT|AOM|LADDR|TADDR|TCON|TMAIL|ErrorStruct|NREF|CREF|TO)_\w+|ErrorStruct"
+    r"|G7_\w+|GRAPH_BASE|RDREC|GEOADDR"
     r"|TON|TOF|TP|TONR|CTU|CTD|CTUD|R_TRIG|F_TRIG"
     r"|(?:TON|TOF|TP|TONR)_(?:L?TIME)|CTU?D?_\w+|\w+_(?:TIMER|COUNTER)|REF_TO_\w+|(?:L?TOD|LDT|DT|DATE)",
     re.IGNORECASE,

@@ -220,12 +220,13 @@ class _Reader:
         if attributes:
             del texts["attributes"]
         span = _with_comments(_span(node), around)
+        single = len(node.names) < 2
         for name in [name.identifier for name in node.names] or [""]:
             variable = t.Variable(
                 name=name,
-                type=type_.model_copy(deep=True),
+                type=type_ if single else type_.model_copy(deep=True),
                 address=bare_name(self._slice(node.address)) if node.address is not None else None,
-                initial=initial.model_copy(deep=True) if initial is not None else None,
+                initial=initial if single or initial is None else initial.model_copy(deep=True),
                 comment=said(around),
                 attributes=dict(attributes or {}),
                 carried=keep(texts),
