@@ -60,6 +60,10 @@ def config_fields(src: Source, part: Part, gap: tuple[int, int]) -> Fields:
             fields.setdefault("resources", []).append(config_fields(src, inner, here))
         else:
             _read_statements(src, inner, here, fields, place)
+    if part.kind is Kind.CONFIGURATION:
+        alone = {name: fields.pop(name) for name in ("tasks", "instances") if name in fields}
+        if alone:  # a configuration of one resource may leave its name and its keywords out
+            fields.setdefault("resources", []).append({"name": ""} | alone)
     remark.extend(src.remark(position, part.inside[1], place))
     remark.put_into(fields)
     for found in remark.changes:

@@ -27,7 +27,7 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     printer = Printer(project.dialect, report)
     said: Fields = {}
     meant = plain_fields(project, leave=_UNITS)
-    foreign = _foreign_units(meant, said, project)
+    foreign = _foreign_units(meant, said)
     found = [Change(("project", *c.path), c.value, c.instead) for c in changes(said, meant)]
     for change in found:
         printer.note(Fate.CARRIED, str(change.path[1]).replace("_", " "), "project", "IEC text cannot say it")
@@ -55,7 +55,7 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     return Piece(("project", ""), pieces=numbered_pieces(pieces))
 
 
-def _foreign_units(meant: Fields, said: Fields, project: Project) -> list[str]:
+def _foreign_units(meant: Fields, said: Fields) -> list[str]:
     """Units that the model has no place for, as they were read."""
     texts: list[str] = []
     for data in meant.get("carried", {}).get("data", []):

@@ -9,6 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.cli import main
 from tests.corpus import CORPUS, require_corpus
 from tests.samples import FIXTURES
 
@@ -48,6 +49,18 @@ def test_a_step_is_renamed(plant: m.Project) -> None:
     ]
 
 
+@pytest.mark.parametrize("name", ["mixing_plant.st", "distribution_belt.st"])
+def test_renaming_any_step_changes_the_lines_that_name_it(name: str) -> None:
+    before = (FIXTURES / "iectext" / name).read_bytes()
+    for number, step in enumerate(chart_of(sfc.load(FIXTURES / "iectext" / name)).steps):
+        project = sfc.load(FIXTURES / "iectext" / name)
+        chart_of(project).steps[number].name = "Zz9_Neu"
+        lines = edited(project, before)
+        removed = [line[1:] for line in lines if line.startswith("-")]
+        assert removed
+        assert [line[1:].replace("Zz9_Neu", step.name) for line in lines if line.startswith("+")] == removed
+
+
 def test_a_condition_is_changed(plant: m.Project) -> None:
     chart_of(plant).transition("Full").condition = m.Expression(text="LevelHigh OR S2_Stop")
     assert edited(plant, PLANT.read_bytes()) == [
@@ -58,7 +71,7 @@ def test_a_condition_is_changed(plant: m.Project) -> None:
 
 def test_what_text_cannot_say_is_added_as_a_pragma(plant: m.Project) -> None:
     chart_of(plant).step("Drain").max_time = "T#1m"
-    assert edited(plant, PLANT.read_bytes()) == ["+        {plcopen_sfc max_time := 'T#1m'}"]
+    assert [line.strip("+ ") for line in edited(plant, PLANT.read_bytes())] == ["{plcopen_sfc max_time := 'T#1m'}"]
 
 
 def test_a_statement_is_added(plant: m.Project) -> None:
@@ -139,3 +152,11 @@ def test_an_export_of_codesys_is_edited_as_text() -> None:
         text="NOT xHomed"
     )
     assert again == source
+
+
+def test_the_command_line_converts_there_and_back(tmp_path: Path) -> None:
+    source, text, back = FIXTURES / "codesys" / "distribution_belt.xml", tmp_path / "belt.st", tmp_path / "belt.xml"
+    assert main(["convert", str(source), str(text), "--to", "iec-text", "--strict"]) == 0
+    assert text.read_bytes() == (FIXTURES / "iectext" / "distribution_belt.st").read_bytes()
+    assert main(["convert", str(text), str(back), "--to", "codesys", "--strict"]) == 0
+    assert sfc.load(back) == sfc.load(source)
