@@ -298,7 +298,7 @@ class _ChartWriter:
 
 
 _TWO = 2
-_SYMBOL = ("id", "kind", "inputs", "outputs", "local_id", "name")
+_SYMBOL = ("id", "kind", "inputs", "outputs", "local_id", "name", "position", "width", "height")
 
 
 def empty_network(result: str) -> LdBody:

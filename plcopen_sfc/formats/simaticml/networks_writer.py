@@ -100,6 +100,12 @@ class _Writer:
         self._outputs(network)
         self._join()
         self._wired_outputs()
+        self.consumers: dict[tuple[int, str | None], list[tuple[_Draft, _End]]] = {}
+        for draft in self.drafts:
+            for end in draft.ends:
+                for source, pin in end.sources:
+                    key = (RAIL_KEY, None) if source in self.rails else (source, pin)
+                    self.consumers.setdefault(key, []).append((draft, end))
         self.next = FIRST_UID
         self.access: dict[tuple[int, str], str] = {}
 
@@ -274,13 +280,7 @@ class _Writer:
             self._wire(parent, ("OpenCon", {"UId": opens[draft.uid, end.name]}), here)
 
     def _consumers(self, key: tuple[int, str | None]) -> list[tuple[str, dict[str, str]]]:
-        found = []
-        for draft in self.drafts:
-            for end in draft.ends:
-                for source, pin in end.sources:
-                    if key == ((RAIL_KEY, None) if source in self.rails else (source, pin)):
-                        found.append(("NameCon", {"UId": draft.uid, "Name": end.name}))
-        return found
+        return [("NameCon", {"UId": draft.uid, "Name": end.name}) for draft, end in self.consumers.get(key, ())]
 
     def _wire(self, parent: etree._Element, *ends: tuple[str, dict[str, str]]) -> None:
         wire = sub(parent, "Wire", {"UId": self.uid()})

@@ -86,7 +86,7 @@ class TopologyReader:
             raise NotUnderstoodError("branch")
         if ref in self.found.symbols:
             raise NotUnderstoodError("two branches of one number")
-        fields: Fields = {"id": self.new_id(), "kind": kind, "inputs": [], "local_id": ref.number}
+        fields: Fields = {"id": self.new_id(), "kind": kind, "inputs": [], "name": str(ref.number)}
         self.found.symbols[ref] = fields
 
     def connections(self, element: etree._Element) -> list[Link]:

@@ -32,13 +32,13 @@ class TopologyWriter:
 
     def _branch_numbers(self) -> dict[int, int]:
         branches = [symbol for symbol in self.symbols.values() if symbol.kind in _TYPES]
-        given = [symbol.local_id for symbol in branches if symbol.local_id is not None]
+        given = [int(symbol.name) for symbol in branches if symbol.name and symbol.name.isdigit()]
         unique = len(set(given)) == len(given)
         numbers: dict[int, int] = {}
         following = max(given, default=0) + 1 if unique else 1
         for symbol in branches:
-            if unique and symbol.local_id is not None:
-                numbers[symbol.id] = symbol.local_id
+            if unique and symbol.name and symbol.name.isdigit():
+                numbers[symbol.id] = int(symbol.name)
             else:
                 numbers[symbol.id] = following
                 following += 1
