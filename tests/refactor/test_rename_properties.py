@@ -14,6 +14,7 @@ from plcopen_sfc.languages.names import Names
 from plcopen_sfc.refactor.rename import rename
 from tests.languages.names.projects import chart, enum, interface, meanings, struct
 from tests.strategies import maybe, unique
+from tests.strategies import projects as odd_projects
 
 WORDS = ["a", "b", "c", "S1", "S2", "Main", "FB", "P", "K"]
 words = st.sampled_from(WORDS)
@@ -147,3 +148,20 @@ def test_looking_for_uses_changes_nothing(made: m.Project) -> None:
             assert occurrence.piece.text[start:end].casefold() == declaration.name.casefold()
             assert occurrence.use.line >= 1
     assert made == before
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@given(odd_projects(), st.data())
+def test_odd_texts_are_no_reason_to_fail(made: m.Project, data: st.DataObject) -> None:
+    """Texts with all that must be escaped somewhere, most of which no grammar reads."""
+    before = meanings(made)
+    what = Names(made).resolver.original(data.draw(st.sampled_from(list(Names(made).declarations()))))
+    original = made.model_copy(deep=True)
+    try:
+        result = rename(made, what, "Zz9_Neu")
+    except ModelError:
+        assert made == original
+        return
+    assert what.name == "Zz9_Neu"
+    assert decided(meanings(made), before) == decided(before, before)
+    assert len(Names(made).uses(what)) == len(result.changed)
