@@ -24,8 +24,17 @@ from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import Text, plain
-from plcopen_sfc.model.types import DataTypeDeclaration, DerivedType, StructType, Variable
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataTypeDeclaration,
+    DerivedType,
+    EnumType,
+    PointerType,
+    StructType,
+    SubrangeType,
+    Variable,
+)
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Fate
 
 _SCL = Dialect.SCL
@@ -56,12 +65,14 @@ _PROGRAM = frozenset(
     applications tag_tables""".split()
 )
 """Fields without which a controller does something else."""
+_REMARKS = frozenset({"comment", "carried", "global_id", "object_id", "title", "attributes", "declaration"})
+"""Fields that change nothing of that, wherever they stand."""
 
 
 def _report(change: Change, report: ConversionReport) -> None:
     path, _, _ = str(change).partition(" := ")
     fields = [segment for segment in change.path if isinstance(segment, str)]
-    if _PROGRAM.isdisjoint(fields):
+    if _PROGRAM.isdisjoint(fields) or not _REMARKS.isdisjoint(fields):
         report.add(Fate.CARRIED, fields[-1], path, "SCL has no words for it; it stands in a comment")
     else:
         why = "SCL has no words for it; it stands in a comment, of which TIA Portal takes no notice"
@@ -81,10 +92,29 @@ def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
         yield Piece(("type", declaration.name), _data_type(declaration), apart=True)
     for pou in project.pous:
         report.add(Fate.KEPT, "POU", f"POU {pou.name}")
+        _note_foreign(pou, report)
         yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou))), apart=True)
     for block in project.data_blocks:
         report.add(Fate.KEPT, "data block", f"data block {block.name}")
         yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
+
+
+def _note_foreign(pou: Pou, report: ConversionReport) -> None:
+    """Say which declarations of a block are written although TIA Portal does not know them."""
+    for section in pou.interface.sections if pou.interface is not None else []:
+        words = section_head(section, _SCL)[-1]
+        if section.kind in _FOREIGN_SECTIONS or section.persistent:
+            report.add(Fate.APPROXIMATED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
+        for variable in section.variables:
+            inner = variable.type
+            while isinstance(inner, ArrayType):
+                inner = inner.base
+            if isinstance(inner, EnumType | SubrangeType | PointerType):
+                path = f"POU {pou.name} / {variable.name}"
+                report.add(Fate.APPROXIMATED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
+
+
+_FOREIGN_SECTIONS = frozenset({SectionKind.EXTERNAL, SectionKind.GLOBAL, SectionKind.ACCESS})
 
 
 def _data_type(declaration: DataTypeDeclaration) -> str:

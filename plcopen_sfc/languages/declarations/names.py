@@ -42,10 +42,11 @@ SECTIONS: dict[str, tuple[SectionKind, str]] = {
 """The kind of section of each keyword. The others (``VAR_STAT``) are local and keep their keyword."""
 
 SECTION_KEYWORDS: dict[SectionKind, str] = {kind: word for word, (kind, _) in SECTIONS.items()} | {
-    SectionKind.ACCESS: "VAR_ACCESS",
+    SectionKind.ACCESS: "VAR",
     SectionKind.CONSTANT: "VAR",
     SectionKind.RETURN: "VAR_OUTPUT",
 }
+"""The keyword of each kind of section. Access paths of TC6 POUs have no path, which VAR_ACCESS wants."""
 
 _IDENTIFIER = re.compile(r"[^\W\d]\w*")
 _RESERVED = KEYWORDS | STATEMENT_KEYWORDS | frozenset("AND OR XOR MOD TRUE FALSE NULL AND_THEN OR_ELSE BEGIN".split())

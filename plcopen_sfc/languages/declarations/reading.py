@@ -135,7 +135,9 @@ class _Reader:
     # -- places and comments
 
     def _slice(self, node: Node) -> str:
+        """The text of `node` as it stands, the comments in it too."""
         start, end = _span(node)
+        self._comments.take(start, end)
         return self._text[start:end]
 
     def _around(self, node: Node) -> list[Comment]:

@@ -175,6 +175,27 @@ def test_a_chart_put_into_a_source_is_carried_in_comments() -> None:
     assert data.startswith(old.rstrip())
 
 
+def test_what_tia_portal_does_not_know_is_reported() -> None:
+    interface = m.Interface(
+        sections=[
+            m.VariableSection(
+                kind=m.SectionKind.EXTERNAL,
+                variables=[m.Variable(name="x", type=m.PointerType(base="INT")), m.Variable(name="y", type="INT")],
+            )
+        ]
+    )
+    project = m.Project(
+        dialect=m.Dialect.SCL,
+        pous=[m.Pou(name="a", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=[m.StBody(text=";")])],
+    )
+    data, report = sfc.convert(project, "scl")
+    assert [(item.what, item.path) for item in report.losses] == [
+        ("section", "POU a / VAR_EXTERNAL"),
+        ("type", "POU a / x"),
+    ]
+    assert sfc.loads(data, format="scl") == project
+
+
 @pytest.mark.corpus
 def test_one_edit_in_each_source_of_the_corpus() -> None:
     require_corpus()

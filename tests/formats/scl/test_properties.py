@@ -25,7 +25,7 @@ def test_any_project_comes_back(project: m.Project) -> None:
     data = codec.write(project, WriteOptions(), report)
     assert codec.read(data).project == project
     unsaid = data.decode("utf-8-sig").count("// {plcopen_sfc ")
-    assert len(report.with_fate(sfc.Fate.CARRIED, sfc.Fate.APPROXIMATED)) == unsaid
+    assert len(report.with_fate(sfc.Fate.CARRIED, sfc.Fate.APPROXIMATED)) >= unsaid
 
 
 def without_first_comment(sections: list[m.VariableSection]) -> list[m.VariableSection]:

@@ -127,7 +127,7 @@ def test_a_structure_comes_back_from_scl(declaration: m.DataTypeDeclaration) -> 
     assert declared.types == [declaration]
 
 
-@given(random_model.sections.filter(lambda section: section.kind is not m.SectionKind.ACCESS), dialects)
+@given(random_model.sections, dialects)
 @settings(max_examples=300, deadline=None)
 def test_whatever_the_model_holds_what_is_written_can_be_read(section: m.VariableSection, dialect: Dialect) -> None:
     text = write_section(section, dialect)
@@ -254,6 +254,11 @@ def test_every_comment_belongs_to_something() -> None:
 def test_what_has_no_field_in_the_model_is_carried_and_written_back(text: str) -> None:
     (section,) = read_declarations(text, Dialect.CODESYS).sections
     assert write_section(section, Dialect.CODESYS) == text
+
+
+def test_a_comment_inside_a_value_stays_there() -> None:
+    found = variable("x : INT := 1 + (* more *) 2; (* sum *)")
+    assert (found.initial, found.comment) == (m.SimpleValue(text="1 + (* more *) 2"), "sum")
 
 
 def test_what_does_not_parse_is_carried_and_written_back() -> None:
