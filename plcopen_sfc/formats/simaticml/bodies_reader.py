@@ -36,16 +36,22 @@ NAMES = {language: name for name, language in LANGUAGES.items()}
 def read_units(ctx: ReadContext, units: list[etree._Element], late: Fields) -> tuple[list[Fields | SfcBody], str]:
     """The bodies of a block, and the language that the block has by them. `late` is what it says of its chart."""
     bodies: list[Fields | SfcBody] = []
-    language = ""
+    languages: list[str] = []
     for unit in units:
         name, body = _unit(ctx, unit, late)
-        language = language or name
+        languages.append(name)
         last = bodies[-1] if bodies else None
         if isinstance(last, dict) and isinstance(body, dict) and _continues(last, body):
             last["networks"].extend(body["networks"])
         else:
             bodies.append(body)
-    return bodies, language
+    return bodies, block_language(languages)
+
+
+def block_language(languages: list[str]) -> str:
+    """The language of a block with networks in these: LAD and FBD blocks may have networks in SCL, not the reverse."""
+    graphical = (name for name in languages if name.removeprefix("F_") in ("LAD", "FBD"))
+    return next(graphical, languages[0] if languages else "")
 
 
 def _continues(last: Fields, body: Fields) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.bodies_reader import block_language
 from plcopen_sfc.formats.simaticml.bodies_writer import language_of, write_units
 from plcopen_sfc.formats.simaticml.interface_writer import spelling, write_interface, write_members
 from plcopen_sfc.formats.simaticml.objects_reader import (
@@ -95,7 +96,7 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     if pou.interface is not None:
         write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou))
     kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
-    writer.set("ProgrammingLanguage", kept or language_of(pou.body) or "LAD")
+    writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _settings(writer, chart.chart.graph_settings)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.simaticml.numbering import number, number_like
 from plcopen_sfc.formats.simaticml.objects_writer import (
     write_data_block,
     write_data_type,
@@ -26,6 +29,22 @@ def write_project(
     project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions
 ) -> etree._Element:
     """The tree of the document for `project`; what becomes of each item goes into `report`."""
+    root = _tree(project, version, report, options)
+    if options.baseline is None:
+        number(root, _ids(project))
+    else:
+        before = _tree(options.baseline, version, ConversionReport(), replace(options, baseline=None))
+        number_like(root, before, _ids(options.baseline))
+    return root
+
+
+def _ids(project: Project) -> list[str]:
+    """The ids that the file has, where they are no running numbers."""
+    return project.carried.attributes.get(IDS, "").split() if project.carried is not None else []
+
+
+def _tree(project: Project, version: TiaVersion, report: ConversionReport, options: WriteOptions) -> etree._Element:
+    """The tree with all ids still empty."""
     kept = project.carried.attributes if project.carried is not None else {}
     schemas = {kind: version.schema(kind) for kind in ("Interface", "Graph", "FlgNet", "StructuredText")}
     schemas["StatementList"] = version.statement_list
@@ -50,7 +69,6 @@ def write_project(
             write_tag_table(ctx, root, thing)
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
-    _number(root, kept.get(IDS, "").split())
     finish(ctx, root, project, _NATIVE)
     return root
 
@@ -93,11 +111,3 @@ def _document_info(ctx: WriteContext, root: etree._Element, header: FileHeader) 
         sub(info, "ExportSetting").text = header.description
     for content in elements:
         add_element(ctx, info, content)
-
-
-def _number(root: etree._Element, given: list[str]) -> None:
-    """Give every object its id: those of the file where they are no running numbers, else hexadecimal numbers."""
-    objects = [element for element in root.iter(etree.Element) if element.get(ID) is not None]
-    numbers = given if len(given) == len(objects) else [format(number, "X") for number in range(len(objects))]
-    for element, number in zip(objects, numbers, strict=True):
-        element.set(ID, number)

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.model import Contact, FbdBody, LdBody, MultilingualText, Project, SfcNetwork
-from tests.formats.simaticml.documents import ALL_PARAMS, GRAPH_PARAMS
+from plcopen_sfc.model import Contact, FbdBody, LdBody, MultilingualText, Project, SfcNetwork, StBody, Tag
+from tests.formats.simaticml.documents import ALL_PARAMS, FIXTURES, GRAPH_PARAMS
 
 NEW = "Zz9_Neu"
 
@@ -113,3 +113,29 @@ def test_an_edit_taken_back_gives_the_old_file(path: Path) -> None:
     again = sfc.loads(sfc.dumps(project))
     first_chart(again).steps[0].name = old
     assert sfc.dumps(again) == data
+
+
+def test_an_inserted_tag_leaves_the_ids_of_the_others() -> None:
+    path = FIXTURES / "tags.xml"
+    data = path.read_bytes()
+    project = sfc.loads(data)
+    project.tag_tables[0].tags.insert(1, Tag(name="New", type="Bool", address="%I0.7"))
+    edited = sfc.dumps(project)
+    gone, come = changed_lines(data, edited)
+    assert gone == []
+    assert len(come) == 7
+    again = sfc.loads(edited)
+    assert again.tag_tables == project.tag_tables
+    del again.tag_tables[0].tags[1]
+    assert sfc.dumps(again) == data
+
+
+@pytest.mark.parametrize("name", ["FC_Release.xml", "FB_Motor.xml"])
+def test_a_network_put_in_front(name: str) -> None:
+    data = (FIXTURES / name).read_bytes()
+    project = sfc.loads(data)
+    project.pous[0].bodies.insert(0, StBody(text="#a := 1;", title=MultilingualText(texts={"de-DE": "Neu"})))
+    edited = sfc.dumps(project)
+    gone, _ = changed_lines(data, edited)
+    assert gone == []
+    assert sfc.loads(edited).pous[0].bodies == project.pous[0].bodies
