@@ -15,6 +15,8 @@ from plcopen_sfc.languages.st.nodes import Span
 _WITH_BODY = frozenset("PROGRAM FUNCTION_BLOCK FUNCTION CLASS ORGANIZATION_BLOCK DATA_BLOCK METHOD ACTION".split())
 _DECLARATIONS = frozenset("TYPE INTERFACE CONFIGURATION".split())
 _UNITS = _WITH_BODY | _DECLARATIONS
+_POUS = frozenset("PROGRAM FUNCTION_BLOCK FUNCTION CLASS ORGANIZATION_BLOCK DATA_BLOCK".split())
+"""Units that stand in no other."""
 _SECTIONS = frozenset(
     """VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_EXTERNAL VAR_GLOBAL VAR_STAT VAR_INST VAR_ACCESS
     VAR_CONFIG VAR_GENERIC""".split()
@@ -54,13 +56,14 @@ def split_units(text: str, dialect: Dialect = Dialect.IEC) -> Units:
     tokens = found.tokens
     units: list[Unit] = []
     problems: list[Problem] = []
+    lines = Lines(text)
     position = 0
     while position < len(tokens):
         kind = tokens[position].type
         if kind in _UNITS:
             unit, position = _unit(text, tokens, position, dialect)
             if unit.end is None:
-                line, _ = Lines(text).place(unit.span[0])
+                line, _ = lines.place(unit.span[0])
                 message = f"END_{unit.keyword} is missing for the {unit.keyword} in line {line}"
                 problems.append(Problem(message, (unit.span[1], unit.span[1])))
             units.append(unit)
@@ -77,8 +80,14 @@ def split_units(text: str, dialect: Dialect = Dialect.IEC) -> Units:
 def _unit(text: str, tokens: list[Token], first: int, dialect: Dialect) -> tuple[Unit, int]:
     keyword = tokens[first].type
     closing = f"END_{keyword}"
-    last = next((i for i in range(first + 1, len(tokens)) if tokens[i].type == closing), None)
-    behind = last if last is not None else _next_unit(tokens, first + 1)
+    stop_at = _POUS if keyword in _WITH_BODY else frozenset()
+    index = first + 1
+    while index < len(tokens) and tokens[index].type != closing:
+        if tokens[index].type in stop_at and _begins_a_line(text, tokens, index):
+            break
+        index += 1
+    last = index if index < len(tokens) and tokens[index].type == closing else None
+    behind = last if last is not None else min(index, _next_unit(tokens, first + 1))
     start = tokens[first].span[0]
     end = tokens[last].span if last is not None else None
     stop = end[0] if end is not None else tokens[behind - 1].span[1]
@@ -88,6 +97,11 @@ def _unit(text: str, tokens: list[Token], first: int, dialect: Dialect) -> tuple
         return Unit(keyword, span, span, None, end), after
     head_end, split = _end_of_head(text, tokens, first, behind, dialect)
     return Unit(keyword, span, (start, head_end), (split, stop), end), after
+
+
+def _begins_a_line(text: str, tokens: list[Token], index: int) -> bool:
+    between = text[tokens[index - 1].span[1] : tokens[index].span[0]]
+    return "\n" in between or "\r" in between
 
 
 def _next_unit(tokens: list[Token], position: int) -> int:
@@ -148,8 +162,7 @@ def _end_of_line(text: str, tokens: list[Token], first: int, behind: int) -> int
         return tokens[first].span[1]
     index = first + 1
     while index + 1 < behind:
-        between = text[tokens[index].span[1] : tokens[index + 1].span[0]]
-        if "\n" in between or "\r" in between:
+        if _begins_a_line(text, tokens, index + 1):
             break
         index += 1
     return tokens[index].span[1]

@@ -187,3 +187,27 @@ def test_a_source_that_ends_early_is_read_as_far_as_it_goes(count: int) -> None:
     data = data[: len(data) * count // 60]
     project = sfc.loads(data, format="scl")
     assert sfc.dumps(project) == data
+
+
+HOSTILE = {
+    "NUL": b'FUNCTION "a" : Void\x00\nBEGIN\n\x00;\nEND_FUNCTION\n',
+    "open comment": b'FUNCTION "a" : Void\nBEGIN\n(* open\nEND_FUNCTION\n',
+    "open quote": b'FUNCTION "a : Void\nVAR x : Int; END_VAR\nBEGIN\nEND_FUNCTION\n',
+    "open brace": b'FUNCTION "a" : Void\n' + b"{ x" * 2000,
+    "structures in structures": b'DATA_BLOCK "x"\n' + b"STRUCT a : " * 3000 + b"Int;" + b"END_STRUCT;" * 3000,
+    "arrays of arrays": b'TYPE "x" STRUCT a : ' + b"Array[0..1] of " * 3000 + b"Int; END_STRUCT; END_TYPE",
+    "one long line": b'FUNCTION "a" : Void VAR ' + b"v : Int; " * 3000 + b"END_VAR BEGIN END_FUNCTION",
+    "errors only": b'FUNCTION "a" : Void\nVAR\n' + b"x ! Int;\n" * 3000 + b"END_VAR\nBEGIN\nEND_FUNCTION\n",
+    "ends only": b"END_FUNCTION\n" * 3000,
+    "heads only": b'FUNCTION "a" : Void\n' * 1000,
+}
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_whatever_a_source_holds_it_is_kept(what: str) -> None:
+    data = HOSTILE[what]
+    project = sfc.loads(data, format="scl")
+    assert (project.diagnostics == ()) is (what == "one long line")
+    assert sfc.dumps(project) == data
+    anew = sfc.dumps(project, fresh=True)
+    assert sfc.loads(anew, format="scl") == project

@@ -174,6 +174,16 @@ FUNCTION f : INT VAR a : INT; END_VAR"""
     ]
 
 
+def test_a_unit_without_an_end_does_not_swallow_the_next() -> None:
+    text = "FUNCTION_BLOCK a\nVAR x : INT; END_VAR\nx := 1;\nFUNCTION_BLOCK b\nEND_FUNCTION_BLOCK"
+    found = split_units(text)
+    assert [text[slice(*unit.head)].split()[1] for unit in found.units] == ["a", "b"]
+    assert [unit.end is None for unit in found.units] == [True, False]
+    assert [problem.message for problem in found.problems] == [
+        "END_FUNCTION_BLOCK is missing for the FUNCTION_BLOCK in line 1"
+    ]
+
+
 def test_units_of_scl() -> None:
     text = """FUNCTION_BLOCK "a" VAR x : Int; END_VAR BEGIN x := 1; END_FUNCTION_BLOCK
 DATA_BLOCK "b" STRUCT y : Int; END_STRUCT; BEGIN END_DATA_BLOCK
