@@ -163,17 +163,13 @@ def read_transition(src: Source, part: Part, remark: Remark, place: str) -> Said
         condition = condition_fields(src.text, rest[0].type, rest[1:], begin, end)
         if condition is None:
             src.note("IEC103", "a condition is := expression; or : a body", rest[0].span[0], header.path)
-            condition = {"kind": "body", "body": _opaque(newlines(src.text[rest[0].span[0] : end]))}
+            condition = {"kind": "expression", "text": taken(src.text[begin:end])}
         if condition:
             header.fields["condition"] = condition
         src.check_code(condition.get("body", condition), begin, end, header.path)
         if condition.get("kind") == "expression":
             remark.extend(src.remark(rest[-1].span[1], end, header.path))
     return transition
-
-
-def _opaque(text: str) -> Fields:
-    return {"language": "opaque", "source": "iec-text", "content": text}
 
 
 class _Header:
@@ -237,6 +233,8 @@ class _Header:
             self.src.note("IEC103", message, token.span[0], self.path)
             while self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
                 self.at += 1
+            text = newlines(self.src.text[token.span[0] : self.tokens[self.at - 1].span[1]])
+            self.fields["carried"] = {"data": [wrapped("transition", text)]}
 
 
 def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end: int) -> Fields | None:
@@ -288,6 +286,10 @@ class Surroundings:
 
 def chart_fields(src: Source, chart: ChartText, around: Surroundings, place: str) -> Fields:
     """The fields of the chart, its names resolved; without what pragmas at the end of the unit add."""
+    known = {step.name.casefold() for step in chart.steps}
+    for transition in chart.transitions:
+        transition.remark.put_into(transition.fields)
+        _carry_unknown(src, transition, known)
     steps = [_finished_step(src, step, around) for step in chart.steps]
     transitions = [_finished_transition(src, transition, around) for transition in chart.transitions]
     fields: Fields = {}
@@ -320,7 +322,8 @@ def number(src: Source, chart: ChartText, fields: Fields) -> None:
     for said, transition in zip(chart.transitions, transitions, strict=True):
         for side, names in said.sides.items():
             if side not in transition:
-                transition.update(_resolved(src, said, side, names, by_name))
+                found = [by_name[name.casefold()] for name in names if name.casefold() in by_name]
+                transition.update({side: found} if found else {})
 
 
 def ids_within(value: Any) -> Iterator[int]:
@@ -336,17 +339,15 @@ def ids_within(value: Any) -> Iterator[int]:
             yield from ids_within(item)
 
 
-def _resolved(src: Source, said: Said, side: str, names: list[str], by_name: dict[str, int]) -> Fields:
-    """The ids of the steps in FROM or TO; names of no step are carried."""
-    found = [by_name[name.casefold()] for name in names if name.casefold() in by_name]
-    fields: Fields = {side: found} if found else {}
-    for name in names:
-        if name.casefold() not in by_name:
-            keyword = "FROM" if side == "sources" else "TO"
-            src.note("SFC103", f"{keyword} names {name!r}, which is no step of this chart", said.start, said.path)
-            said.fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(keyword.lower(), name))
-            fields["carried"] = said.fields["carried"]
-    return fields
+def _carry_unknown(src: Source, said: Said, known: set[str]) -> None:
+    """Keep the names in FROM and TO that no step of the chart has."""
+    for side, names in said.sides.items():
+        keyword = "FROM" if side == "sources" else "TO"
+        for name in names:
+            if name.casefold() not in known:
+                src.note("SFC103", f"{keyword} names {name!r}, which is no step of this chart", said.start, said.path)
+                carried = said.fields.setdefault("carried", {})
+                carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
 
 
 def change(src: Source, fields: Fields, found: tuple[Change, int], path: str) -> None:
@@ -389,7 +390,6 @@ def _finished_association(src: Source, said: Said, around: Surroundings) -> tupl
 
 def _finished_transition(src: Source, said: Said, around: Surroundings) -> Fields:
     fields = said.fields
-    said.remark.put_into(fields)
     condition = fields.get("condition")
     if condition is not None and condition["kind"] == "expression":
         if any(c.path == ("condition", "negated") for c, _ in said.remark.changes):

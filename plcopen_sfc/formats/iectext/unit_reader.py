@@ -253,7 +253,6 @@ def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Contain
         # only a POU has parts of its own; where an END is missing, those of its neighbours stand inside
         for name in ("actions", "transitions", "methods"):
             getattr(container, name).extend(fields.pop(name, []))
-        container.rest += [one["content"] for one in fields.pop("bodies", [])]
         if in_place:
             container.in_place[part.name.casefold()] = fields.get("body", {})
         elif part.kind is Kind.METHOD:
@@ -276,8 +275,8 @@ def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place
     condition = condition_fields(src.text, rest[0].type, rest[1:], begin, end) if rest else {}
     if condition is None or (rest and rest[0].type not in ("ASSIGN", "COLON")):
         src.note("IEC103", "a condition is := expression; or : a body", part.start, path)
-        text = newlines(src.text[begin:end])
-        fields["body"] = {"language": "opaque", "source": "iec-text", "content": text}
+        start = rest[0].span[0] if rest and rest[0].type not in ("ASSIGN", "COLON") else begin
+        fields["body"] = {"language": "ST", "text": taken(src.text[start:end])}
     elif condition.get("kind") == "expression":
         src.check_code(condition, begin, end, path)
         fields["body"] = {"language": "ST", "text": condition["text"]}
@@ -307,8 +306,8 @@ def _finished(src: Source, container: Container) -> Fields:
         container.sections = [section for section in container.sections if section.get("variables")]
     if container.sections:
         fields.setdefault("interface", {})["sections"] = container.sections
-    if container.rest:
-        fields["bodies"] = [{"language": "opaque", "source": "iec-text", "content": text} for text in container.rest]
+    for text in container.rest:
+        _carry(fields, "statements", text)
     fields = _with_changes(src, container.remark, fields, container.path, container.declared)
     for thing, name in [(fields, "body"), *((t, "condition") for t in fields.get("chart", {}).get("transitions", []))]:
         if not put_drawing(thing, name):

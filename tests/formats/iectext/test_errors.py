@@ -10,6 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import EncodingError
 from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.report import Fate
 
 GOOD = """PROGRAM Main
 INITIAL_STEP A: END_STEP
@@ -146,3 +147,22 @@ def test_a_huge_line_is_read_in_linear_time() -> None:
     seconds(500)
     small, large = seconds(1000), seconds(4000)
     assert large < 16 * small
+
+
+@pytest.mark.parametrize("target", ["plcopen", "json"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        GOOD.replace("TO A", "TO Nowhere"),
+        GOOD.replace(":= x;", "x;"),
+        GOOD.replace(":= x;", ":= x; y;"),
+        GOOD.replace("A: END", "A: Act(WRONG); END"),
+        GOOD.replace("TRANSITION F", "words | here;\nTRANSITION F"),
+        GOOD + "INTERFACE I END_INTERFACE\n",
+    ],
+)
+def test_what_cannot_be_read_is_carried_through_other_formats(text: str, target: str) -> None:
+    project = load(text)
+    project.header.created = "2024-01-31T08:30:00"
+    _, report = sfc.convert(project, target)
+    assert report.with_fate(Fate.DROPPED) == []
