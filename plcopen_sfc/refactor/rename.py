@@ -24,7 +24,7 @@ from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project, projects_with
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.refactor.clashes import changed_meanings, visible_clashes
 
 _SHOWN = 10
@@ -91,6 +91,8 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
     problem = objection(new, names.project.dialect)
     if problem:
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
+    if declaration.kind is Kind.VARIABLE and names.project.dialect in (Dialect.CODESYS, Dialect.TWINCAT):
+        _refuse(declaration, new, _flags(old, new))
     found = list(names.occurrences(old, new))
     uses = [occurrence for occurrence in found if occurrence.refers_to(declaration)]
     if new.casefold() != old.casefold():
@@ -117,6 +119,12 @@ def _rename(names: Names, declaration: Declaration, new: str) -> RenameResult:
         before = list(changed_meanings(declaration, found, after))  # worded with the names as they are again
         _refuse(declaration, new, before)
     return result
+
+
+def _flags(*names: str) -> Iterator[str]:
+    """The names that charts of CODESYS and TwinCAT know their flags by: with another they are flags no more."""
+    flags = {flag.variable.casefold() for flag in SfcFlag}
+    yield from (f"charts know {name} as their flag" for name in names if name.casefold() in flags)
 
 
 def _refuse(declaration: Declaration, new: str, reasons: Iterable[str]) -> None:

@@ -38,7 +38,9 @@ def sample(made: m.Project, number: int) -> list[int]:
 
 
 def allowed(made: m.Project, what: Declaration) -> bool:
-    """Whether nothing beside it has its name: such a file is wrong, and which of them is meant cannot be said."""
+    """Whether it is no flag of charts, and nothing beside it has its name: then it cannot be said which is meant."""
+    if what.name in {flag.variable for flag in m.SfcFlag}:
+        return False
     names = Names(made)
     for level in names.levels():
         if what in level:

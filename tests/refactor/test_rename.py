@@ -429,3 +429,13 @@ def test_lines_that_do_not_name_it_stay(name: str, path: str) -> None:
     changed = lines_changed(name, (path, "Zz9_Neu"))
     assert changed
     assert all(old.casefold() in a.casefold() and "Zz9_Neu" in b for a, b in changed)
+
+
+def test_flags_of_charts_keep_their_names_in_codesys() -> None:
+    made = plcopen_sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+    variables = made.pou("PLC_PRG").interface.variables()  # type: ignore[union-attr]
+    variables[0].name = "SFCInit"
+    with pytest.raises(ModelError, match="charts know SFCInit as their flag"):
+        made.rename("PLC_PRG.SFCInit", "Start")
+    with pytest.raises(ModelError, match="charts know SFCPause as their flag"):
+        made.rename(f"PLC_PRG.{variables[1].name}", "SFCPause")
