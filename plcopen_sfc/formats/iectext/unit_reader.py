@@ -66,11 +66,11 @@ def read_pou(src: Source, part: Part, gap: tuple[int, int]) -> Pou:
 def _pou_fields(src: Source, part: Part, gap: tuple[int, int]) -> Fields:
     src.named = frozenset(_object_names(src, part))
     container = _container(src, part, gap, "POU ")
+    container.fields["kind"] = _KINDS.get(part.kind, part.kind)  # a pragma may say better
     fields = _finished(src, container)
     body = fields.pop("body", None)
     chart = fields.pop("chart", None)
     fields["bodies"] = _bodies(body, chart) + fields.get("bodies", [])
-    fields["kind"] = fields.get("kind", _KINDS.get(part.kind, part.kind))
     return fields
 
 

@@ -226,3 +226,10 @@ def test_line_ends_do_not_matter(newline: str) -> None:
     text = "PROGRAM Main\nINITIAL_STEP A:\n  Act(N);\nEND_STEP\nACTION Act:\n  a := 1;\n  b := 2;\nEND_ACTION\n"
     text += "END_PROGRAM\n"
     assert load(text.replace("\n", newline)) == load(text)
+
+
+def test_an_organisation_block_stays_one() -> None:
+    made = m.Project(pous=[m.Pou(name="Main", kind=m.PouKind.ORGANIZATION_BLOCK, bodies=[m.StBody(text="a := b;")])])
+    data, report = sfc.convert(made, "iec-text")
+    assert report.losses == []
+    assert sfc.loads(data) == made
