@@ -88,6 +88,9 @@ def read_body(ctx: ReadContext, element: etree._Element) -> Fields:
             fields["text"], markup = read_code(ctx, child)
             if markup is not None:
                 fields["markup"] = markup
+    if fields.get("language") == "opaque":  # carried from another format; the empty ST is only there to be valid
+        fields.pop("text", None)
+        fields.pop("markup", None)
     if "WorksheetName" in left:
         fields["worksheet"] = left.pop("WorksheetName")
     if left:

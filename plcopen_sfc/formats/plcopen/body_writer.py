@@ -61,6 +61,9 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         sub(ctx, element, "ST")
         if body.source == "plcopen":
             add_markup(element, body.content)
+        else:  # of another format: carried, and said to be no ST
+            also = {"language": body.language}
+            ctx.note(Fate.CARRIED, "body", "", f"a body of {body.source}; other tools see an empty one")
     if body.language in _WHAT:
         features = ["chart in an action"] if body.language == "SFC" and "." in ctx.body_name else []
         ctx.keep(_WHAT[body.language], "", *features)

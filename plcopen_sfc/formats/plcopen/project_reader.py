@@ -29,7 +29,7 @@ from plcopen_sfc.formats.plcopen.types_reader import (
     read_data_type_declaration,
     read_section,
 )
-from plcopen_sfc.formats.plcopen.versions import PREFIX, VERSIONS, Tc6Version, version_of
+from plcopen_sfc.formats.plcopen.versions import NO_TIME, PREFIX, VERSIONS, Tc6Version, version_of
 from plcopen_sfc.formats.xml.source import SourceLines
 
 
@@ -106,7 +106,7 @@ def _file_header(ctx: ReadContext, element: etree._Element, fields: Fields) -> N
         "product": left.pop("productName", ""),
         "version": left.pop("productVersion", ""),
         "release": left.pop("productRelease", None),
-        "created": left.pop("creationDateTime", ""),
+        "created": "" if (created := left.pop("creationDateTime", "")) == NO_TIME else created,
         "description": left.pop("contentDescription", None),
     }
     if left:

@@ -16,7 +16,7 @@ from plcopen_sfc.formats.plcopen.types_writer import (
     write_data_type_declaration,
     write_section,
 )
-from plcopen_sfc.formats.plcopen.versions import XHTML
+from plcopen_sfc.formats.plcopen.versions import NO_TIME, XHTML
 from plcopen_sfc.formats.plcopen.writing import Dialect, WriteContext, decimal, finish, sub, write_text
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Scaling, Task
 from plcopen_sfc.report import ConversionReport, Fate
@@ -87,7 +87,7 @@ def _file_header(ctx: WriteContext, root: etree._Element, project: Project) -> N
                 ("productName", header.product),
                 ("productVersion", header.version),
                 ("productRelease", header.release),
-                ("creationDateTime", header.created or "1970-01-01T00:00:00"),
+                ("creationDateTime", header.created or NO_TIME),
                 ("contentDescription", header.description),
             )
         ),

@@ -74,3 +74,6 @@ ELEMENTS = frozenset(
     """.split()
 )
 """All element names of TC6 2.01; 1.01 uses a subset."""
+
+NO_TIME = "1970-01-01T00:00:00"
+"""Stands in a file whose model does not say when it was made: the schema wants a time."""
