@@ -58,7 +58,7 @@ def test_renames_in_real_files(path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_more_renames_in_real_files(path: Path) -> None:
-    check_renames(path, max(2, min(12, 2_000_000 // path.stat().st_size)))
+    check_renames(path, max(2, min(6, 1_000_000 // path.stat().st_size)))
 
 
 OTHER_FILES = [path for kind in ("simaticml", "iectext") for path in corpus_files(kind)]
