@@ -16,8 +16,10 @@ from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
     ReadContext,
+    attributes,
     carry_attribute,
     carry_element,
+    carry_rest,
     child_named,
     children,
     local,
@@ -70,9 +72,13 @@ def _unit(ctx: ReadContext, unit: etree._Element, late: Fields) -> tuple[str, Fi
     for child in children(holder) if holder is not None else ():
         if local(child) == "NetworkSource" and source is None:
             source = child
-        elif local(child) == "ProgrammingLanguage" and not child.attrib:
+            for key, value in attributes(child).items():
+                carry_attribute(own, f"@NetworkSource@{key}", value)
+        elif local(child) == "ProgrammingLanguage" and not child.attrib and not name:
             name = child.text or ""
-        elif not child.attrib and not len(child):
+        elif local(child) == "ProgrammingLanguage":
+            carry_element(own, child)
+        elif not child.attrib and not len(child) and local(child) not in own.get("carried", {}).get("attributes", {}):
             carry_attribute(own, local(child), child.text or "")
         else:
             carry_element(own, child)
@@ -84,6 +90,10 @@ def _unit(ctx: ReadContext, unit: etree._Element, late: Fields) -> tuple[str, Fi
             own[field] = text
         else:
             carry_element(own, child)
+    carry_rest(own, unit)
+    for key, value in attributes(unit).items():
+        if key not in ("ID", "CompositionName"):
+            carry_attribute(own, f"@{key}", value)
     read_comments(ctx, unit, own)
     if "body" in own:
         return name, own["body"]

@@ -76,10 +76,13 @@ def _unit(
     source = sub(values, "NetworkSource")
     if kept.pop("NetworkSource", None) is not None:
         values.remove(source)
-    for name, value in kept.items():
-        if " " not in name and name != "ProgrammingLanguage":
-            sub(values, name).text = value or None
     objects = sub(unit, "ObjectList")
+    for name, value in kept.items():
+        if name.startswith("@"):
+            owner, _, mark = name[1:].rpartition("@")
+            {"AttributeList": values, "ObjectList": objects, "NetworkSource": source}.get(owner, unit).set(mark, value)
+        elif " " not in name and name != "ProgrammingLanguage":
+            sub(values, name).text = value or None
     _unknown(ctx, values, objects, thing.carried)
     if language:
         sub(values, "ProgrammingLanguage").text = language

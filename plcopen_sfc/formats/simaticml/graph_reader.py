@@ -16,6 +16,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     attributes,
     carry_attribute,
     carry_element,
+    child_named,
     children,
     local,
     merge,
@@ -119,7 +120,7 @@ class _ChartReader:
                 continue
             fields: Fields = {"body": read_flgnet_body(self.ctx, child)}
             for part in children(child):
-                if not _text(fields, part, "Title", "title") and local(part) != "FlgNet":
+                if not _text(fields, part, "Title", "title") and not _is_network(child, part):
                     carry_element(fields, part)
             read_comments(self.ctx, child, fields)
             found.append(fields)
@@ -158,7 +159,8 @@ class _ChartReader:
         number = whole_number(left.pop("Number", None))
         fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number, "actions": []}
         self.ctx.place.append(f"step {fields['name']}")
-        fields["initial"] = TRUTHS.get(left.pop("Init", "false"), False)
+        if left.get("Init", "false") in TRUTHS:
+            fields["initial"] = TRUTHS[left.pop("Init", "false")]
         fields["max_time"] = left.pop("MaximumStepTime", None)
         fields["warning_time"] = left.pop("WarningTime", None)
         if left.get("IsMissing") == "false":
@@ -207,7 +209,7 @@ class _ChartReader:
             unknown = [
                 part
                 for part in children(child)
-                if local(part) != "FlgNet"
+                if not _is_network(child, part)
                 and not _text(fields, part, "Title", "title")
                 and not _text(fields, part, "AlarmText", "alarm")
             ]
@@ -239,7 +241,7 @@ class _ChartReader:
             del left["IsMissing"]
         for child in children(element):
             texts = (("TransitionName", "title"), ("Comment", "comment"))
-            if local(child) != "FlgNet" and not any(_text(fields, child, name, field) for name, field in texts):
+            if not _is_network(element, child) and not any(_text(fields, child, name, field) for name, field in texts):
                 carry_element(fields, child)
         for name, value in left.items():
             carry_attribute(fields, name, value)
@@ -256,6 +258,11 @@ RESULT_OF = {"Transition": "TrCoil", "Interlock": "IlCoil", "Supervision": "SvCo
 """The coil in which the network of each of them ends."""
 _EMPTY = 2
 """The elements of an empty network of LAD: the power rail and the coil."""
+
+
+def _is_network(owner: etree._Element, element: etree._Element) -> bool:
+    """Whether `element` is the network that is read; a second one is kept."""
+    return local(element) == "FlgNet" and element is child_named(owner, "FlgNet")
 
 
 def _text(fields: Fields, element: etree._Element, name: str, field: str) -> bool:

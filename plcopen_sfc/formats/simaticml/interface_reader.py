@@ -9,6 +9,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     ReadContext,
     attributes,
     carried,
+    carry_attribute,
     carry_element,
     children,
     local,
@@ -48,7 +49,12 @@ def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
 def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
     """Read ``Interface``, with its ``Sections``."""
     fields: Fields = {"sections": []}
-    for sections in children(element):
+    for name, value in attributes(element).items():
+        carry_attribute(fields, name, value)
+    for number, sections in enumerate(children(element)):
+        if number or local(sections) != "Sections" or sections.attrib:
+            carry_element(fields, sections)
+            continue
         ctx.note_schema(sections)
         for section in children(sections):
             kind = SECTIONS.get(section.get("Name", ""))
@@ -73,10 +79,12 @@ def _section(ctx: ReadContext, element: etree._Element, kind: SectionKind) -> Fi
 
 def read_members(ctx: ReadContext, element: etree._Element) -> Fields | None:
     """The members of a data type, which stand in the one section ``None``; None where it is built otherwise."""
-    for sections in children(element):
+    for sections in children(element) if len(children(element)) == 1 and not element.attrib else ():
         ctx.note_schema(sections)
         found = children(sections)
-        if len(found) == 1 and found[0].get("Name") == "None" and not sections.attrib:
+        if len(found) == 1 and attributes(found[0]) == {"Name": "None"} and not sections.attrib:
+            if local(found[0]) != "Section" or local(sections) != "Sections":
+                return None
             if any(local(child) != "Member" for child in children(found[0])):
                 return None
             return {"kind": "struct", "members": [read_member(ctx, child) for child in children(found[0])]}
@@ -109,6 +117,10 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
     if left:
         carried(fields)["attributes"].update(left)
     fields["type"] = read_type(spelled, members)
+    if members and spelled.rpartition(" ")[2] != "Struct":
+        for child in children(element):
+            if local(child) == "Member":
+                carry_element(fields, child)
     read_comments(ctx, element, fields)
     if fields["type"]["kind"] in _SPELLED and spelled_as(fields["type"]) != spelled:
         carried(fields)["attributes"]["Datatype"] = spelled

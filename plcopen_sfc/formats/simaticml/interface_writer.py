@@ -22,6 +22,8 @@ def write_interface(
 ) -> None:
     """Write ``Interface``. `renamed` are new names of members that the chart of the block names."""
     element = sub(parent, "Interface")
+    for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
+        element.set(key, value)
     sections = ctx.root("Interface", "Sections", element)
     for content in interface.carried.elements if interface.carried is not None else ():
         add_element(ctx, sections, content)

@@ -13,6 +13,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     attributes,
     carry_attribute,
     carry_element,
+    carry_rest,
     child_named,
     children,
     local,
@@ -21,6 +22,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.types import read_type
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlockKind, PouKind
 
 POUS = {
@@ -64,10 +66,12 @@ def read_pou(ctx: ReadContext, element: etree._Element) -> Fields:
         ctx.types = {
             f"#{m.get('Name', '').lower()}": m.get("Datatype", "") for m in interface.iterfind("*/*/{*}Member")
         }
-    language = _text(values.pop("ProgrammingLanguage", None))
-    settings = _settings(values) if language == "GRAPH" else {}
+    language = _take(values, "ProgrammingLanguage")
     units = _object_list(element, fields, "SW.Blocks.CompileUnit")
-    fields["bodies"], unit_language = read_units(ctx, units, {"graph_settings": settings} if settings else {})
+    late: Fields = {}
+    fields["bodies"], unit_language = read_units(ctx, units, late)
+    if any(isinstance(body, SfcBody) for body in fields["bodies"]):
+        late["graph_settings"] = _settings(values)
     if language is not None and language != unit_language:
         carry_attribute(fields, "ProgrammingLanguage", language)
     return _end(ctx, element, fields, values)
@@ -80,7 +84,7 @@ def read_data_block(ctx: ReadContext, element: etree._Element) -> Fields:
     interface = values.pop("Interface", None)
     if interface is not None:
         fields["interface"] = read_interface(ctx, interface)
-    fields["type_name"] = _text(values.pop("InstanceOfName", None))
+    fields["type_name"] = _take(values, "InstanceOfName")
     if _text(values.get("ProgrammingLanguage")) == "DB":
         del values["ProgrammingLanguage"]
     for child in _object_list(element, fields, ""):
@@ -116,8 +120,8 @@ def read_tag_table(ctx: ReadContext, element: etree._Element) -> Fields:
 def _tag(ctx: ReadContext, element: etree._Element) -> Fields:
     fields: Fields = {}
     values = _start(ctx, element, fields)
-    fields["type"] = _text(values.pop("DataTypeName", None)) or ""
-    fields["address"] = _text(values.pop("LogicalAddress", None))
+    fields["type"] = _take(values, "DataTypeName") or ""
+    fields["address"] = _take(values, "LogicalAddress")
     for child in _object_list(element, fields, ""):
         carry_element(fields, child)
     return _end(ctx, element, fields, values)
@@ -126,11 +130,11 @@ def _tag(ctx: ReadContext, element: etree._Element) -> Fields:
 def _constant(ctx: ReadContext, element: etree._Element) -> Fields:
     fields: Fields = {}
     values = _start(ctx, element, fields)
-    spelled = _text(values.pop("DataTypeName", None)) or ""
+    spelled = _take(values, "DataTypeName") or ""
     fields["type"] = read_type(spelled)
     if spelled_as(fields["type"]) != spelled:
         carry_attribute(fields, "Datatype", spelled)
-    value = _text(values.pop("Value", None))
+    value = _take(values, "Value")
     if value is not None:
         fields["initial"] = {"kind": "simple", "text": value}
     for child in _object_list(element, fields, ""):
@@ -141,8 +145,15 @@ def _constant(ctx: ReadContext, element: etree._Element) -> Fields:
 def _start(ctx: ReadContext, element: etree._Element, fields: Fields) -> dict[str, etree._Element]:
     """The attributes of an object by name; its name and number are read."""
     holder = child_named(element, "AttributeList")
-    values = {local(child): child for child in children(holder)} if holder is not None else {}
-    fields["name"] = _text(values.pop("Name", None)) or ""
+    values: dict[str, etree._Element] = {}
+    for child in children(holder) if holder is not None else ():
+        if local(child) in values:
+            carry_element(fields, child)
+        else:
+            values[local(child)] = child
+    name = values.get("Name")
+    fields["name"] = (name.text or "") if name is not None else ""
+    _take(values, "Name")
     ctx.place.append(f"{local(element).rpartition('.')[2]} {fields['name']}")
     number = whole_number(_text(values.get("Number")))
     if number is not None:
@@ -159,9 +170,7 @@ def _end(ctx: ReadContext, element: etree._Element, fields: Fields, values: dict
             carry_attribute(fields, name, text)
         else:
             carry_element(fields, value)
-    for child in children(element):
-        if local(child) not in ("AttributeList", "ObjectList"):
-            carry_element(fields, child)
+    carry_rest(fields, element)
     for key, mark in attributes(element).items():
         if key not in ("ID", "CompositionName") or (key == "CompositionName" and ROLES.get(local(element)) != mark):
             carry_attribute(fields, f"@{key}", mark)
@@ -175,6 +184,14 @@ def _text(element: etree._Element | None) -> str | None:
     if element is None or element.attrib or len(element):
         return None
     return element.text or ""
+
+
+def _take(values: dict[str, etree._Element], name: str) -> str | None:
+    """Take the text of a plain attribute; one that is more than text is left, and so kept."""
+    text = _text(values.get(name))
+    if text is not None:
+        del values[name]
+    return text
 
 
 def _settings(values: dict[str, etree._Element]) -> Fields:

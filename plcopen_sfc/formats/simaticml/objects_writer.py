@@ -37,6 +37,8 @@ from plcopen_sfc.report import Fate
 
 _POU_TAGS = {kind: tag for tag, kind in POUS.items()}
 _DATA_BLOCK_TAGS = {kind: tag for tag, kind in DATA_BLOCKS.items()}
+_MARKED = frozenset({"Name"})
+"""Attributes that the model has even where they are more than text in the file, and so are kept too."""
 _TEXTS = frozenset({"name", "number", "title", "comment"})
 
 
@@ -64,13 +66,17 @@ class _Object:
         carried = self.thing.carried
         for name, value in carried.attributes.items() if carried is not None else ():
             if name.startswith("@"):
-                self.element.set(name[1:], value)
+                owner, _, mark = name[1:].rpartition("@")
+                {"AttributeList": self.values, "ObjectList": self.objects}.get(owner, self.element).set(mark, value)
             elif name not in ("Datatype", ID):
                 self.set(name, value)
         for content in carried.elements if carried is not None else ():
             holder = etree.Element("holder")
             add_element(self.ctx, holder, content)
             for element in list(holder):
+                own = self.values.find(str(element.tag)) if element.get(ID) is None else None
+                if own is not None and own.tag in _MARKED and element.attrib:
+                    self.values.remove(own)
                 (self.objects if element.get(ID) is not None else self.values).append(element)
         self.values[:] = sorted(self.values, key=lambda value: str(value.tag).lower())
         write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
@@ -158,7 +164,7 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, declaration: Data
     native = {"type"}
     if isinstance(declaration.type, StructType):
         kept = declaration.carried.elements if declaration.carried is not None else []
-        if not any(content.startswith("<Interface ") for content in kept):
+        if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
             write_members(ctx, writer.values, declaration.type)
         ctx.keep("data type", declaration.name)
     else:

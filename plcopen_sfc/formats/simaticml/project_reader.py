@@ -79,8 +79,14 @@ def read_project(
     _find_schemas(ctx, root)
     ranks = [_rank(local(child)) for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
     usual = ranks == sorted(ranks)
+    frame: set[str] = set()
     for child in children(root):
         kind = local(child)
+        if kind in ("Engineering", "DocumentInfo"):
+            if kind in frame:
+                carry_element(fields, child)
+                continue
+            frame.add(kind)
         found: Fields | None = None
         if kind == "DocumentInfo":
             _document_info(header, child)
@@ -95,10 +101,12 @@ def read_project(
         elif kind != "Engineering":
             carry_element(fields, child)
             ctx.warn("XML201", f"<{kind}> is none of the objects that can be read; it is kept as it is", child)
-        elif set(child.attrib) - {"version"}:
+        else:
             for name, value in attributes(child).items():
                 if name != "version":
                     carry_attribute(header, name, value)
+            if (child.text or "").strip():
+                carry_attribute(header, "#text", child.text or "")
         if found is not None and not usual:
             carry_attribute(found, "ID", child.get("ID", ""))
     for name, value in attributes(root).items():
@@ -134,11 +142,13 @@ def _find_schemas(ctx: ReadContext, root: etree._Element) -> None:
 
 def _document_info(header: Fields, element: etree._Element) -> None:
     for child in children(element):
-        if local(child) == "Created" and not child.attrib:
+        if local(child) == "Created" and not child.attrib and "created" not in header:
             header["created"] = child.text or ""
-        elif local(child) == "ExportSetting" and not child.attrib:
+        elif local(child) == "ExportSetting" and not child.attrib and "description" not in header:
             header["description"] = child.text or ""
         else:
             carry_element(header, child)
     if not len(element):
         carry_attribute(header, "DocumentInfo", "")
+    for name, value in attributes(element).items():
+        carry_attribute(header, f"@{name}", value)

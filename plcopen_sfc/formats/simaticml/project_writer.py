@@ -99,12 +99,14 @@ def _document_info(ctx: WriteContext, root: etree._Element, header: FileHeader) 
         return
     kept = header.carried.attributes if header.carried is not None else {}
     for name, value in kept.items():
-        if name != "DocumentInfo":
+        if name == "#text":
+            root[0].text = value
+        elif name != "DocumentInfo" and not name.startswith("@"):
             root[0].set(name, value)
     elements = header.carried.elements if header.carried is not None else []
     if not (header.created or header.description is not None or elements or "DocumentInfo" in kept):
         return
-    info = sub(root, "DocumentInfo")
+    info = sub(root, "DocumentInfo", {name[1:]: value for name, value in kept.items() if name.startswith("@")})
     if header.created:
         sub(info, "Created").text = header.created
     if header.description is not None:

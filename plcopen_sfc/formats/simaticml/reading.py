@@ -130,6 +130,18 @@ def opaque(*elements: etree._Element) -> Fields:
     return {"language": "opaque", "source": "simaticml", "content": content}
 
 
+def carry_rest(fields: Fields, element: etree._Element) -> None:
+    """Keep what stands in an object beside its one list of attributes and its one list of objects."""
+    seen: set[str] = set()
+    for child in children(element):
+        if local(child) in ("AttributeList", "ObjectList") and local(child) not in seen:
+            seen.add(local(child))
+            for name, value in attributes(child).items():
+                carry_attribute(fields, f"@{local(child)}@{name}", value)
+        else:
+            carry_element(fields, child)
+
+
 def keep_verbatim(fields: Fields, element: etree._Element) -> None:
     """Keep `element` as it stands in the file, beside what was read of it."""
     carried(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
@@ -162,14 +174,26 @@ def read_languages(element: etree._Element) -> Fields | None:
 def read_object_text(element: etree._Element) -> Fields | None:
     """Read the object ``MultilingualText``; None where it says more than texts in cultures."""
     texts: dict[str, str] = {}
+    usual: dict[str, set[str]] = {"MultilingualText": _OBJECT, "MultilingualTextItem": _OBJECT}
+    if any(set(part.attrib) - usual.get(local(part), set()) for part in element.iter(etree.Element)):
+        return None
+    if len(element) > 1:
+        return None
     for holder in children(element):
         if local(holder) != "ObjectList":
             return None
         for item in children(holder):
             listed = children(item)
-            if local(item) != "MultilingualTextItem" or len(listed) != 1 or local(listed[0]) != "AttributeList":
+            if (
+                item.get("CompositionName") != "Items"
+                or local(item) != "MultilingualTextItem"
+                or len(listed) != 1
+                or local(listed[0]) != "AttributeList"
+            ):
                 return None
             values = {local(value): value.text or "" for value in children(listed[0])}
+            if len(values) != len(listed[0]) or any(len(value) for value in listed[0]):
+                return None
             if not values.keys() <= {"Culture", "Text"} or values.get("Culture", "") in texts:
                 return None
             texts[values.get("Culture", "")] = values.get("Text", "")
@@ -200,6 +224,9 @@ def merge(fields: Fields, found: Fields) -> None:
             present.extend(value)
         else:
             fields[name] = value
+
+
+_OBJECT = {"ID", "CompositionName"}
 
 
 def whole_number(text: str | None) -> int | None:

@@ -44,8 +44,14 @@ class Link:
 def read_link(element: etree._Element) -> Link:
     """Read ``Connection``. Raises `NotUnderstoodError`."""
     parts = {local(child): child for child in children(element)}
+    if element.attrib or any(part.attrib for part in parts.values()):
+        raise NotUnderstoodError("connection")
     kind = (parts["LinkType"].text or "") if "LinkType" in parts else ""
-    if parts.keys() != {"NodeFrom", "NodeTo", "LinkType"} or kind not in ("Direct", "Jump"):
+    if (
+        len(element) != len(parts)
+        or parts.keys() != {"NodeFrom", "NodeTo", "LinkType"}
+        or kind not in ("Direct", "Jump")
+    ):
         raise NotUnderstoodError("connection")
     source = _node(parts["NodeFrom"], "Out")
     if source is None:
