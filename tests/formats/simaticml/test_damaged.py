@@ -37,7 +37,7 @@ def mutants(data: bytes, count: int, seed: int) -> list[bytes]:
         elif kind == 2:
             element.tag = f"{str(element.tag).rpartition('}')[0]}}}Strange" if "}" in str(element.tag) else "Strange"
         elif kind == 3 and element.attrib:
-            element.set(chance.choice(list(element.attrib)), chance.choice(VALUES))  # type: ignore[arg-type]
+            element.set(chance.choice(list(element.attrib)), chance.choice(VALUES))
         elif kind == 4:
             element.set("Unknown", chance.choice(VALUES))
         elif kind == 5 and element.text and not len(element):  # other text is in no schema, and kept in the file only
@@ -53,7 +53,7 @@ def lost(data: bytes, fresh: bytes) -> Counter[tuple[str, str]]:
         found: Counter[tuple[str, str]] = Counter()
         for element in parsed(content).iter(etree.Element):
             name = etree.QName(element).localname
-            marks = sorted(f"{key}={value}" for key, value in element.attrib.items() if key not in NUMBERS)
+            marks = sorted(f"{key!s}={value!s}" for key, value in element.attrib.items() if key not in NUMBERS)
             text = (element.text or "").strip()
             if marks or text:
                 found[name, " ".join([*marks, text])] += 1
