@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Severity
@@ -11,6 +12,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.blocks import BlockReader
 from plcopen_sfc.languages.networks.effects import path_of
 from plcopen_sfc.languages.networks.graph import Graph, Source, block_outputs, is_fed
+from plcopen_sfc.languages.networks.numbering import apart
 from plcopen_sfc.languages.networks.results import NetworkExpression, NetworkProblem, NetworkStatements
 from plcopen_sfc.languages.networks.values import TRUE, Factor, Product, expression_of, inverted, meeting
 from plcopen_sfc.languages.networks.wires import Wires
@@ -68,12 +70,33 @@ def network_statements(
     known: Container[str] | None = None,
 ) -> NetworkStatements:
     """Networks as statements; see `body_statements`."""
-    networks = list(networks)
+    networks, original = apart(list(networks))
     reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, known=known)
     for network in networks:
         reader.comment(None, network.title, network.comment)
     reader.run()
-    return reader.result()
+    return reader.result() if not original else _with_ids(reader.result(), original)
+
+
+def _with_ids(result: NetworkStatements, original: Mapping[int, int]) -> NetworkStatements:
+    """The result with the ids that the elements have in their networks, in messages too."""
+
+    def named(problem: NetworkProblem) -> NetworkProblem:
+        message = _MENTION.sub(lambda m: f"{m[1]} {original.get(int(m[2]), m[2])}", problem.message)
+        node = original.get(problem.node, problem.node) if problem.node is not None else None
+        return replace(problem, message=message, node=node)
+
+    return replace(
+        result,
+        problems=tuple(map(named, result.problems)),
+        comments=tuple(
+            (original.get(node, node) if node is not None else None, text) for node, text in result.comments
+        ),
+        open_ends=tuple((original.get(node, node), value) for node, value in result.open_ends),
+    )
+
+
+_MENTION = re.compile(r"\b(element|contact) (\d+)")
 
 
 def network_expression(
