@@ -103,6 +103,10 @@ class BlockReader:
             return
         standard = standard_block(block.type_name)
         self._check_known(block, standard)
+        memory = next((a for a in arguments if _memory_pin(block, a.variable)), None)
+        if memory is not None and memory.value is not None:
+            self._with_memory(block, memory.value, [a for a in arguments if a is not memory], outputs)
+            return
         called_on = block.instance if block.call not in (BlockCall.ACTION, BlockCall.METHOD) else None
         if called_on or (standard is not None and standard.stateful) or block.call is BlockCall.PROGRAM:
             self._function_block(block, arguments, outputs, guard)
@@ -218,6 +222,35 @@ class BlockReader:
         for variable in outputs:
             self._give(block, variable, n.Member(callee, n.Name(variable.name)))
 
+    def _with_memory(
+        self, block: Block, memory: Expression, arguments: list[_Argument], outputs: list[BlockVariable]
+    ) -> None:
+        """A flip-flop or an edge of S7, which keeps its state in a variable instead of an instance.
+
+        One assignment each, so that all inputs are taken as they are before it (TIA Portal help: SR, RS, P_TRIG).
+        """
+        inputs = {a.variable.name.upper().rstrip("1"): a.value for a in arguments}
+        result = memory
+        if block.type_name.upper() in _EDGES:
+            clock = inputs.get("CLK") or n.Literal("FALSE")
+            clock = clock if is_variable(clock) else self._kept(block, clock, "BOOL")
+            rising = block.type_name.upper() == "R_TRIG"
+            now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
+            result = self._kept(block, n.Operation(Operator.AND, (now, before)), "BOOL")
+            self._wires.execute(n.Assignment(memory, clock))
+        else:
+            sets, resets = inputs.get("S"), inputs.get("R")
+            stays = [inverted(resets)] if resets is not None else []
+            if block.type_name.upper() == "RS":  # resetting wins
+                on = [joined(Operator.OR, [sets, memory]) if sets is not None else memory]
+                value = joined(Operator.AND, [*on, *stays])
+            else:
+                held = joined(Operator.AND, [memory, *stays])
+                value = joined(Operator.OR, [sets, held]) if sets is not None else held
+            self._wires.execute(n.Assignment(memory, value))
+        for variable in outputs:
+            self._give(block, variable, result)
+
     def _function(
         self,
         block: Block,
@@ -318,6 +351,15 @@ class BlockReader:
                 given = [("", value) for _, value in given]
         named = tuple(n.Argument(value, n.Name(name) if name else None) for name, value in given if value is not None)
         return (*named, *(n.Argument(helper, n.Name(name), output=True) for name, helper in outputs))
+
+
+_EDGES = frozenset({"R_TRIG", "F_TRIG"})
+_MEMORIES = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys(_EDGES, "bit")
+"""The pin of a block of S7 at which the variable stands that it keeps its state in."""
+
+
+def _memory_pin(block: Block, variable: BlockVariable) -> bool:
+    return not block.instance and _is(variable, _MEMORIES.get(block.type_name.upper(), ""))
 
 
 _ACTING = frozenset(

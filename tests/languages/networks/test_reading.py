@@ -510,3 +510,23 @@ def test_an_output_that_a_block_does_not_have() -> None:
     assert said(result) == [
         "warning: element 3: a wire starts at the output 'x' of element 2, which TON does not have; taken as 'Q'"
     ]
+
+
+def test_flip_flops_of_s7_keep_their_state_in_a_variable() -> None:
+    inputs = {"S": 1, "R1": 2, "operand": 3}
+    parts = [variable(1, "a"), variable(2, "b"), variable(3, "m"), output(9, "y", (4, "Q1"))]
+    result = read(*parts, block(4, "RS", inputs, "Q1"))
+    assert lines(result) == ["m := (a OR m) AND NOT b;", "y := m;"]
+    assert said(result) == []
+    sets_win = {"S1": 1, "R": 2, "operand": 3}
+    assert lines(read(*parts, block(4, "SR", sets_win, "Q1"))) == ["m := a OR m AND NOT b;", "y := m;"]
+    only_set = {"S": 1, "R1": None, "operand": 3}
+    assert lines(read(*parts[:3], block(4, "RS", only_set, "Q1"))) == ["m := a OR m;"]
+
+
+def test_edges_of_s7_keep_their_state_in_a_variable() -> None:
+    parts = [variable(1, "a"), variable(3, "m"), output(9, "y", (4, "Q"))]
+    rising = read(*parts, block(4, "R_TRIG", {"CLK": 1, "bit": 3}, "Q"))
+    assert lines(rising) == ["value_4 := a AND NOT m;", "m := a;", "y := value_4;"]
+    falling = read(*parts, block(4, "F_TRIG", {"CLK": 1, "bit": 3}, "Q"))
+    assert lines(falling) == ["value_4 := NOT a AND m;", "m := a;", "y := value_4;"]
