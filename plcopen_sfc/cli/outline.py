@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from plcopen_sfc.cli.flow import Flow, Path, common
 from plcopen_sfc.cli.screen import Line
 from plcopen_sfc.cli.wording import Wording
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
 __all__ = ["outline"]
@@ -49,16 +50,19 @@ _UNICODE = _Signs(" │  ", " ├─ ", " └─ ", " │  ", " ╠═ ", " ╚�
 _MARGIN = "  "
 
 
-def outline(chart: SfcNetwork, *, unicode: bool = False) -> list[Line]:
-    """The lines of the outline of `chart`; with `unicode` in line-drawing characters, else in ASCII."""
-    return _Outline(chart, _UNICODE if unicode else _ASCII).run()
+def outline(chart: SfcNetwork, *, unicode: bool = False, dialect: Dialect = Dialect.IEC) -> list[Line]:
+    """The lines of the outline of `chart`; with `unicode` in line-drawing characters, else in ASCII.
+
+    `dialect` is that of the names in its networks.
+    """
+    return _Outline(chart, _UNICODE if unicode else _ASCII, dialect).run()
 
 
 class _Outline:
-    def __init__(self, chart: SfcNetwork, signs: _Signs) -> None:
+    def __init__(self, chart: SfcNetwork, signs: _Signs, dialect: Dialect) -> None:
         self.chart = chart
         self.signs = signs
-        self.words = Wording(chart)
+        self.words = Wording(chart, dialect)
         self.flow = Flow(chart)
         self.steps = {step.id: step for step in chart.steps}
         self.lines: list[Line] = []

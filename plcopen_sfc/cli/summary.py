@@ -79,7 +79,7 @@ def summarise(file: str, data: bytes, project: Project) -> FileSummary:
         file=file,
         format=kind.name,
         format_title=kind.title,
-        dialect=f"TC6 {version}" if version and kind.xml else version,
+        dialect=f"TC6 {version}" if version and kind.name in ("plcopen", "codesys") else version,
         tool=project.header.product,
         tool_version=project.header.version,
         project=project.name,

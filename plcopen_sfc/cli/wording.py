@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcopen_sfc.languages.networks import condition_expression
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body, IlBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import (
     Block,
     Contact,
@@ -17,7 +20,7 @@ from plcopen_sfc.model.network import (
     LeftPowerRail,
     Node,
 )
-from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 
 __all__ = ["Wording"]
 
@@ -28,7 +31,9 @@ _DEEPEST = 12
 class Wording:
     """Words for the elements of one chart."""
 
-    def __init__(self, chart: SfcNetwork) -> None:
+    def __init__(self, chart: SfcNetwork, dialect: Dialect = Dialect.IEC) -> None:
+        self._chart = chart
+        self._dialect = dialect
         self._nodes: dict[int, Node] = {node.id: node for node in chart.logic}
         self._steps = {step.id: step.name for step in chart.steps}
 
@@ -41,10 +46,18 @@ class Wording:
         elif isinstance(condition, NamedCondition):
             text = condition.name
         elif isinstance(condition, BodyCondition):
-            text = condition.name or _body(condition.body)
+            text = self._network(condition) or condition.name or _body(condition.body)
         else:
             text = self._wired(condition.input, 0)
         return _negated(text, condition.negated)
+
+    def _network(self, condition: BodyCondition) -> str:
+        """A condition in FBD or LD as an expression; empty where it takes more than one."""
+        if not isinstance(condition.body, FbdBody | LdBody):
+            return ""
+        alone = Transition(id=0, condition=condition.model_copy(update={"negated": False}))
+        read = condition_expression(self._chart, alone, self._dialect)
+        return "" if read.tree is None or read.before else _one_line(print_node(read.tree, self._dialect))
 
     def actions(self, step: Step) -> Iterator[str]:
         """What a step does: step actions and associations, each as ``N Motor`` or ``D T#2s Lamp``."""

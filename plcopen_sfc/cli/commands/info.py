@@ -98,7 +98,7 @@ def _print_outlines(screen: Screen, project: Project) -> None:
     for name, _, chart in all_charts(project):
         screen.line()
         screen.line((name, "bold underline"))
-        screen.lines(outline(chart, unicode=screen.unicode))
+        screen.lines(outline(chart, unicode=screen.unicode, dialect=project.dialect))
 
 
 def _without(version: str, tool: str) -> str:

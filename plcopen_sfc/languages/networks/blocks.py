@@ -265,7 +265,12 @@ class BlockReader:
             for variable in outputs[1:]
             if not moves and self._is_used(block, variable)
         ]
-        product = self._result(block, standard, arguments, [(v.name, h) for v, h in extra])
+        before = [a for a in arguments if _is(a.variable, "pre")]
+        rest = [a for a in arguments if a not in before]
+        product = self._result(block, standard, rest, [(v.name, h) for v, h in extra])
+        if product is not None:  # a comparison in a ladder of S7 is a contact: power must reach it
+            powers = [a.product or (Factor((block.id, "pre"), a.value),) for a in before if a.value not in (None, TRUE)]
+            product = product_of([*powers, product])
         if not outputs or (standard is None and not self._is_used(block, outputs[0])):
             if product is not None:
                 call = n.CallStatement(expression_of(product))

@@ -530,3 +530,13 @@ def test_edges_of_s7_keep_their_state_in_a_variable() -> None:
     assert lines(rising) == ["value_4 := a AND NOT m;", "m := a;", "y := value_4;"]
     falling = read(*parts, block(4, "F_TRIG", {"CLK": 1, "bit": 3}, "Q"))
     assert lines(falling) == ["value_4 := NOT a AND m;", "m := a;", "y := value_4;"]
+
+
+def test_a_comparison_in_a_ladder_of_s7_is_a_contact() -> None:
+    power, left, right = contact(2, "go", 0), variable(3, "x"), variable(4, "5")
+    compare = block(5, "EQ", {"pre": 2, "in1": 3, "in2": 4}, "out")
+    result = read(rail(), power, left, right, compare, coil(6, "y", (5, "out")), dialect=Dialect.SCL)
+    assert lines(result, Dialect.SCL) == ["y := go AND x = 5;"]
+    assert said(result) == []
+    at_rail = block(5, "EQ", {"pre": 0, "in1": 3, "in2": 4}, "out")
+    assert lines(read(rail(), left, right, at_rail, coil(6, "y", (5, "out")))) == ["y := x = 5;"]
