@@ -103,6 +103,7 @@ class BlockReader:
             return
         standard = standard_block(block.type_name)
         self._check_known(block, standard)
+        self._check_pins(block, standard, arguments)
         memory = next((a for a in arguments if _memory_pin(block, a.variable)), None)
         if memory is not None and memory.value is not None:
             self._with_memory(block, memory.value, [a for a in arguments if a is not memory], outputs)
@@ -194,6 +195,13 @@ class BlockReader:
             name = block.type_name.rpartition(".")[2].casefold()
             if name not in self._known and block.type_name.casefold() not in self._known:
                 self._wires.problem(f"the block {block.type_name!r} is neither of the project nor standard", block.id)
+
+    def _check_pins(self, block: Block, standard: StandardBlock | None, arguments: list[_Argument]) -> None:
+        """A pin that a standard block does not have would be said wrongly, or not at all."""
+        for variable in [a.variable for a in arguments if standard is not None and a.variable.name]:
+            known = standard is not None and standard.input_name(variable.name) is not None
+            if not known and not _is(variable, "pre") and not _memory_pin(block, variable):
+                self._wires.problem(f"{block.type_name} has no input {variable.name!r}", block.id)
 
     # -- calls
 

@@ -540,3 +540,10 @@ def test_a_comparison_in_a_ladder_of_s7_is_a_contact() -> None:
     assert said(result) == []
     at_rail = block(5, "EQ", {"pre": 0, "in1": 3, "in2": 4}, "out")
     assert lines(read(rail(), left, right, at_rail, coil(6, "y", (5, "out")))) == ["y := x = 5;"]
+
+
+def test_a_pin_that_a_standard_block_does_not_have_is_a_problem() -> None:
+    parts = [variable(1, "a"), variable(2, "b"), variable(3, "c"), output(9, "y", (4, "OUT"))]
+    result = read(*parts, block(4, "EQ", {"IN1": 1, "IN2": 2, "gate": 3}, "OUT"))
+    assert "error: element 4: EQ has no input 'gate'" in said(result)
+    assert not result.complete
