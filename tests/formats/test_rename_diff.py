@@ -91,13 +91,13 @@ BIG = [path for path in (*fixture_files(), *real_files()) if path.stat().st_size
 @pytest.mark.slow
 @pytest.mark.corpus
 @pytest.mark.parametrize("path", BIG, ids=label)
-def test_every_step_of_the_bigger_files_too(path: Path) -> None:
-    """What the test above does not look at: the lines alone, which takes a third of the time."""
+def test_more_steps_of_the_bigger_files(path: Path) -> None:
+    """Every third of them. The lines alone are looked at, which takes a third of the time of the test above."""
     data = path.read_bytes()
     project = sfc.loads(data)
     spans = charts_in(outline(data))
     for number, chart in enumerate(chart.network for chart in project.charts()):
-        for position, step in enumerate(chart.steps):
+        for position, step in list(enumerate(chart.steps))[number % 3 :: 3]:
             old = step.name
             step.name = NEW
             assert_only_names_changed(data, sfc.dumps(project), old, name_places(spans[number], position), note=old)
