@@ -36,6 +36,8 @@ quick = settings(
 def meaning(project: m.Project, *, codesys: bool = False) -> Any:
     """What a project says, without how its charts are drawn and without the ids that files give to objects."""
     copy = project.model_copy(deep=True)
+    if codesys:
+        copy.dialect = m.Dialect.CODESYS  # that of its files; the texts are the same in both
     nets = [net(chart.network, codesys=codesys) for chart in copy.charts()]
     for chart in copy.charts():
         chart.network.steps, chart.network.transitions, chart.network.drawing = [], [], None

@@ -106,6 +106,10 @@ class Reading:
         """The keyword of the innermost block that is open."""
         return next((v for v in reversed(self._values) if isinstance(v, Token) and v.type in _CLOSED_BY), None)
 
+    def _opening_type(self) -> str | None:
+        opening = self._opening()
+        return opening.type if opening is not None else None
+
     def _unfinished_head(self) -> Token | None:
         """The keyword of the innermost block if its statements have not begun: ``IF a``."""
         for value in reversed(self._values):
@@ -118,7 +122,8 @@ class Reading:
     def _recover(self, position: int) -> int:
         """Make the parser ready to go on; the index of the token to go on with."""
         token = self._tokens[position]
-        self._tell(position)
+        if not (token.type == "END_REPEAT" and self._behind_unreadable()):  # its condition is what could not be read
+            self._tell(position)
         if len(self._builder.problems) >= MAX_PROBLEMS:
             return self._give_up(position)
         if self._semicolon_is_missing(position):
@@ -130,8 +135,10 @@ class Reading:
             return position
         if token.type == "$END":
             return self._give_up(position)
-        if token.type in _CLOSING and self._close_outer_block(token):
+        if token.type in _CLOSING and self._close_outer_block(token) and token.type in self._accepted():
             return position
+        if token.type == "END_REPEAT" and self._opening_type() == "REPEAT":
+            return self._drop_block(position)
         if self._accepted() & _STARTS:  # an empty list is made only when something follows that fits
             self._feed_semicolon(token.span[0])
         start, opened = self._unwind(token.span[0])
@@ -166,6 +173,19 @@ class Reading:
             start = self._pop(start)
         self._keep(start, token.span[0])
         return True
+
+    def _drop_block(self, position: int) -> int:
+        """Leave the innermost block, which ends at `position` but lacks a part (REPEAT without UNTIL), as it stands."""
+        opening, start = self._opening(), self._tokens[position].span[0]
+        while self._opening() is opening or not isinstance(self._values[-1], StatementList):
+            start = self._pop(start)
+        position += 2 if self._tokens[position + 1].type == "SEMICOLON" else 1
+        self._keep(start, self._tokens[position - 1].span[1])
+        return position
+
+    def _behind_unreadable(self) -> bool:
+        statements = self._values[-1]
+        return isinstance(statements, StatementList) and bool(statements) and isinstance(statements[-1], Unreadable)
 
     def _unwind(self, start: int, *, outermost: bool = False) -> tuple[int, int]:
         """Take the parser back to the statements it was reading: where what it forgot starts, and its open blocks."""

@@ -173,7 +173,10 @@ class _Comparison:
         texts = [self._printer.text(node, indent) for node in nodes]
         if index:
             end = self._end_with_comment(end)
-            return Edit(end, end, "".join(f"{self._newline}{indent}{text}" for text in texts))
+            text = "".join(f"{self._newline}{indent}{text}" for text in texts)
+            if self._text[end : end + 1].strip():  # what follows at once would become a part of it
+                text += f"{self._newline}{indent}"
+            return Edit(end, end, text)
         return Edit(start, start, "".join(f"{text}{self._newline}{indent}" for text in texts))
 
     def _end_with_comment(self, end: int) -> int:

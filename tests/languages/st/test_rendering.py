@@ -30,6 +30,7 @@ from plcopen_sfc.languages.st.nodes import (
     Node,
     Operation,
     Operator,
+    Region,
     Statement,
     Statements,
     Unary,
@@ -88,6 +89,12 @@ def test_a_statement_is_put_in_behind_the_comment_of_the_one_before() -> None:
     assert edited(TEXT, lambda old: (Exit(), *old)) == TEXT.replace("\tx :=", "\tEXIT;\n\tx :=")
     crlf = TEXT.replace("\n", "\r\n")
     assert edited(crlf, lambda old: (*old, Exit())) == crlf.replace("T#5s );\r\n", "T#5s );\r\n\tEXIT;\r\n")
+
+
+def test_what_stands_right_behind_a_new_statement_does_not_become_a_part_of_it() -> None:
+    parsed = parse_statements("a();b();", Dialect.SCL)
+    first, last = parsed.tree.statements
+    assert render(parsed, Statements((first, Region("", ()), last))) == "a();\nREGION\nEND_REGION\nb();"
 
 
 def test_a_statement_is_taken_out_with_its_line() -> None:

@@ -207,6 +207,25 @@ def test_a_statement_before_the_first_label() -> None:
     assert [p.message for p in parsed.problems] == ["a label is missing before this statement"]
 
 
+@pytest.mark.parametrize(
+    "block",
+    [
+        "REPEAT a := 1; END_REPEAT;",
+        "REPEAT END_REPEAT",
+        "REPEAT a := 1; UNTIL x foo END_REPEAT;",
+        "REPEAT IF a THEN y := 1; END_REPEAT;",
+        "REPEAT REPEAT END_REPEAT END_REPEAT;",
+    ],
+)
+def test_a_repeat_without_its_condition_is_one_problem(block: str) -> None:
+    parsed = parse_statements(f"{block} b := 2;")
+    assert len(parsed.problems) == 1
+    unreadable, rest = parsed.tree.statements
+    assert isinstance(unreadable, Unreadable)
+    assert unreadable.text == block
+    assert shape(rest) == ("Assignment", "b", "2", ":=")
+
+
 def test_too_many_problems_end_the_reading() -> None:
     parsed = parse_statements("a b;\n" * 1000)
     assert len(parsed.problems) == 50
