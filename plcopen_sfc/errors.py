@@ -102,3 +102,15 @@ class LossError(SfcError):
 
 class ModelError(SfcError, ValueError):
     """An operation on the model that its content does not allow: a name that does not exist, or exists already."""
+
+
+class InputError(SfcError, ValueError):
+    """Inputs of a simulation that do not fit: an unknown variable, a value that its type cannot have, a bad file."""
+
+
+class RivalsError(SfcError):
+    """Transitions that share a step are true at once where that is forbidden. `transitions`: their paths."""
+
+    def __init__(self, message: str, *, transitions: tuple[str, ...]) -> None:
+        super().__init__(message, hint="Make their conditions exclude each other, or give them priorities.")
+        self.transitions = transitions

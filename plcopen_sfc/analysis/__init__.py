@@ -1,0 +1,1 @@
+"""What can be said about a chart without running it: markings, structure, exclusive conditions."""

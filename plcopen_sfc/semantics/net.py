@@ -1,0 +1,394 @@
+"""The net of a chart: steps and transitions as bits and indexes, for the interpreter and for analysis alike.
+
+`Net.of(chart)` is a picture of the chart at that moment. Macro-steps are replaced by their expansions, elements
+excluded from the build are left out, and all partial charts of a GRAFCET stand in one net, to evolve together.
+Enclosures and forcing orders are rules beyond firing; a net only tells that there are some (`Net.hierarchy`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+from plcopen_sfc.errors import RivalsError
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.sfc import Macro, PartialChart, PartialChartKind, SfcNetwork, Step, Transition
+
+
+class Rivals(StrEnum):
+    """What happens when several transitions that share a source could fire at once.
+
+    PRIORITY: the first one in the order of `Net.transitions` fires (IEC 61131-3 ed. 3, 6.7.5, selection sequence; all
+    PLC tools). ALL: all of them fire (IEC 60848:2013, evolution rule 4). ERROR: that is a mistake of the author.
+    """
+
+    PRIORITY = "priority"
+    ALL = "all"
+    ERROR = "error"
+
+
+@dataclass(frozen=True)
+class NetStep:
+    """A step of the net. `path` is how people and programs name it: ``S3``, in a macro-step ``M1.E``."""
+
+    index: int
+    step: Step
+    chart: SfcNetwork
+    path: str
+
+    @cached_property
+    def bit(self) -> int:
+        """Its bit in a marking."""
+        return 1 << self.index
+
+
+@dataclass(frozen=True)
+class NetTransition:
+    """A transition of the net, from all steps `sources` to all steps `targets` (indexes, each once, ascending).
+
+    `rivals` are the transitions that share a source with it and are tried before it.
+    """
+
+    index: int
+    transition: Transition
+    chart: SfcNetwork
+    path: str
+    sources: tuple[int, ...]
+    targets: tuple[int, ...]
+    rivals: tuple[int, ...]
+
+    @cached_property
+    def bit(self) -> int:
+        """Its bit in a set of transitions."""
+        return 1 << self.index
+
+    @cached_property
+    def pre(self) -> int:
+        """Its sources as bits."""
+        return mask(self.sources)
+
+    @cached_property
+    def post(self) -> int:
+        """Its targets as bits."""
+        return mask(self.targets)
+
+
+@dataclass(frozen=True)
+class NetMacro:
+    """A macro-step that was replaced by its expansion. It is active while any step of `steps` (bits) is.
+
+    `entry` and `exit` are the indexes of the entry and exit step, None where the expansion has none.
+    """
+
+    step: Step
+    chart: SfcNetwork
+    path: str
+    steps: int
+    entry: int | None
+    exit: int | None
+
+
+class NetProblemKind(StrEnum):
+    """Why something of the chart is not in its net as it was meant."""
+
+    MISSING_SOURCE = "missing source"
+    MISSING_TARGET = "missing target"
+    NO_EXPANSION = "macro-step without expansion"
+    RECURSIVE_MACRO = "macro-step that contains itself"
+    NO_ENTRY = "expansion without entry step"
+    NO_EXIT = "expansion without exit step"
+    SEVERAL_ENTRIES = "expansion with several entry steps"
+    SEVERAL_EXITS = "expansion with several exit steps"
+
+
+@dataclass(frozen=True)
+class NetProblem:
+    """Something broken in the chart, and what the net made of it. `path` names the step or transition."""
+
+    kind: NetProblemKind
+    chart: SfcNetwork
+    element: Step | Transition
+    path: str
+    message: str
+
+
+@dataclass(frozen=True)
+class Net:
+    """Steps and transitions of a chart. A marking is an `int` with the bits of the active steps.
+
+    `transitions` stand in the order in which they are tried: chart by chart, by priority, then as in the chart.
+    `initial` is the marking at the start. `hierarchy`: the chart has enclosing steps or forcing orders, which rule the
+    net beyond its transitions. `problems` tells what of a broken chart is missing here; a transition with a source that
+    does not exist is left out, for it can never be enabled.
+    """
+
+    chart: SfcNetwork
+    steps: tuple[NetStep, ...]
+    transitions: tuple[NetTransition, ...]
+    macros: tuple[NetMacro, ...]
+    initial: int
+    hierarchy: bool
+    problems: tuple[NetProblem, ...]
+
+    @staticmethod
+    def of(chart: SfcNetwork) -> Net:
+        """The net of a chart, whatever is broken in it."""
+        return _Builder(chart).net()
+
+    @cached_property
+    def leaving(self) -> tuple[tuple[int, ...], ...]:
+        """For each step the transitions that leave it, in the order in which they are tried."""
+        return self._beside([t.sources for t in self.transitions])
+
+    @cached_property
+    def entering(self) -> tuple[tuple[int, ...], ...]:
+        """For each step the transitions that lead to it."""
+        return self._beside([t.targets for t in self.transitions])
+
+    @cached_property
+    def sourceless(self) -> tuple[int, ...]:
+        """The transitions without any source, which are always enabled (IEC 60848:2013, source transition)."""
+        return tuple(t.index for t in self.transitions if not t.sources)
+
+    def enabled(self, marking: int) -> tuple[int, ...]:
+        """The transitions all of whose sources are active, in the order in which they are tried."""
+        beside = set(self.sourceless)
+        for step in indexes(marking):
+            beside.update(self.leaving[step])
+        return tuple(i for i in sorted(beside) if not self.transitions[i].pre & ~marking)
+
+    def fire(self, marking: int, true: int, rivals: Rivals = Rivals.PRIORITY) -> tuple[int, int]:
+        """One evolution: the new marking and the transitions that fired, where `true` are those with a true condition.
+
+        All of them see the old marking, and a step that is both left and entered stays active (IEC 60848:2013,
+        evolution rules 4 and 5). Raises `RivalsError` where rivals must not be true at once and are.
+        """
+        fired = cleared = entered = 0
+        for index in self.enabled(marking):
+            transition = self.transitions[index]
+            if not true & transition.bit:
+                continue
+            if rivals is not Rivals.ALL and transition.pre & cleared:
+                if rivals is Rivals.ERROR:
+                    self._refuse(transition, fired)
+                continue
+            fired |= transition.bit
+            cleared |= transition.pre
+            entered |= transition.post
+        return marking & ~cleared | entered, fired
+
+    def names(self, marking: int) -> tuple[str, ...]:
+        """The paths of the active steps."""
+        return tuple(self.steps[i].path for i in indexes(marking))
+
+    def marking(self, paths: Iterable[str]) -> int:
+        """The marking in which the steps with these paths are active; case does not matter. `KeyError` for others."""
+        return mask(self._by_path[path.casefold()] for path in paths)
+
+    @cached_property
+    def _by_path(self) -> dict[str, int]:
+        return {step.path.casefold(): step.index for step in reversed(self.steps)}
+
+    def _beside(self, sides: Sequence[tuple[int, ...]]) -> tuple[tuple[int, ...], ...]:
+        found: list[list[int]] = [[] for _ in self.steps]
+        for index, side in enumerate(sides):
+            for step in side:
+                found[step].append(index)
+        return tuple(tuple(transitions) for transitions in found)
+
+    def _refuse(self, transition: NetTransition, fired: int) -> None:
+        first = next(self.transitions[i] for i in transition.rivals if fired >> i & 1)
+        shared = ", ".join(self.names(transition.pre & first.pre))
+        raise RivalsError(
+            f"the transitions {first.path} and {transition.path} leave step {shared} at the same time",
+            transitions=(first.path, transition.path),
+        )
+
+
+def mask(indices: Iterable[int]) -> int:
+    """The bits at these indexes."""
+    bits = 0
+    for index in indices:
+        bits |= 1 << index
+    return bits
+
+
+def indexes(bits: int) -> Iterator[int]:
+    """The indexes of the bits that are set, ascending."""
+    while bits:
+        lowest = bits & -bits
+        yield lowest.bit_length() - 1
+        bits ^= lowest
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A chart at its place in the net: what its steps are called before their name, and the macro-steps it is in."""
+
+    chart: SfcNetwork
+    prefix: str
+    inside: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """The steps that stand for a step of the model: where tokens enter it, and where they leave it; None: nowhere."""
+
+    entry: int | None
+    exit: int | None
+
+
+class _Builder:
+    def __init__(self, chart: SfcNetwork) -> None:
+        self._root = chart
+        self._partials = {p.name.casefold(): p for p in reversed(chart.partial_charts)}
+        self._steps: list[NetStep] = []
+        self._transitions: list[NetTransition] = []
+        self._leaving: dict[int, list[int]] = {}
+        self._macros: list[NetMacro] = []
+        self._problems: list[NetProblem] = []
+        self._initial: set[int] = set()
+        self._hierarchy = False
+
+    def net(self) -> Net:
+        """The net of the chart and its partial charts."""
+        self._add(_Place(self._root, "", ()), initial=True)
+        enclosed: list[PartialChart] = []
+        for partial in self._root.partial_charts:
+            if partial.kind is PartialChartKind.GLOBAL:
+                self._add(_Place(partial.network, f"{partial.name}.", ()), initial=True)
+            elif partial.kind is PartialChartKind.ENCLOSED:
+                enclosed.append(partial)
+        self._add_enclosed(enclosed)
+        return Net(
+            chart=self._root,
+            steps=tuple(self._steps),
+            transitions=tuple(self._transitions),
+            macros=tuple(self._macros),
+            initial=mask(self._initial),
+            hierarchy=self._hierarchy,
+            problems=tuple(self._problems),
+        )
+
+    def _add_enclosed(self, waiting: list[PartialChart]) -> None:
+        """Enclosed charts start with their initial steps if their enclosing step is initial (IEC 60848:2013, 7.3)."""
+        while waiting:
+            active = {
+                enclosure.chart.casefold()
+                for step in self._steps
+                if step.index in self._initial
+                for enclosure in step.step.encloses or ()
+            }
+            partial = next((p for p in waiting if p.name.casefold() in active), waiting[0])
+            waiting.remove(partial)
+            self._hierarchy = True
+            self._add(_Place(partial.network, f"{partial.name}.", ()), initial=partial.name.casefold() in active)
+
+    def _add(self, place: _Place, *, initial: bool) -> dict[int, _Ends]:
+        """Add the steps and transitions of a chart; its own initial steps start where `initial`."""
+        ends: dict[int, _Ends] = {}
+        for step in place.chart.steps:
+            if not step.exclude and step.id not in ends:
+                ends[step.id] = self._add_step(place, step, initial=initial and step.initial)
+        ordered = sorted(place.chart.transitions, key=lambda t: (t.priority is None, t.priority or 0))
+        excluded = {step.id for step in place.chart.steps if step.exclude}
+        names = {step.id: step.name for step in place.chart.steps}
+        for transition in ordered:
+            if not transition.exclude:
+                self._add_transition(place, transition, ends, excluded, names)
+        return ends
+
+    def _add_step(self, place: _Place, step: Step, *, initial: bool) -> _Ends:
+        path = place.prefix + step.name
+        self._hierarchy = self._hierarchy or bool(step.encloses) or any(a.forcing is not None for a in step.actions)
+        if step.macro is not None:
+            expanded = self._expand(place, step, step.macro, path, initial=initial)
+            if expanded is not None:
+                return expanded
+        index = len(self._steps)
+        self._steps.append(NetStep(index, step, place.chart, path))
+        if initial:
+            self._initial.add(index)
+        return _Ends(index, index)
+
+    def _expand(self, place: _Place, step: Step, macro: Macro, path: str, *, initial: bool) -> _Ends | None:
+        """The expansion of a macro-step in its place; None where there is none: then it is a step like others."""
+        entry_name: str | None = None
+        exit_name: str | None = None
+        chart: SfcNetwork | None = None
+        if isinstance(macro.body, SfcBody):
+            chart = macro.body.chart
+        elif (partial := self._partials.get((macro.expansion or "").casefold())) is not None:
+            chart, entry_name, exit_name = partial.network, partial.entry_step, partial.exit_step
+        if chart is None or not chart.steps:
+            self._report(NetProblemKind.NO_EXPANSION, place, step, path, "it is treated as a single step")
+            return None
+        if id(chart) in place.inside:
+            self._report(NetProblemKind.RECURSIVE_MACRO, place, step, path, "it is treated as a single step")
+            return None
+        first = len(self._steps)
+        inner = _Place(chart, f"{path}.", (*place.inside, id(chart)))
+        # an entry step that is only known as the initial one starts with the macro-step, not with the program
+        ends = self._add(inner, initial=entry_name is not None)
+        entry = self._end(inner, step, path, entry_name, ends, entry=True)
+        exit_ = self._end(inner, step, path, exit_name, ends, entry=False)
+        if initial and entry is not None:
+            self._initial.add(entry)
+        inside = mask(range(first, len(self._steps)))
+        self._macros.append(NetMacro(step, place.chart, path, inside, entry, exit_))
+        return _Ends(entry, exit_)
+
+    def _end(
+        self, place: _Place, macro: Step, path: str, name: str | None, ends: dict[int, _Ends], *, entry: bool
+    ) -> int | None:
+        steps = [step for step in place.chart.steps if not step.exclude]
+        transitions = [t for t in place.chart.transitions if not t.exclude]
+        found = [step for step in steps if name is not None and step.name.casefold() == name.casefold()]
+        if not found and entry:
+            found = [step for step in steps if step.initial]
+        if not found:
+            used = {i for t in transitions for i in (t.targets if entry else t.sources)}
+            found = [step for step in steps if step.id not in used]
+        if not found:
+            kind = NetProblemKind.NO_ENTRY if entry else NetProblemKind.NO_EXIT
+            self._report(kind, place, macro, path, "it is never entered" if entry else "it is never left")
+            return None
+        chosen = found[0] if entry else found[-1]
+        if len(found) > 1:
+            kind = NetProblemKind.SEVERAL_ENTRIES if entry else NetProblemKind.SEVERAL_EXITS
+            names = ", ".join(step.name for step in found)
+            self._report(kind, place, macro, path, f"of {names}, {chosen.name} is taken")
+        return ends[chosen.id].entry if entry else ends[chosen.id].exit
+
+    def _add_transition(
+        self, place: _Place, transition: Transition, ends: dict[int, _Ends], excluded: set[int], names: dict[int, str]
+    ) -> None:
+        sides = [" + ".join(names.get(i, "?") for i in side) for side in (transition.sources, transition.targets)]
+        path = place.prefix + (transition.name or " -> ".join(side or "nowhere" for side in sides))
+        sources = [ends[i].exit for i in transition.sources if i in ends]
+        if len(sources) < len(transition.sources):
+            if not excluded.intersection(transition.sources):
+                self._report(NetProblemKind.MISSING_SOURCE, place, transition, path, "it can never be enabled")
+            return
+        if any(source is None for source in sources):
+            return  # the macro-step before it has no exit step, which is reported there
+        missing = [i for i in transition.targets if i not in ends and i not in excluded]
+        if missing:
+            self._report(NetProblemKind.MISSING_TARGET, place, transition, path, "it leads nowhere")
+        before = sorted({source for source in sources if source is not None})
+        after = {ends[i].entry for i in transition.targets if i in ends}
+        index = len(self._transitions)
+        rivals = sorted({rival for source in before for rival in self._leaving.get(source, ())})
+        for source in before:
+            self._leaving.setdefault(source, []).append(index)
+        targets = tuple(sorted(target for target in after if target is not None))
+        self._transitions.append(
+            NetTransition(index, transition, place.chart, path, tuple(before), targets, tuple(rivals))
+        )
+
+    def _report(
+        self, kind: NetProblemKind, place: _Place, element: Step | Transition, path: str, consequence: str
+    ) -> None:
+        self._problems.append(NetProblem(kind, place.chart, element, path, f"{path}: {kind}; {consequence}"))
