@@ -1,0 +1,327 @@
+"""Execution profiles: what tools silently disagree on when they run the same chart.
+
+A profile is a record of choices; every field says what it means and where it is known from. `PROFILES` holds those of
+the standards and tools. For one of your own, change the fields that differ: ``dataclasses.replace(PROFILES["iec"],
+name="ours", final_scan=False)``.
+
+Sources, by the short names used below:
+
+- *IEC*: IEC 61131-3 ed. 3, 6.7 (sequential function chart elements), 6.7.4.6 (action control).
+- *60848*: IEC 60848:2013 (GRAFCET), 4.2 (rules of evolution), 4.8 (actions), 7 (forcing, enclosing, macro-steps).
+- *CODESYS*: CODESYS V3 online help, "SFC": processing order, qualifiers, flags, implicit variables; Beckhoff InfoSys
+  TC3 PLC, the pages of the same names.
+- *CoDeSys 2.3*: user manual and help of CoDeSys V2.3 ("SFC flags", "IEC steps", "simplified steps").
+- *GRAPH*: S7-GRAPH V5.3 manual (C79000-G7076-C526), TIA Portal help "Programming GRAPH".
+- *matiec*: the C code that matiec generates for SFC (stage 4, 2016 on).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from types import MappingProxyType
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model import ActionKind, Dialect, Project, Qualifier, SfcFlag
+from plcopen_sfc.semantics.net import Rivals
+
+
+class Evolution(StrEnum):
+    """How far the situation evolves in one scan.
+
+    SINGLE: every transition that is enabled and true at its beginning is cleared once. UNTIL_STABLE: this is repeated
+    with the same inputs until nothing can be cleared any more (60848, "search for stability").
+    """
+
+    SINGLE = "single"
+    UNTIL_STABLE = "until_stable"
+
+
+class ScanOrder(StrEnum):
+    """What comes first in a scan.
+
+    ACTIONS_FIRST: actions of the steps that were active at its beginning, then transitions; a step that becomes active
+    is executed in the next scan. TRANSITIONS_FIRST: the actions are those of the new situation.
+    """
+
+    ACTIONS_FIRST = "actions_first"
+    TRANSITIONS_FIRST = "transitions_first"
+
+
+class ActionControl(StrEnum):
+    """Who decides whether an action is executed.
+
+    PER_ACTION: one control for each action, its inputs are the OR over all its associations (IEC). PER_STEP: every
+    association acts on its own by the elapsed time and the edges of its step, and the results are ORed (matiec). COIL:
+    an association writes its operand: N a coil, S and R set and reset it (GRAPH).
+    """
+
+    PER_ACTION = "per_action"
+    PER_STEP = "per_step"
+    COIL = "coil"
+
+
+class BooleanTargets(StrEnum):
+    """When a Boolean variable that is an action is written.
+
+    ALWAYS: it equals the output of the action control in every scan. WHEN_EXECUTED: TRUE while the action is executed
+    and FALSE in its last execution; in between a program may write it.
+    """
+
+    ALWAYS = "always"
+    WHEN_EXECUTED = "when_executed"
+
+
+class StepVariables(StrEnum):
+    """The variables that programs see of a step.
+
+    ELAPSED: ``Step.X`` and ``Step.T`` (IEC), which are also ``.x`` and ``.t`` of CODESYS. FLAG: a BOOL of the step's
+    name where the chart has no action associations (CoDeSys 2.3, "simplified steps"). GRAPH: also ``.U``, ``.S1``,
+    ``.V1`` .. and ``.SNO`` of S7-GRAPH. GRAFCET: also ``X12`` for step 12.
+    """
+
+    ELAPSED = "elapsed"
+    FLAG = "flag"
+    GRAPH = "graph"
+    GRAFCET = "grafcet"
+
+
+_IEC_QUALIFIERS = frozenset(
+    {
+        Qualifier.NONE,
+        Qualifier.N,
+        Qualifier.R,
+        Qualifier.R0,
+        Qualifier.S,
+        Qualifier.L,
+        Qualifier.D,
+        Qualifier.P,
+        Qualifier.P0,
+        Qualifier.P1,
+        Qualifier.SD,
+        Qualifier.DS,
+        Qualifier.SL,
+        Qualifier.DL,
+    }
+)
+_GRAPH_QUALIFIERS = frozenset(Qualifier) - (
+    _IEC_QUALIFIERS - {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.D, Qualifier.L}
+)
+_MATIEC_QUALIFIERS = _IEC_QUALIFIERS - {
+    Qualifier.P0,
+    Qualifier.P1,
+    Qualifier.DS,
+    Qualifier.SL,
+    Qualifier.DL,
+    Qualifier.R0,
+}
+
+CODESYS_FLAGS = frozenset(
+    {
+        SfcFlag.INIT,
+        SfcFlag.RESET,
+        SfcFlag.ERROR,
+        SfcFlag.ENABLE_LIMIT,
+        SfcFlag.ERROR_STEP,
+        SfcFlag.ERROR_POU,
+        SfcFlag.QUIT_ERROR,
+        SfcFlag.PAUSE,
+        SfcFlag.TRANS,
+        SfcFlag.CURRENT_STEP,
+        SfcFlag.TIP,
+        SfcFlag.TIP_MODE,
+        SfcFlag.ERROR_ANALYZATION,
+        SfcFlag.ERROR_ANALYZATION_TABLE,
+    }
+)
+"""The SFC flags whose effect is documented. ``CurrentSteps``, ``MetaSteps`` and ``MaxFlags`` appear in files only."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Profile:
+    """How charts are executed. See the fields; docs/semantics.md has them as a table."""
+
+    name: str
+    """What the profile is called."""
+
+    evolution: Evolution = Evolution.SINGLE
+    """Evolutions in one scan. Single: IEC leaves it to the implementation, and CODESYS ("Processing order"), GRAPH and
+    matiec make one. Until stable: 60848, 4.2 and its annex on transient evolution."""
+
+    max_evolutions: int = 1000
+    """The bound of the search for stability; more of them are an `UnstableChartError`. 60848 calls such a chart totally
+    unstable and gives no bound; run-times bound it by 50 (ClassicLadder) up to the number of transitions (AGRAFE)."""
+
+    rivals: Rivals = Rivals.PRIORITY
+    """What is done when rival transitions are true together. Priority from left to right: IEC 6.7.3 (table of
+    selections, case 1), CODESYS, GRAPH. All: 60848 rule 4, and matiec."""
+
+    numbered_first: bool = False
+    """Whether a transition that has a priority number locks out its later rivals although all may be cleared. matiec:
+    it resets its source steps at once, one without ``PRIORITY`` does not."""
+
+    order: ScanOrder = ScanOrder.TRANSITIONS_FIRST
+    """Actions or transitions first. CODESYS: "Processing order" steps 2 to 6, actions first. GRAPH: conditions, step
+    change, actions, the old and the new step in the same cycle. matiec: transitions first. IEC does not say."""
+
+    initial_situation_held: bool = False
+    """Whether the transitions are not yet tested in the scan that activates the initial steps. GRAPH: the first call
+    and INIT_SQ activate them without looking at conditions. Without effect where actions come first."""
+
+    initial_steps_entered: bool = True
+    """Whether the start counts as an activation of the initial steps (pulses, entry actions, stored actions). matiec:
+    no, the step was active "before" its first scan."""
+
+    final_scan: bool = True
+    """Whether an action is executed once more after it ended (IEC 6.7.4.6, output A: with or without, the implementer
+    chooses). CODESYS: yes, hence a P action runs exactly twice. matiec, GRAPH: no."""
+
+    alphabetic_actions: bool = False
+    """Whether actions are executed in the order of their names, those that ended first; else in the order in which the
+    chart first uses them. CODESYS, "Processing order" step 5."""
+
+    action_control: ActionControl = ActionControl.PER_ACTION
+    """Who decides whether an action is executed. IEC 6.7.4.6; matiec; GRAPH: the operand of an action is a coil."""
+
+    reset_cancels_delays: bool = True
+    """Whether R also ends the pending times of SD, DS and SL (IEC 6.7.4.6: R1 of their flip-flops). In matiec it
+    clears their remaining times."""
+
+    boolean_targets: BooleanTargets = BooleanTargets.ALWAYS
+    """When a Boolean variable that is an action is written. IEC: the variable is the output Q. CODESYS, "Action": its
+    value is switched when the "action" is executed. matiec: assigned in every scan."""
+
+    qualifiers: frozenset[Qualifier] = _IEC_QUALIFIERS
+    """The qualifiers that exist. Any other is an `UnknownBehaviourError` when the chart is prepared, as nobody can tell
+    what it does. matiec generates no compilable code for P0, P1 and DS, and SL never starts its action."""
+
+    minimum_times: bool = False
+    """Whether a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
+
+    maximum_times: bool = False
+    """Whether a step that is active longer than its maximum time raises ``SFCError``. CODESYS, "SFC flags"."""
+
+    step_actions: bool = True
+    """Whether entry, main and exit actions of steps are executed: entry and exit once, the exit action in the scan
+    after the transition was cleared (CODESYS, "Processing order" steps 2 to 4). Only CODESYS has them; the others
+    execute them at the activation, during and at the deactivation, so that a chart of CODESYS keeps its meaning."""
+
+    flags: frozenset[SfcFlag] = frozenset()
+    """The SFC flags that a chart obeys or sets where they are in use (its settings say so, or declared). CODESYS."""
+
+    init_ends_actions: bool = True
+    """Whether SFCInit also ends stored and timed actions: "steps, actions and other flags are reset" (CODESYS)."""
+
+    reset_ends_actions: bool = True
+    """The same for SFCReset. CoDeSys 2.3: for Boolean actions from compiler 2.3.7.0 on."""
+
+    pause_stops_time: bool = False
+    """Whether the times of steps and actions stand still during SFCPause. Not documented; the step time is the
+    difference between the clock and the start (``SFCStepType._t``), which a pause does not move."""
+
+    step_variables: StepVariables = StepVariables.ELAPSED
+    """The variables that programs see of a step. IEC 6.7.2; CODESYS "Implicit variables"; GRAPH "Step data"."""
+
+    graph_parameters: bool = False
+    """Whether INIT_SQ, OFF_SQ, ACK_EF, S_SEL, S_ON, S_OFF, T_PUSH and the operating modes act on the chart. GRAPH."""
+
+    grafcet_actions: bool = True
+    """Whether the action kinds of 60848 (continuous, stored ..) and its forcing orders are known."""
+
+
+_CODESYS = Profile(
+    name="codesys",
+    order=ScanOrder.ACTIONS_FIRST,
+    alphabetic_actions=True,
+    boolean_targets=BooleanTargets.WHEN_EXECUTED,
+    minimum_times=True,
+    maximum_times=True,
+    flags=CODESYS_FLAGS,
+)
+
+PROFILES: Mapping[str, Profile] = MappingProxyType(
+    {
+        "iec": Profile(name="iec"),
+        "codesys": _CODESYS,
+        "codesys23": Profile(
+            name="codesys23",
+            order=ScanOrder.ACTIONS_FIRST,
+            alphabetic_actions=True,
+            boolean_targets=BooleanTargets.WHEN_EXECUTED,
+            minimum_times=True,
+            maximum_times=True,
+            flags=CODESYS_FLAGS,
+            step_variables=StepVariables.FLAG,
+        ),
+        "s7graph": Profile(
+            name="s7graph",
+            initial_situation_held=True,
+            final_scan=False,
+            action_control=ActionControl.COIL,
+            qualifiers=_GRAPH_QUALIFIERS,
+            step_variables=StepVariables.GRAPH,
+            graph_parameters=True,
+        ),
+        "grafcet": Profile(
+            name="grafcet",
+            evolution=Evolution.UNTIL_STABLE,
+            rivals=Rivals.ALL,
+            final_scan=False,
+            step_variables=StepVariables.GRAFCET,
+        ),
+        "matiec": Profile(
+            name="matiec",
+            rivals=Rivals.ALL,
+            numbered_first=True,
+            initial_steps_entered=False,
+            final_scan=False,
+            action_control=ActionControl.PER_STEP,
+            qualifiers=_MATIEC_QUALIFIERS,
+        ),
+    }
+)
+"""The profiles by name: iec, codesys (V3 and TwinCAT 3), codesys23, s7graph, grafcet, matiec."""
+
+
+def profile(choice: str | Profile) -> Profile:
+    """The profile of this name, or the given one itself. Raises `ModelError` for an unknown name."""
+    if isinstance(choice, Profile):
+        return choice
+    found = PROFILES.get(choice.casefold())
+    if found is None:
+        raise ModelError(f"there is no profile {choice!r}", hint="There are: " + ", ".join(PROFILES))
+    return found
+
+
+_BY_FORMAT = {
+    "codesys": "codesys",
+    "twincat": "codesys",
+    "codesys23": "codesys23",
+    "simaticml": "s7graph",
+    "scl": "s7graph",
+    "grafcet": "grafcet",
+}
+_BY_DIALECT = {Dialect.CODESYS: "codesys", Dialect.TWINCAT: "codesys", Dialect.SCL: "s7graph"}
+
+
+def default_profile(project: Project) -> Profile:
+    """The profile of the tool that a project is for.
+
+    The format it was read from decides, then the dialect of its texts. What is left is ``iec``, but for projects whose
+    charts have partial charts or actions of IEC 60848: those are ``grafcet``.
+    """
+    origin = project._origin
+    name = _BY_FORMAT.get(origin.format) if origin is not None else None
+    name = name or _BY_DIALECT.get(project.dialect)
+    if name is None:
+        name = "grafcet" if _has_grafcet(project) else "iec"
+    return PROFILES[name]
+
+
+def _has_grafcet(project: Project) -> bool:
+    kinds = set(ActionKind)
+    for _, _, chart in project.charts():
+        if chart.partial_charts or any(a.kind in kinds for _, a in chart.associations()):
+            return True
+    return False
