@@ -14,7 +14,8 @@ from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, TextCodec, WriteOptions
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognise
-from plcopen_sfc.model.body import FINGERPRINT, SfcBody
+from plcopen_sfc.model.base import FINGERPRINT
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import numbered_in_order
@@ -42,7 +43,7 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None) ->
     with collector_paused():
         reading: Reading = kind.codec().read(data, file=path)
         project = reading.project
-        for name, _, body in project.bodies():
+        for name, body in project.bodies_read():
             if isinstance(body, SfcBody):
                 body.settle(name, data)
         digest = fingerprint(project)

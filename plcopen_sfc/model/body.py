@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, PrivateAttr, SerializationInfo, SerializerFunctionWrapHandler, model_serializer
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.base import FINGERPRINT, OWN_FINGERPRINT, Element
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
@@ -137,15 +137,11 @@ class SfcBody(BodyBase):
 
     @model_serializer(mode="wrap")
     def _serialize(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
-        if info.context == FINGERPRINT and self.is_untouched:
+        if info.context in (FINGERPRINT, OWN_FINGERPRINT) and self.is_untouched:
             return {"untouched": self._home[0] if self._home is not None else True}
         self.read()
         content: dict[str, Any] = handler(self)
         return content
-
-
-FINGERPRINT = "fingerprint"
-"""Serialisation context in which a chart that was not edited counts as what it was read as."""
 
 
 def _digest(chart: SfcNetwork) -> bytes:

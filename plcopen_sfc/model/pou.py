@@ -9,6 +9,7 @@ from pydantic import Field
 
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.variables import Interface
@@ -48,7 +49,7 @@ class Method(Element):
     object_id: str | None = None
 
 
-class Pou(Element):
+class Pou(ProjectObject):
     """A program, function block or function.
 
     `place` says where in the project the POU stands: empty for the pool of types, ``application/NAME`` for a CODESYS or
@@ -57,7 +58,6 @@ class Pou(Element):
     language. `number` is that of the block in the controller (``FB 12``).
     """
 
-    name: str
     number: int | None = None
     title: Text | None = None
     kind: PouKind
@@ -101,14 +101,13 @@ class DataBlockKind(StrEnum):
     ARRAY = "array"
 
 
-class DataBlock(Element):
+class DataBlock(ProjectObject):
     """A data block of TIA Portal: variables that keep their values.
 
     `type_name` is the function block or data type of which an instance data block is one; its `interface` repeats that
     of the type, with the start values of this instance. `number` as in `Pou`.
     """
 
-    name: str
     number: int | None = None
     title: Text | None = None
     kind: DataBlockKind = DataBlockKind.GLOBAL

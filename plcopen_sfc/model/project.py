@@ -15,6 +15,7 @@ from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
@@ -130,10 +131,9 @@ class Tag(Element):
     address: str | None = None
 
 
-class TagTable(Element):
+class TagTable(ProjectObject):
     """A tag table of TIA: tags and user constants."""
 
-    name: str
     tags: list[Tag] = Field(default_factory=list)
     constants: list[Variable] = Field(default_factory=list)
 
@@ -238,8 +238,10 @@ class Project(Element):
         return tuple(sorted(self._origin.diagnostics, key=lambda d: d.location.line or 0))
 
     def read_all(self) -> None:
-        """Read every chart that nobody has looked at yet: quicker for all of them at once than one by one."""
+        """Read every object and chart that nobody has looked at yet: quicker for all at once than one by one."""
         with collector_paused():
+            for thing in self.objects():
+                thing.read()
             for _ in self.charts():
                 pass
 
@@ -260,6 +262,19 @@ class Project(Element):
         `plcopen_sfc.refactor.rename`.
         """
         return operations.rename(self, path, new)
+
+    def objects(self) -> Iterator[ProjectObject]:
+        """The objects that have files of their own in some tools; what others need comes first."""
+        yield from self.tag_tables
+        yield from self.data_types
+        yield from self.data_blocks
+        yield from self.pous
+
+    def bodies_read(self) -> Iterator[tuple[str, Body]]:
+        """Every body with its name, but for those of POUs that nobody has looked at."""
+        for pou in self.pous:
+            if not pou.is_unread:
+                yield from pou.named_bodies()
 
     def bodies(self) -> Iterator[tuple[str, Pou, Body]]:
         """Every body in the project with its name (``Main.Fill``) and POU."""
@@ -285,7 +300,7 @@ def _remember(project: Project) -> None:
 def projects_with(chart: SfcNetwork) -> Iterator[Project]:
     """The projects that have this very chart: in a body, or inside another chart. Charts stay unread."""
     for project in list(_ALIVE.values()):
-        for _, _, body in project.bodies():
+        for _, body in project.bodies_read():
             if isinstance(body, SfcBody) and any(found is chart for found in body.charts_read()):
                 yield project
                 break

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from plcopen_sfc.model.base import Carried, Element, Model
+from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.text import Text
 
 
@@ -212,13 +213,12 @@ class Variable(Element):
     attributes: dict[str, str] = Field(default_factory=dict)
 
 
-class DataTypeDeclaration(Element):
+class DataTypeDeclaration(ProjectObject):
     """``TYPE name : type := initial; END_TYPE``.
 
     `place` says where the declaration stands, as `Pou.place` does.
     """
 
-    name: str
     title: Text | None = None
     type: DataType
     initial: Value | None = None

@@ -14,7 +14,7 @@ from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, version_named
 from plcopen_sfc.formats.xml import writing
-from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.formats.xml.source import parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
@@ -25,12 +25,12 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
     with collector_paused():
         root = parse(data, file=file)
         version = find_version(root, file=file)
-        fields, ctx = read_project(root, version, file=file, lines=SourceLines(root, data))
+        fields, diagnostics = read_project(root, version, data, file=file)
         try:
             project = Project.model_validate(fields)
         except ValidationError as error:
             raise misfit(error, file) from error
-    return Reading(project, ctx.diagnostics, version.name)
+    return Reading(project, diagnostics, version.name)
 
 
 def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:

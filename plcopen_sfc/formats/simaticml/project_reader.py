@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from lxml import etree
 
+from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.simaticml.objects_reader import (
-    DATA_BLOCKS,
-    DATA_TYPE,
-    POUS,
-    TAG_TABLE,
-    read_data_block,
-    read_data_type,
-    read_pou,
-    read_tag_table,
-)
+from plcopen_sfc.formats.simaticml.late_reading import LateDocument
+from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     ReadContext,
@@ -69,10 +64,14 @@ def _version_by_schemas(root: etree._Element) -> TiaVersion:
 
 
 def read_project(
-    root: etree._Element, version: TiaVersion, *, file: str | None = None, lines: SourceLines | None = None
-) -> tuple[Fields, ReadContext]:
-    """Read a document into the fields of a `Project`; what there is to say about it is in the context returned."""
-    ctx = ReadContext(version, file=file, lines=lines)
+    root: etree._Element, version: TiaVersion, data: bytes, *, file: str | None = None
+) -> tuple[Fields, list[Diagnostic]]:
+    """Read a document into the fields of a `Project`, whose objects are read when somebody looks at them.
+
+    What there is to say about the document is added to the list returned; to say more when more is read.
+    """
+    ctx = ReadContext(version, file=file, lines=SourceLines(root, data))
+    late = LateDocument(data, ctx)
     header: Fields = {"product": PRODUCT, "version": version.name}
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
     fields["tag_tables"] = []
@@ -80,24 +79,19 @@ def read_project(
     ranks = [_rank(local(child)) for child in children(root) if local(child) not in ("Engineering", "DocumentInfo")]
     usual = ranks == sorted(ranks)
     frame: set[str] = set()
-    for child in children(root):
+    for place, child in enumerate(root):
         kind = local(child)
+        if not kind:
+            continue
         if kind in ("Engineering", "DocumentInfo"):
             if kind in frame:
                 carry_element(fields, child)
                 continue
             frame.add(kind)
-        found: Fields | None = None
         if kind == "DocumentInfo":
             _document_info(header, child)
-        elif kind in POUS:
-            fields["pous"].append(found := read_pou(ctx, child))
-        elif kind in DATA_BLOCKS:
-            fields["data_blocks"].append(found := read_data_block(ctx, child))
-        elif kind == DATA_TYPE:
-            fields["data_types"].append(found := read_data_type(ctx, child))
-        elif kind == TAG_TABLE:
-            fields["tag_tables"].append(found := read_tag_table(ctx, child))
+        elif (where := _list_for(kind)) is not None:
+            fields[where].append(late.object(child, place, keep_id=not usual))
         elif kind != "Engineering":
             carry_element(fields, child)
             ctx.warn("XML201", f"<{kind}> is none of the objects that can be read; it is kept as it is", child)
@@ -107,18 +101,28 @@ def read_project(
                     carry_attribute(header, name, value)
             if (child.text or "").strip():
                 carry_attribute(header, "#text", child.text or "")
-        if found is not None and not usual:
-            carry_attribute(found, "ID", child.get("ID", ""))
     for name, value in attributes(root).items():
         carry_attribute(fields, name, value)
-    ids = [str(element.get("ID")) for element in root.iter(etree.Element) if element.get("ID") is not None]
+    ids = [str(text) for text in _IDS_IN(root)]
     if ids != [format(number, "X") for number in range(len(ids))]:
         carry_attribute(fields, IDS, " ".join(ids))
     read_comments(ctx, root, fields)
     for kind, number in ctx.schemas.items():
         if number != version.schema(kind):
             carry_attribute(fields, SCHEMA + kind, str(number))
-    return fields, ctx
+    return fields, ctx.diagnostics
+
+
+_IDS_IN: Any = etree.XPath("//@ID")  # quicker than asking every element of a large file
+
+
+def _list_for(kind: str) -> str | None:
+    """The field of `Project` in which objects of a kind are; None where it is no such object."""
+    if kind in POUS:
+        return "pous"
+    if kind in DATA_BLOCKS:
+        return "data_blocks"
+    return {DATA_TYPE: "data_types", TAG_TABLE: "tag_tables"}.get(kind)
 
 
 def _rank(kind: str) -> int:
@@ -138,6 +142,8 @@ def _find_schemas(ctx: ReadContext, root: etree._Element) -> None:
         ctx.schemas["StructuredText"] = 0
     for element in root.iter("{*}StructuredText", "{*}FlgNet", "{*}Graph", "{*}StatementList", "{*}Sections"):
         ctx.note_schema(element)
+    for program in root.iterfind(".//{*}NetworkSource/{*}*"):
+        ctx.note_schema(program)
 
 
 def _document_info(header: Fields, element: etree._Element) -> None:

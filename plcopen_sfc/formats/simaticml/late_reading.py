@@ -1,0 +1,106 @@
+"""Reading objects of a document when somebody first looks at them. See docs/decisions/0003."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.formats.simaticml.bodies_reader import misfit
+from plcopen_sfc.formats.simaticml.objects_reader import (
+    DATA_BLOCKS,
+    DATA_TYPE,
+    POUS,
+    read_data_block,
+    read_data_type,
+    read_pou,
+    read_tag_table,
+)
+from plcopen_sfc.formats.simaticml.reading import Fields, ReadContext, carry_attribute, child_named, local
+from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import TagTable
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.types import DataTypeDeclaration
+
+T = TypeVar("T", bound=ProjectObject)
+
+
+class LateDocument:
+    """A document whose objects are not read yet.
+
+    It keeps the bytes, not the tree, which takes many times their memory: a folder may have thousands of documents.
+    When the first object is read, they are parsed again; the tree stays until the last object is read.
+    """
+
+    def __init__(self, data: bytes, ctx: ReadContext) -> None:
+        self._data = data
+        self._ctx = ctx
+        self._root: etree._Element | None = None
+        self._waiting = 0
+
+    def object(self, element: etree._Element, place: int, *, keep_id: bool) -> ProjectObject:
+        """The object at `element`, which is child `place` of the root, unread."""
+        kind = local(element)
+        if kind in POUS:
+            return self._later(Pou, read_pou, element, place, keep_id=keep_id)
+        if kind in DATA_BLOCKS:
+            return self._later(DataBlock, read_data_block, element, place, keep_id=keep_id)
+        if kind == DATA_TYPE:
+            return self._later(DataTypeDeclaration, read_data_type, element, place, keep_id=keep_id)
+        return self._later(TagTable, read_tag_table, element, place, keep_id=keep_id)
+
+    def _later(
+        self,
+        model: type[T],
+        reader: Callable[[ReadContext, etree._Element], Fields],
+        element: etree._Element,
+        place: int,
+        *,
+        keep_id: bool,
+    ) -> T:
+        holder = child_named(element, "AttributeList")
+        name = child_named(holder, "Name") if holder is not None else None
+        self._waiting += 1
+        waiting = True
+
+        def read() -> T:
+            nonlocal waiting
+            found = self._tree()[place]
+            fields = reader(self._context(), found)
+            if keep_id:
+                carry_attribute(fields, "ID", found.get("ID", ""))
+            try:
+                thing = model.model_validate(fields)
+            except ValidationError as error:
+                raise misfit(error, self._ctx.file) from error
+            if isinstance(thing, Pou):
+                for name, body in thing.named_bodies():
+                    if isinstance(body, SfcBody):
+                        body.settle(name, self._data)
+            if waiting:
+                waiting = False
+                self._done()
+            return thing
+
+        return model.deferred((name.text or "") if name is not None else "", read)
+
+    def _tree(self) -> etree._Element:
+        if self._root is None:
+            self._root = parse(self._data, file=self._ctx.file)
+            self._ctx.lines = SourceLines(self._root, self._data)
+        return self._root
+
+    def _context(self) -> ReadContext:
+        """A context of its own for each object; what is said about the document is in one list."""
+        ctx = ReadContext(self._ctx.version, file=self._ctx.file, lines=self._ctx.lines)
+        ctx.schemas, ctx.diagnostics = self._ctx.schemas, self._ctx.diagnostics
+        return ctx
+
+    def _done(self) -> None:
+        self._waiting -= 1
+        if not self._waiting:
+            self._root = self._ctx.lines = None

@@ -1,0 +1,109 @@
+"""The objects of a project that have files of their own in some tools: POUs, data blocks, data types, tag tables."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Self, cast
+
+from pydantic import PrivateAttr, SerializationInfo, SerializerFunctionWrapHandler, model_serializer
+
+from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.model.base import FINGERPRINT, OWN_FINGERPRINT, Element
+
+
+class ProjectObject(Element):
+    """Common to the objects of a project.
+
+    `folder` is where the object stands among the files of its project, relative to the project's own folder, with ``/``
+    between names (``Program blocks/Station 1``); empty for that folder itself, None where the project is one file.
+
+    A reader may leave an object unread but for its name until somebody looks at it (`deferred`): scripts mostly look at
+    a few blocks of a project. An unread object cannot have been edited but in the fields that it has, which makes
+    saving quick too.
+    """
+
+    name: str
+    folder: str | None = None
+
+    _home: tuple[str, int] | None = PrivateAttr(default=None)
+    """The document of the folder that the object was read from, and its place in it. Belongs to `formats.folders`."""
+    _unread: Callable[[], Self] | None = PrivateAttr(default=None)
+    _digest: bytes | None = PrivateAttr(default=None)
+
+    @classmethod
+    def deferred(cls, name: str, read: Callable[[], Self]) -> Self:
+        """An object with just a name; `read` gives the whole object when somebody asks for more of it."""
+        thing = cast("Self", cls.model_construct(name=name))
+        thing.__dict__.clear()
+        thing.__dict__.update(name=name, folder=None)
+        thing._unread = read
+        return thing
+
+    @property
+    def is_unread(self) -> bool:
+        """Whether nobody has looked at the object yet, but for its name."""
+        return self._unread is not None
+
+    def read(self) -> None:
+        """Read the object now if it was not yet."""
+        unread = self._unread
+        if unread is None:
+            return
+        with collector_paused():
+            whole = unread()
+            self._unread = None
+            self._digest = _digest(whole)
+            present = self.__dict__
+            present.update({name: value for name, value in whole.__dict__.items() if name not in present})
+            self.__pydantic_fields_set__.update(whole.__pydantic_fields_set__)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            # Python calls this for what is not in the instance: the fields that are unread
+            if name in type(self).__pydantic_fields__ and self.__pydantic_private__ and self._unread is not None:
+                self.read()
+                return getattr(self, name)
+            return super().__getattr__(name)
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if name in type(self).__pydantic_fields__ and name not in self.__dict__ and self.__pydantic_private__:
+                self.read()
+            super().__setattr__(name, value)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, read or not; where the objects were read from does not matter."""
+        if not isinstance(other, ProjectObject) or type(self) is not type(other):
+            return False
+        self.read()
+        other.read()
+        return self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """What is pickled: the object, not the file it may still stand in."""
+        self.read()
+        return super().__getstate__()
+
+    @model_serializer(mode="wrap")
+    def _serialize(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
+        if info.context == FINGERPRINT and self._is_untouched():
+            return {"untouched": {name: self.__dict__[name] for name in _EAGER}}
+        self.read()
+        content: dict[str, Any] = handler(self)
+        return content
+
+    def _is_untouched(self) -> bool:
+        """Whether the object is as it was read, but perhaps for the fields that are read at once."""
+        return self._unread is not None or (self._digest is not None and self._digest == _digest(self))
+
+
+_EAGER = ("name", "folder")
+"""The fields that a deferred object has from the start."""
+
+
+def _digest(thing: ProjectObject) -> bytes:
+    content = thing.__pydantic_serializer__.to_json(thing, exclude_none=True, context=OWN_FINGERPRINT)
+    return hashlib.blake2b(content).digest()
