@@ -1,0 +1,295 @@
+"""What a simulation has recorded: the values of variables and the active steps, scan by scan."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from array import array
+from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar, overload
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.files import write_atomic
+from plcopen_sfc.languages.st.literals import time_literal
+from plcopen_sfc.semantics.signals import Signal, Value
+
+__all__ = ["ACTIVE_COLUMN", "SCAN_COLUMN", "TIME_COLUMN", "Change", "Column", "Trace"]
+
+SCAN_COLUMN = "scan no"
+TIME_COLUMN = "time ms"
+ACTIVE_COLUMN = "active steps"
+"""Headers of CSV files that are no variables: none can have a blank in its name."""
+
+_Item = TypeVar("_Item")
+_MILLISECOND = 1_000_000
+
+
+class _Runs(Sequence[_Item]):
+    """A sequence that keeps a value only where it changes: long recordings take memory by what happens in them."""
+
+    __slots__ = ("_length", "_starts", "_values")
+
+    def __init__(self) -> None:
+        self._starts = array("Q")
+        self._values: list[_Item] = []
+        self._length = 0
+
+    def append(self, value: _Item) -> None:
+        """Add the value of the next scan."""
+        if not self._values or self._values[-1] != value:
+            self._starts.append(self._length)
+            self._values.append(value)
+        self._length += 1
+
+    def runs(self) -> Iterator[tuple[int, _Item]]:
+        """Every value with the scan from which on it stands."""
+        return zip(self._starts, self._values, strict=True)
+
+    def __len__(self) -> int:
+        return self._length
+
+    @overload
+    def __getitem__(self, index: int) -> _Item: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[_Item]: ...
+    def __getitem__(self, index: int | slice) -> _Item | list[_Item]:
+        """The value of a scan (negative: from the end), or the values of several."""
+        if isinstance(index, slice):
+            return [self[each] for each in range(*index.indices(self._length))]
+        place = index + self._length if index < 0 else index
+        if not 0 <= place < self._length:
+            raise IndexError(f"the trace has no scan {index}: it has {self._length}")
+        return self._values[bisect_right(self._starts, place) - 1]
+
+    def __iter__(self) -> Iterator[_Item]:
+        ends = [*self._starts[1:], self._length] if self._starts else []
+        for start, end, value in zip(self._starts, ends, self._values, strict=True):
+            for _ in range(end - start):
+                yield value
+
+    def __eq__(self, other: object) -> bool:
+        """Equal values, scan by scan; a list or tuple may stand on the other side."""
+        if isinstance(other, _Runs):
+            return (self._length, self._starts, self._values) == (other._length, other._starts, other._values)
+        return isinstance(other, list | tuple) and list(self) == list(other)
+
+    __hash__ = None  # type: ignore[assignment]  # grows
+
+
+class Column(_Runs[Value]):
+    """The values of one variable, scan by scan: ``column[5]``, ``list(column)``, ``column == [0, 0, 1]``."""
+
+    __slots__ = ("direction", "name", "signal")
+
+    def __init__(self, name: str, signal: Signal, direction: str = "") -> None:
+        super().__init__()
+        self.name = name
+        self.signal = signal
+        self.direction = direction
+
+    def __repr__(self) -> str:
+        return f"<Column {self.name}: {self.signal.type}, {len(self)} scans, {len(self._values)} runs>"
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A variable has another value from `scan` on (0: its first value)."""
+
+    scan: int
+    name: str
+    value: Value
+
+
+class Trace:
+    """A recording: one row for each scan, with the values at its end (inputs: during it).
+
+    Scan 0 is the first. Times are integer nanoseconds since the start. `name` is what was simulated, `profile` the name
+    of the execution profile, `steps` the paths of all steps.
+    """
+
+    def __init__(
+        self,
+        columns: Iterable[Column],
+        *,
+        scan_time: int,
+        steps: Sequence[str] = (),
+        name: str = "",
+        profile: str = "",
+    ) -> None:
+        self.name = name
+        self.profile = profile
+        self.scan_time = scan_time
+        self.steps = tuple(steps)
+        self._columns = {column.name.casefold(): column for column in columns}
+        self._list = list(self._columns.values())
+        self._marking: _Runs[int] = _Runs()
+
+    def record(self, values: Iterable[Value], marking: int = 0) -> None:
+        """Add a row: a value for each column in their order, and the active steps as bits in the order of `steps`."""
+        for column, value in zip(self._list, values, strict=True):
+            column.append(value)
+        self._marking.append(marking)
+
+    # -- questions
+
+    def __len__(self) -> int:
+        """How many scans there are."""
+        return len(self._marking)
+
+    def __getitem__(self, name: str) -> Column:
+        """The values of a variable; case does not matter. Raises `ModelError` where it was not recorded."""
+        column = self._columns.get(name.casefold())
+        if column is None:
+            known = ", ".join(each.name for each in self._list[:20]) + (" .." if len(self._list) > 20 else "")
+            raise ModelError(f"{name!r} was not recorded", hint=f"Recorded: {known}" if known else "Nothing was.")
+        return column
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and name.casefold() in self._columns
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The recorded variables."""
+        return tuple(self._list)
+
+    def active(self, scan: int) -> tuple[str, ...]:
+        """The paths of the steps that are active at the end of a scan; -1 is the last."""
+        return self._names(self._marking[scan])
+
+    def is_active(self, step: str) -> list[bool]:
+        """Whether a step is active, scan by scan. Raises `ModelError` where there is no such step."""
+        folded = [path.casefold() for path in self.steps]
+        if step.casefold() not in folded:
+            raise ModelError(f"the trace has no step {step!r}", hint="Its steps are: " + ", ".join(self.steps[:20]))
+        bit = 1 << folded.index(step.casefold())
+        return [bool(marking & bit) for marking in self._marking]
+
+    def time(self, scan: int) -> int:
+        """When a scan ran, in nanoseconds since the first; -1 is the last. Raises `IndexError`."""
+        place = scan + len(self) if scan < 0 else scan
+        if not 0 <= place < len(self):
+            raise IndexError(f"the trace has no scan {scan}: it has {len(self)}")
+        return place * self.scan_time
+
+    def changes(self, *names: str) -> list[Change]:
+        """Every change of the variables with these names, or of all, in the order of the scans."""
+        columns = [self[name] for name in names] if names else self._list
+        found = [(scan, i, Change(scan, c.name, value)) for i, c in enumerate(columns) for scan, value in c.runs()]
+        return [change for _, _, change in sorted(found, key=lambda each: each[:2])]
+
+    def situations(self) -> list[tuple[int, tuple[str, ...]]]:
+        """The situations that the chart went through: the active steps, and the scan from which on they are."""
+        return [(scan, self._names(marking)) for scan, marking in self._marking.runs()]
+
+    def row(self, scan: int) -> dict[str, Value]:
+        """The values of all variables in one scan."""
+        return {column.name: column[scan] for column in self._list}
+
+    def __eq__(self, other: object) -> bool:
+        """The same steps and columns with the same values."""
+        if not isinstance(other, Trace):
+            return NotImplemented
+        same = (self.steps, self.scan_time, list(self._columns)) == (other.steps, other.scan_time, list(other._columns))
+        return same and self._marking == other._marking and self._list == other._list
+
+    __hash__ = None  # type: ignore[assignment]  # grows
+
+    def __repr__(self) -> str:
+        return f"<Trace of {self.name or 'a chart'}: {len(self)} scans, {len(self._list)} variables>"
+
+    # -- as text
+
+    def headers(self) -> list[str]:
+        """The headers of `rows`."""
+        steps = [ACTIVE_COLUMN] if self.steps else []
+        return ["scan", "time", *steps, *(column.name for column in self._list)]
+
+    def rows(self, scans: Iterable[int]) -> Iterator[list[str]]:
+        """The rows of a table for people, for these scans."""
+        for scan in scans:
+            steps = [" ".join(self.active(scan)) or "-"] if self.steps else []
+            values = [column.signal.text(column[scan]) for column in self._list]
+            yield [str(scan), time_literal(self.time(scan)).removeprefix("T#"), *steps, *values]
+
+    def eventful_scans(self) -> list[int]:
+        """The scans in which anything changed, the first and the last."""
+        scans = {scan for column in self._list for scan, _ in column.runs()}
+        scans.update(scan for scan, _ in self._marking.runs())
+        return sorted(scans | {len(self) - 1}) if len(self) else []
+
+    def __str__(self) -> str:
+        """A table of the scans in which something changed."""
+        rows = [self.headers(), *self.rows(self.eventful_scans())]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows)
+        return "\n".join(lines)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The trace as plain data, for JSON: every column as ``[scan, value]`` where its value changes."""
+        return {
+            "name": self.name,
+            "profile": self.profile,
+            "scan_time_ns": self.scan_time,
+            "scans": len(self),
+            "steps": list(self.steps),
+            "situations": [[scan, list(active)] for scan, active in self.situations()],
+            "columns": [
+                {
+                    "name": column.name,
+                    "type": column.signal.type,
+                    "direction": column.direction,
+                    "changes": [[scan, _plain(value)] for scan, value in column.runs()],
+                }
+                for column in self._list
+            ],
+        }
+
+    def csv(self, *, delimiter: str = ";") -> str:
+        """The trace as CSV: a row for each scan with its number, its time, the active steps and all values.
+
+        `simulate` takes such a file as inputs again.
+        """
+        text = io.StringIO()
+        writer = csv.writer(text, delimiter=delimiter, lineterminator="\n")
+        steps = [ACTIVE_COLUMN] if self.steps else []
+        writer.writerow([SCAN_COLUMN, TIME_COLUMN, *steps, *(column.name for column in self._list)])
+        columns = [[column.signal.text(value) for value in column] for column in self._list]
+        situations = [[" ".join(self._names(marking)) for marking in self._marking]] if self.steps else []
+        scans = range(len(self))
+        times = [_milliseconds(scan * self.scan_time) for scan in scans]
+        writer.writerows(zip(scans, times, *situations, *columns, strict=True))
+        return text.getvalue()
+
+    def save_csv(self, path: str | os.PathLike[str], *, delimiter: str = ";") -> None:
+        """Write `csv` in UTF-8 with byte order mark, which spreadsheets want. Raises `FileAccessError`."""
+        write_atomic(path, self.csv(delimiter=delimiter).encode("utf-8-sig"))
+
+    def vcd(self) -> str:
+        """The trace as value change dump (IEEE 1364-2005, 18), for GTKWave and the like."""
+        from plcopen_sfc.semantics.vcd import dump  # noqa: PLC0415  # only where somebody wants one
+
+        return dump(self)
+
+    def save_vcd(self, path: str | os.PathLike[str]) -> None:
+        """Write `vcd`. Raises `FileAccessError`."""
+        write_atomic(path, self.vcd().encode())
+
+    def markings(self) -> Iterator[tuple[int, int]]:
+        """The active steps as bits in the order of `steps`, with the scan from which on they are."""
+        return self._marking.runs()
+
+    def _names(self, marking: int) -> tuple[str, ...]:
+        return tuple(path for bit, path in enumerate(self.steps) if marking >> bit & 1)
+
+
+def _plain(value: Value) -> Value:
+    """What JSON can say: it has no NaN and no infinity."""
+    return str(value) if isinstance(value, float) and value - value != 0 else value
+
+
+def _milliseconds(nanoseconds: int) -> str:
+    whole, rest = divmod(nanoseconds, _MILLISECOND)
+    return f"{whole}.{rest:06d}".rstrip("0").rstrip(".") if rest else str(whole)
