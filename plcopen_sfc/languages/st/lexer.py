@@ -101,7 +101,7 @@ def _pattern(dialect: Dialect) -> re.Pattern[str]:
     groups = [
         # 1 COMMENT to the end of the line, 2 the start of a block, whose end `_Blocks` finds
         r"(//[^\r\n]*)",
-        r"(\(\*|/\*|\(/\*|\{)",
+        r"(\(\*|/\*|\(/\*|\{)" if scl else r"(\(\*|/\*|\{)",
         # 3 LITERAL
         r"((?i:(?:L?TIME|L?T|S5T|S5TIME)\#[-+]?(?:\w|\.(?=\d))+"
         r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d_-]|[:.](?=\d))*)"

@@ -108,6 +108,8 @@ class _Comparison:
             self._printed_anew.add(id(new))
         text = self._printer.text(new, indent)
         text = self._lost_comments(start, end, indent) + text
+        if text.startswith("/*") and self._text[:start].endswith("("):
+            text = f" {text}"  # (/* starts a comment of SCL
         self._used = used
         return Edit(start, end, text)
 

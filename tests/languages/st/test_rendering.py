@@ -131,6 +131,24 @@ def test_comments_of_what_is_written_anew_move_before_it() -> None:
     assert text == "(* other *) IF a (* why *) THEN b;\nEND_IF;"
 
 
+@pytest.mark.parametrize("dialect", Dialect)
+def test_a_comment_that_moves_behind_a_parenthesis_is_none_of_scl(dialect: Dialect) -> None:
+    parsed = parse_expression("f( /* why */ NOT /* not */ a)", dialect)
+    assert parsed.problems == ()
+    written = render(parsed, transform(parsed.tree, lambda node: Name("b") if isinstance(node, Unary) else node))
+    assert written == "f( /* why */ /* not */ b)"
+    moved = parse_expression("f(NOT /* not */ a)", dialect)
+    written = render(moved, transform(moved.tree, lambda node: Name("b") if isinstance(node, Unary) else node))
+    assert written == "f( /* not */ b)"
+    assert parse_expression(written, dialect).problems == ()
+
+
+def test_comments_in_parentheses_are_those_of_scl_only_in_scl() -> None:
+    assert parse_statements("f(/* a */ x);", Dialect.CODESYS).tree == parse_statements("f(x);", Dialect.CODESYS).tree
+    assert parse_statements("f(/* a */);", Dialect.CODESYS).tree == parse_statements("f();", Dialect.CODESYS).tree
+    assert [c.text for c in parse_statements("f();(/* a */)", Dialect.SCL).comments] == ["(/* a */)"]
+
+
 def test_an_argument_more() -> None:
     parsed = parse_statements("fb( a,  b );")
     statement = parsed.tree.statements[0]
