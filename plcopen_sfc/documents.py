@@ -1,0 +1,194 @@
+"""One file as bytes: reading it into a project that keeps its source, and writing it with just the edits in it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+
+from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.errors import UnknownFormatError
+from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, TextCodec, WriteOptions
+from plcopen_sfc.formats.registry import format_named, recognise
+from plcopen_sfc.model.base import FINGERPRINT
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.model.project import Origin, Project
+from plcopen_sfc.report import ConversionReport, Fate
+
+
+def read_document(data: bytes, *, format: str | None, path: str | None) -> Project:
+    """The project in the bytes of one file. `path` is what messages call them. Raises `FormatError`."""
+    kind = format_named(format)[0] if format is not None else recognise(data, file=path)
+    with collector_paused():
+        reading: Reading = kind.codec().read(data, file=path)
+        project = reading.project
+        for name, body in project.bodies_read():
+            if isinstance(body, SfcBody):
+                body.settle(name, data)
+        digest = fingerprint(project)
+    project._origin = Origin(kind.name, reading.version, data, digest, path, reading.diagnostics)
+    return project
+
+
+def fingerprint(project: Project) -> bytes:
+    """A digest of everything in the model, to tell whether it was edited since it was read."""
+    with collector_paused():
+        content = project.__pydantic_serializer__.to_json(project, exclude_none=True, context=FINGERPRINT)
+        return hashlib.blake2b(content).digest()
+
+
+def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[bytes, ConversionReport]:
+    """The bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item."""
+    kind, version = format_named(name)
+    if flavour and flavour not in kind.flavours:
+        known = ", ".join(kind.flavours) or "none"
+        raise UnknownFormatError(f"format {kind.name} has no flavour {flavour!r}", hint=f"Flavours are: {known}")
+    report = ConversionReport(project._origin.format if project._origin is not None else "", name)
+    origin = project._origin if isinstance(project._origin, Origin) else None
+    if origin is not None and origin.format == kind.name and version in ("", origin.version) and not flavour:
+        version = origin.version
+        if not fresh and fingerprint(project) == origin.fingerprint:
+            report.unchanged = True
+            return origin.content, report
+        if not fresh and kind.xml:
+            return _patched(project, origin, kind, report), report
+        if not fresh and kind.text:
+            return _patched_text(project, origin, kind, report), report
+    same = origin is not None and origin.format == kind.name and origin.version == version and not flavour
+    options = WriteOptions(version, flavour, same=same)
+    copy = prepared(project, kind, options, report)
+    data: bytes = kind.codec().write(copy, options, report)
+    verify(copy, kind, kind.codec().read(data).project, report)
+    if origin is not None and format_named(origin.format)[0].xml:
+        report.locate(format_named(origin.format)[0].codec().lines(origin.content, project))
+    return data, report
+
+
+def verify(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:
+    """Compare what was written with what is read `back`: what does not come back is lost, whatever the writer says."""
+    if not kind.ids:
+        project, back = numbered_in_order(project), numbered_in_order(back)
+    for difference in differences(project, back, ignore=frozenset({"drawing"})):
+        why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
+        report.add(Fate.DROPPED, "field", difference.path, why)
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + ".."
+
+
+_SHOWN = 60
+
+
+def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Project:
+    """A copy of `project` with its texts in the dialect and with the drawings that the writer needs."""
+    same_dialect = kind.dialect in (None, project.dialect)
+    if kind.drawing is DrawingNeed.NONE and same_dialect:
+        return project
+    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
+
+    copy = project.model_copy(deep=True)
+    if kind.dialect is not None:
+        _put_into_dialect(copy, kind.dialect, report)
+    if kind.drawing is DrawingNeed.NONE:
+        return copy
+    style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    if style.structured and (project._origin is None or project._origin.format != kind.name):
+        _note_limits(copy, report)
+    # a format without ids has branches of its own instead of the bars of others
+    anew = bool(options.flavour) or (not kind.ids and not options.same)
+    prepare(copy, style, positions=kind.positions, anew=anew, foreign=True)
+    adapt = getattr(kind.codec(), "adapt", None)
+    if adapt is not None:
+        adapt(copy, options, report)
+    return copy
+
+
+def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport) -> None:
+    """Translate the program text between SCL and the others.
+
+    IEC 61131-3 and CODESYS are left as they stand: their tools read most of each other's text, and files of one often
+    hold what is of the other.
+    """
+    if Dialect.SCL not in (project.dialect, dialect) or dialect is project.dialect:
+        project.dialect = dialect
+        return
+    from plcopen_sfc.refactor.dialect import translate_project  # noqa: PLC0415  # rarely needed
+
+    source = project.dialect
+    for text in translate_project(project, dialect):
+        for note in text.notes:
+            fate = Fate.TRANSLATED if note.severity is Severity.INFO else Fate.APPROXIMATED
+            report.add(fate, "text", text.path, f"line {note.line}: {note.reason}")
+        if text.changed and not text.notes:
+            report.add(Fate.TRANSLATED, "text", text.path, f"from {source} into {dialect}")
+
+
+def _note_limits(project: Project, report: ConversionReport) -> None:
+    """Say which charts tools that know nested branches only may not take."""
+    from plcopen_sfc.drawing import limits  # noqa: PLC0415
+
+    for chart in project.charts():
+        names = {step.id: f"step {step.name}" for step in chart.network.steps}
+        names |= {t.id: f"transition {chart.network.label(t)}" for t in chart.network.transitions}
+        place = (
+            f"POU {chart.name}" if chart.name == chart.pou.name else f"POU {chart.name.replace('.', ' / action ', 1)}"
+        )
+        for problem in limits(chart.network):
+            path = f"{place} / {names.get(problem.symbol, problem.symbol)}"
+            report.add(Fate.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
+
+
+def _patched(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:
+    """The file that was read with the edits in it. Charts that nobody touched are neither drawn nor written."""
+    from plcopen_sfc.drawing import DrawingStyle, prepare, prepare_body  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.patch import patch  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.writing import canonical  # noqa: PLC0415
+
+    style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
+    touched, untouched = set(), set()
+    for name, _, body in project.bodies():
+        if isinstance(body, SfcBody) and body.is_as_in(origin.content, name):
+            untouched.add(name)
+        else:
+            touched.add(name)
+            prepare_body(body, style, positions=False)
+    codec = kind.codec()
+    before: Project = codec.read(origin.content).project
+    options = WriteOptions(origin.version, same=True, untouched=frozenset(untouched - touched))
+    after = codec.to_tree(project, replace(options, baseline=before), report)
+    data = patch(origin.content, codec.to_tree(before, options, ConversionReport()), after)
+    back = codec.to_tree(codec.read(data).project, options, ConversionReport())
+    # comments carry ids in TC6 1.01, which may be others now
+    if canonical(back) != canonical(after):
+        # rather a large diff than a lost edit
+        report.add(Fate.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
+        options = WriteOptions(origin.version, same=True, baseline=before)
+        prepare(project, style, positions=kind.positions)
+        data = codec.write(project, options, report)
+    return data
+
+
+def _patched_text(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:
+    """The text that was read with the edits in it."""
+    from plcopen_sfc.formats.text import patch  # noqa: PLC0415  # only to save edits
+
+    codec: TextCodec = kind.codec()
+    before = codec.read(origin.content).project
+    options = WriteOptions(origin.version, same=True, baseline=before)
+    source, slices = codec.slices(origin.content)
+    after = codec.to_pieces(project, options, report)
+    data, recoded = source.encode(patch(source, slices, codec.to_pieces(before, options, ConversionReport()), after))
+    if recoded:
+        why = f"{source.encoding} does not have all of its characters; the file is in UTF-8 now"
+        report.add(Fate.TRANSLATED, "encoding", origin.path or "", why)
+    if next(differences(project, codec.read(data).project), None) is not None:
+        # rather a large diff than a lost edit
+        report.add(Fate.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
+        data = codec.write(project, options, ConversionReport())
+        verify(project, kind, codec.read(data).project, report)
+    return data
