@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.networks_reader import operand_hints, read_flgnet
+from plcopen_sfc.formats.simaticml.hints import operand_hints
+from plcopen_sfc.formats.simaticml.likeness import numbers_like
+from plcopen_sfc.formats.simaticml.networks_reader import read_flgnet
 from plcopen_sfc.formats.simaticml.networks_writer import write_flgnet
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
@@ -16,8 +18,8 @@ from plcopen_sfc.formats.simaticml.reading import (
     keep_verbatim,
     opaque,
     read_comments,
-    same,
 )
+from plcopen_sfc.formats.simaticml.uids import NUMBERS, numbers_of, shortened
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, keep_fields, sub, verbatim
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -39,18 +41,19 @@ def read_network(ctx: ReadContext, element: etree._Element) -> Fields:
     if not fields["nodes"]:
         keep_verbatim(fields, element)
         return fields
-    for _ in range(2):
+    for hints in ({}, operand_hints(element)):
         copy = etree.Element(element.tag)
         try:
-            write_flgnet(copy, LogicNetwork.model_validate(fields))
+            write_flgnet(copy, LogicNetwork.model_validate({**fields, "carried": {"attributes": hints}}))
         except NotUnderstoodError:
             break
-        if same(element, copy):
+        numbers = numbers_like(element, copy) if not element.attrib else None
+        if numbers is not None:
+            short = shortened(numbers, numbers_of(copy))
+            attributes = hints | ({NUMBERS: short} if short else {})
+            if attributes:
+                carried(fields)["attributes"].update(attributes)
             return fields
-        hints = operand_hints(element)
-        if not hints:
-            break
-        carried(fields)["attributes"] = hints
     fields.pop("carried", None)
     keep_verbatim(fields, element)
     return fields

@@ -12,10 +12,13 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.operands import read_operand, read_path
 from plcopen_sfc.formats.simaticml.parts import (
+    CALL_MARKS,
     CALLS,
     COILS,
     COUNTED,
-    HINT,
+    INVERTED,
+    LISTS,
+    PART_NAME,
     RAIL,
     RESULTS,
     model_pin,
@@ -23,7 +26,7 @@ from plcopen_sfc.formats.simaticml.parts import (
     template_type,
 )
 from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, attributes, children, local
-from plcopen_sfc.languages.standard_blocks import StandardBlock
+from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 
 _PARAMETER_SECTIONS = {"Input": "inputs", "InOut": "in_outs", "Output": "outputs", "Return": "outputs"}
 
@@ -41,6 +44,7 @@ class _Pin:
 class _Part:
     element: etree._Element
     pins: dict[str, _Pin] = field(default_factory=dict)
+    label: str | None = None
 
     def take(self, name: str) -> _Pin | None:
         """A pin, which is read with that."""
@@ -49,79 +53,131 @@ class _Part:
 
 def read_flgnet(element: etree._Element) -> list[Fields]:
     """The nodes of a network. Raises `NotUnderstoodError` where the model cannot say all of it."""
-    operands: dict[str, str] = {}
-    parts: dict[str, _Part] = {}
-    wires: list[etree._Element] = []
+    found = _Network()
     for child in children(element):
         kind = local(child)
         if kind == "Wires":
-            wires = children(child)
+            found.wires = children(child)
+        elif kind == "Labels":
+            found.labels = [_label(one) for one in children(child)]
         elif kind != "Parts":
-            raise NotUnderstoodError(kind)
+            raise NotUnderstoodError(f"an element {kind}")
         for one in children(child) if kind == "Parts" else ():
-            number = one.get("UId", "")
-            if local(one) == "Access":
-                operands[number] = read_operand(one)
-            elif local(one) in ("Part", "Call") and number.isdigit():
-                parts[number] = _Part(one)
-            else:
-                raise NotUnderstoodError(local(one))
+            found.add(one)
     has_rail = False
-    for wire in wires:
-        has_rail |= _wire(wire, operands, parts)
+    for wire in found.wires:
+        has_rail |= _wire(wire, found)
     rail: list[Fields] = [{"kind": "leftPowerRail", "id": RAIL}] if has_rail else []
-    if operands:
+    if found.operands or found.targets:
         raise NotUnderstoodError("an operand at no pin")
-    return rail + [_node(number, part) for number, part in parts.items()]
+    free = max(map(int, found.parts), default=0) + 1
+    nodes = [_node(number, part) for number, part in found.parts.items()]
+    for place, node in reversed(list(enumerate(nodes))):
+        if node.pop(INVERTED, False):
+            nodes.insert(place, _inverter(free, node))
+            free += 1
+    return [*found.labels, *rail, *nodes]
 
 
-def operand_hints(element: etree._Element) -> dict[str, str]:
-    """What the operands of a network are, as far as their texts do not say: carried attributes of the network."""
-    hints: dict[str, str] = {}
-    for access in element.iter("{*}Access"):
-        scope = access.get("Scope", "")
-        kind = next((e.text or "" for e in access.iterfind("{*}Constant/{*}ConstantType")), "")
-        if scope in ("GlobalConstant", "LocalConstant") or kind:
-            hints[HINT + read_operand(access)] = kind or scope
-    return hints
+@dataclass
+class _Network:
+    """The elements of a network by their numbers; operands and targets of jumps are taken as wires name them."""
+
+    operands: dict[str, str] = field(default_factory=dict)
+    targets: dict[str, str] = field(default_factory=dict)
+    parts: dict[str, _Part] = field(default_factory=dict)
+    labels: list[Fields] = field(default_factory=list)
+    wires: list[etree._Element] = field(default_factory=list)
+
+    def add(self, element: etree._Element) -> None:
+        """Add a child of ``Parts``."""
+        number = element.get("UId", "")
+        known = number in self.operands or number in self.targets or number in self.parts
+        if known or not (number.isascii() and number.isdigit()):
+            raise NotUnderstoodError("two elements of one number, or an element without one")
+        if local(element) == "Access" and element.get("Scope") == "Label":
+            self.targets[number] = _label_name(element)
+        elif local(element) == "Access":
+            self.operands[number] = read_operand(element)
+        elif local(element) in ("Part", "Call"):
+            self.parts[number] = _Part(element)
+        else:
+            raise NotUnderstoodError(f"an element {local(element)}")
 
 
-def _wire(wire: etree._Element, operands: dict[str, str], parts: dict[str, _Part]) -> bool:
+def _label(element: etree._Element) -> Fields:
+    """Read ``LabelDeclaration``: the label of a network, to which jumps of the same block lead."""
+    number = element.get("UId", "")
+    if local(element) != "LabelDeclaration" or len(element.attrib) != 1 or not number.isdigit():
+        raise NotUnderstoodError("a label")
+    return {"kind": "label", "id": int(number), "label": _label_name(element)}
+
+
+def _label_name(owner: etree._Element) -> str:
+    inner = children(owner)
+    if len(inner) != 1 or local(inner[0]) != "Label" or set(inner[0].attrib) != {"Name"} or len(inner[0]):
+        raise NotUnderstoodError("a label")
+    return inner[0].get("Name", "")
+
+
+def _inverter(number: int, coil: Fields) -> Fields:
+    """A NOT before a coil whose input is negated; the coil is wired to it."""
+    variable = {"name": "IN", "input": coil["input"]}
+    coil["input"] = {"connections": [{"source": number, "pin": "OUT"}]}
+    return {
+        "kind": "block",
+        "id": number,
+        "type_name": "NOT",
+        "parameters": {"inputs": [variable], "outputs": [{"name": "OUT", "output": {}}]},
+        "carried": {"attributes": {INVERTED: "in"}},
+    }
+
+
+def _wire(wire: etree._Element, net: _Network) -> bool:
     """Note a wire at the pins that it connects; whether it starts at the power rail."""
+    parts = net.parts
     ends = [(local(end), end.get("UId", ""), end.get("Name", "")) for end in children(wire)]
     if len(ends) < _TWO or local(wire) != "Wire":
-        raise NotUnderstoodError("wire")
+        raise NotUnderstoodError("a wire with one end")
     (kind, number, name), sinks = ends[0], ends[1:]
     if kind == "NameCon":
         source = _pin(parts, number, name, is_output=True)
         for sink, target, pin in sinks:
             if sink == "IdentCon" and source.operand is None:
-                source.operand = _taken(operands, target)
+                source.operand = _taken(net, target)
             elif sink == "NameCon":
                 _pin(parts, target, pin).connections.append(_connection(parts, number, name))
             elif sink != "OpenCon":
-                raise NotUnderstoodError(sink)
+                raise NotUnderstoodError(f"a wire to {sink}")
         return False
     if any(sink != "NameCon" for sink, _, _ in sinks) or (kind != "Powerrail" and len(sinks) > 1):
-        raise NotUnderstoodError("wire")
+        raise NotUnderstoodError("a wire of another form")
+    if kind == "IdentCon" and number in net.targets:
+        _, target, pin = sinks[0]
+        if target not in parts or parts[target].label is not None or pin != JUMP_PIN:
+            raise NotUnderstoodError("a label at no jump")
+        parts[target].label = net.targets.pop(number)
+        return False
     for _, target, pin in sinks:
         found = _pin(parts, target, pin)
         if kind == "Powerrail":
             found.connections.append({"source": RAIL})
         elif kind == "IdentCon" and found.operand is None:
-            found.operand = _taken(operands, number)
+            found.operand = _taken(net, number)
         elif kind != "OpenCon":
-            raise NotUnderstoodError(kind)
+            raise NotUnderstoodError(f"a wire from {kind}")
     return kind == "Powerrail"
 
 
 _TWO = 2
+JUMP_PIN = "label"
+"""The pin of a jump at which its target stands."""
 
 
-def _taken(operands: dict[str, str], number: str) -> str:
-    if number not in operands:
+def _taken(net: _Network, number: str) -> str:
+    if number not in net.operands:
         raise NotUnderstoodError("an operand that is not there, or is used twice")
-    return operands.pop(number)
+    return net.operands.pop(number)
 
 
 def _pin(parts: dict[str, _Part], number: str, name: str, *, is_output: bool = False) -> _Pin:
@@ -139,7 +195,7 @@ def _connection(parts: dict[str, _Part], number: str, pin: str) -> Fields:
     name = element.get("Name", "")
     if local(element) == "Part" and (name in ("Contact", *COILS, *RESULTS)):
         if pin != "out":
-            raise NotUnderstoodError(pin)
+            raise NotUnderstoodError("an output that a contact or coil does not have")
         return {"source": int(number)}
     return {"source": int(number), "pin": model_pin(known_part(element), pin)}
 
@@ -154,6 +210,8 @@ def _node(number: str, part: _Part) -> Fields:
     if local(element) == "Call":
         return _call(number, part)
     name = element.get("Name", "")
+    if part.label is not None or (name == "Return" and set(part.pins) == {"in"}):
+        return _leaving(number, part, name)
     if set(element.attrib) == {"Name", "UId"}:
         if name == "Contact":
             return _ladder(number, part, {"kind": "contact"})
@@ -167,22 +225,40 @@ def _node(number: str, part: _Part) -> Fields:
 def _ladder(number: str, part: _Part, fields: Fields) -> Fields:
     operand, inlet = part.take("operand"), part.take("in")
     part.take("out")
-    negated = [child.get("Name") for child in children(part.element)]
     if operand is None or operand.operand is None or operand.connections or part.pins or inlet is None:
-        raise NotUnderstoodError("contact or coil")
-    if negated not in ([], ["operand"]) or any(local(child) != "Negated" for child in children(part.element)):
-        raise NotUnderstoodError("contact or coil")
+        raise NotUnderstoodError("a contact or coil without an operand or input")
     fields.update(id=int(number), variable=operand.operand, input=_input(inlet))
-    if negated:
-        fields["negated"] = True
+    _negations(part, fields, {"operand": "negated"} | ({"in": INVERTED} if fields["kind"] == "coil" else {}))
     return fields
+
+
+def _negations(part: _Part, fields: Fields, known: dict[str, str]) -> None:
+    """Read the ``Negated`` children of a contact or coil into the fields that say so."""
+    for child in children(part.element):
+        name = known.get(child.get("Name", "")) if local(child) == "Negated" and len(child.attrib) == 1 else None
+        if name is None or name in fields:
+            raise NotUnderstoodError("a contact or coil with more than a negation")
+        fields[name] = True
 
 
 def _result(number: str, part: _Part, name: str) -> Fields:
     inlet = part.take("in")
-    if part.pins or len(part.element) or inlet is None:
-        raise NotUnderstoodError(name)
-    return {"kind": "coil", "id": int(number), "variable": name, "input": _input(inlet)}
+    if part.pins or inlet is None:
+        raise NotUnderstoodError(f"a {name} without an input, or with other pins")
+    fields: Fields = {"kind": "coil", "id": int(number), "variable": name, "input": _input(inlet)}
+    _negations(part, fields, {"in": INVERTED})
+    return fields
+
+
+def _leaving(number: str, part: _Part, name: str) -> Fields:
+    """A jump or return."""
+    inlet = part.take("in")
+    if name not in ("Jump", "Return") or len(part.element.attrib) > _TWO or len(part.element) or part.pins:
+        raise NotUnderstoodError("a jump or return of another form")
+    fields: Fields = {"kind": name.lower(), "id": int(number)}
+    if inlet is not None:
+        fields["input"] = _input(inlet)
+    return fields | ({"label": part.label} if name == "Jump" else {})
 
 
 def _input(pin: _Pin) -> Fields:
@@ -204,15 +280,21 @@ def _block(number: str, part: _Part, name: str) -> Fields:
         kind, key = local(child), child.get("Name", "")
         if kind == "TemplateValue" and key not in left and child.get("Type") == template_type(key):
             left[key] = child.text or ""
+        elif kind in LISTS and set(child.attrib) == {"Name"}:
+            left[kind] = ",".join([*filter(None, left.get(kind, "").split(",")), key])
+        elif kind == "Equation" and not child.attrib and kind not in left:
+            left[kind] = child.text or ""
         elif kind == "Negated":
             negated.append(key)
         elif kind == "Instance" and "instance" not in fields:
             fields["instance"] = _instance(child)
         else:
-            raise NotUnderstoodError(kind)
+            raise NotUnderstoodError(f"a part with {kind}")
     _parameters(fields, part, block, negated)
     if name in COUNTED and left == {"Card": str(len(fields["parameters"]["inputs"]))}:
         left = {}
+    if block is None and (taken := standard_block(name)) is not None and taken.name == name:
+        left[PART_NAME] = name
     if left:
         fields["carried"] = {"attributes": left}
     return fields
@@ -224,7 +306,7 @@ def _instance(element: etree._Element) -> str:
         return "#" + read_path(element, globally=False)
     if scope == "GlobalVariable":
         return read_path(element, globally=True)
-    raise NotUnderstoodError("instance")
+    raise NotUnderstoodError("an instance of another scope")
 
 
 def _parameters(fields: Fields, part: _Part, block: StandardBlock | None, negated: list[str]) -> None:
@@ -249,7 +331,7 @@ def _variable(name: str, pin: _Pin, *, is_output: bool) -> Fields:
 def _call(number: str, part: _Part) -> Fields:
     info = next((child for child in children(part.element) if local(child) == "CallInfo"), None)
     if info is None or set(info.attrib) != {"Name", "BlockType"} or info.get("BlockType") not in CALLS:
-        raise NotUnderstoodError("call")
+        raise NotUnderstoodError("a call of another form")
     fields: Fields = {
         "kind": "block",
         "id": int(number),
@@ -258,7 +340,7 @@ def _call(number: str, part: _Part) -> Fields:
     }
     negated = {child.get("Name", "") for child in children(part.element) if local(child) == "Negated"}
     if len(negated) + 1 != len(children(part.element)):
-        raise NotUnderstoodError("call")
+        raise NotUnderstoodError("a call of another form")
     parameters: Fields = {"inputs": [], "in_outs": [], "outputs": []}
     for name in ("en", "eno"):
         if pin := part.take(name):
@@ -269,8 +351,11 @@ def _call(number: str, part: _Part) -> Fields:
             fields["instance"] = _instance(child)
         elif local(child) == "Parameter" and set(child.attrib) == {"Name", "Section", "Type"}:
             _parameter(part, child, parameters, negated)
+        elif child.get("Name") in CALL_MARKS and child.get("Informative") == "true" and not len(child):
+            marks = fields.setdefault("carried", {"attributes": {}})["attributes"]
+            marks[child.get("Name", "")] = child.text or ""
         elif child.get("Informative") != "true":
-            raise NotUnderstoodError("call")
+            raise NotUnderstoodError("a call with an unknown part")
     if part.pins or negated:
         raise NotUnderstoodError("a pin that the call does not have")
     fields["parameters"] = parameters
@@ -281,14 +366,17 @@ def _parameter(part: _Part, element: etree._Element, parameters: Fields, negated
     name, section = element.get("Name", ""), element.get("Section", "")
     group = _PARAMETER_SECTIONS.get(section)
     if group is None or any(child.get("Informative") != "true" for child in children(element)):
-        raise NotUnderstoodError("parameter")
+        raise NotUnderstoodError("a parameter of another form")
     variable: Fields = {"name": name, "carried": {"attributes": {"Type": element.get("Type", "")}}}
     if section == "Return":
         variable["carried"]["attributes"]["Section"] = section
+    for child in children(element):
+        if child.get("Name") == "InterfaceFlags":
+            variable["carried"]["attributes"]["InterfaceFlags"] = child.text or ""
     if pin := part.take(name):
         variable.update(_variable(name, pin, is_output=pin.is_output))
         if pin.is_output != (group == "outputs"):
-            raise NotUnderstoodError("parameter")
+            raise NotUnderstoodError("a parameter of another form")
     if name in negated:
         negated.remove(name)
         variable["negated"] = True

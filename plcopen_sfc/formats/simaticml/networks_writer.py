@@ -11,16 +11,22 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.hints import Hints
+from plcopen_sfc.formats.simaticml.networks_reader import JUMP_PIN
 from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand, write_operand, write_path
 from plcopen_sfc.formats.simaticml.parts import (
+    CALL_MARKS,
     CALLS,
     COILS,
-    HINT,
+    INVERTED,
+    LISTS,
+    PART_NAME,
     RESULTS,
     s7_name,
     template_type,
 )
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
+from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, renumber
 from plcopen_sfc.formats.simaticml.writing import sub
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import Carried
@@ -32,17 +38,20 @@ from plcopen_sfc.model.network import (
     Edge,
     InputPin,
     InputVariable,
+    Jump,
+    Label,
     LeftPowerRail,
     LogicNetwork,
     Node,
     OutputVariable,
+    Return,
     Storage,
 )
 
-FIRST_UID = 21
 _COIL_NAMES = {storage: name for name, storage in COILS.items()}
 _CALL_NAMES = {call: name for name, call in CALLS.items()}
 _PART_ATTRIBUTES = ("Version", "DisabledENO")
+_NO_TEMPLATES = frozenset({*_PART_ATTRIBUTES, *LISTS, *CALL_MARKS, "Equation", INVERTED, PART_NAME})
 _UNTYPED = frozenset({"A", "O", "X", "Not"})
 """Operators that are Boolean as such."""
 _COUNTED = frozenset({"AND", "OR", "XOR", "ADD", "MUL"})
@@ -70,6 +79,8 @@ class _Draft:
     uid: str = ""
     number: int = -1
     """The id of the element, or one below all ids where the element is none of the network."""
+    is_inverted: bool = False
+    """Whether the input of a coil is negated."""
 
 
 def write_flgnet(root: etree._Element, network: LogicNetwork, types: Mapping[str, str] | None = None) -> None:
@@ -84,12 +95,12 @@ class _Writer:
     def __init__(self, root: etree._Element, network: LogicNetwork, types: Mapping[str, str]) -> None:
         self.root = root
         self.types = types
-        self.hints = {
-            key.removeprefix(HINT): value for key, value in _kept(network.carried).items() if key.startswith(HINT)
-        }
+        self.numbers = _kept(network.carried).get(NUMBERS, "")
+        self.hints = Hints(_kept(network.carried))
+        self.labels = [node for node in network.nodes if isinstance(node, Label)]
         self.rails = {node.id for node in network.nodes if isinstance(node, LeftPowerRail)}
         self.inputs = {node.id: node for node in network.nodes if isinstance(node, InputVariable)}
-        plain = (LeftPowerRail, InputVariable, OutputVariable)
+        plain = (LeftPowerRail, InputVariable, OutputVariable, Label)
         self.drafts = [_draft(node) for node in network.nodes if not isinstance(node, plain)]
         for draft in self.drafts:
             draft.number = draft.node.id
@@ -97,6 +108,7 @@ class _Writer:
         for draft in self.drafts:
             for end in draft.ends:
                 end.sources = [self._source(*source) for source in end.sources]
+        self._fold_inverters()
         self._outputs(network)
         self._join()
         self._wired_outputs()
@@ -106,13 +118,26 @@ class _Writer:
                 for source, pin in end.sources:
                     key = (RAIL_KEY, None) if source in self.rails else (source, pin)
                     self.consumers.setdefault(key, []).append((draft, end))
-        self.next = FIRST_UID
+        self.next = FIRST
         self.access: dict[tuple[int, str], str] = {}
 
     def _source(self, number: int, pin: str | None) -> tuple[int, str | None]:
         """Where a wire starts, with the name that TIA Portal gives the pin."""
         draft = self.by_node.get(number)
         return (number, _s7_pin(draft.node, pin)) if draft is not None else (number, None)
+
+    def _fold_inverters(self) -> None:
+        """Make a NOT that stands for the negated input of a coil that again."""
+        for draft in [draft for draft in self.drafts if INVERTED in _kept(draft.node.carried)]:
+            ends = [(d, end) for d in self.drafts for end in d.ends if any(s == draft.number for s, _ in end.sources)]
+            inlet = next((end for end in draft.ends if not end.is_output), None)
+            if len(ends) == 1 and inlet is not None:
+                coil, end = ends[0]
+                if isinstance(coil.node, Coil) and end.name == "in" and len(end.sources) == 1:
+                    end.sources, end.operand = inlet.sources, inlet.operand
+                    coil.is_inverted = True
+                    self.drafts.remove(draft)
+                    del self.by_node[draft.number]
 
     def _outputs(self, network: LogicNetwork) -> None:
         """Outputs that are elements of their own become operands at the pin that they are wired to."""
@@ -163,6 +188,10 @@ class _Writer:
 
     def run(self) -> None:
         """Write operands and parts, then the wires between them."""
+        if self.labels:
+            labels = sub(self.root, "Labels")
+            for label in self.labels:
+                sub(sub(labels, "LabelDeclaration", {"UId": self.uid()}), "Label", {"Name": label.label})
         parts = sub(self.root, "Parts")
         for draft in self.drafts:
             if isinstance(draft.node, Block):
@@ -183,6 +212,8 @@ class _Writer:
             for end in draft.ends:
                 if wires is not None:
                     self._wires(wires, draft, end, opens)
+        if self.numbers:
+            renumber(self.root, self.numbers)
 
     def _is_open(self, draft: _Draft, end: _End) -> bool:
         if end.operand is not None or end.sources:
@@ -192,7 +223,11 @@ class _Writer:
     def _access(self, parent: etree._Element, draft: _Draft, end: _End, text: str) -> None:
         number = self.uid()
         self.access[draft.number, end.name] = number
-        write_operand(parent, text, draft.kind, {"UId": number}, hint=self.hints.get(text))
+        if isinstance(draft.node, Jump) and end.name == JUMP_PIN:
+            sub(sub(parent, "Access", {"Scope": "Label", "UId": number}), "Label", {"Name": text})
+            return
+        hint = self.hints.at(text, draft.number, end.name)
+        write_operand(parent, text, draft.kind, {"UId": number}, hint=hint, index=self.hints.index)
 
     def _part(self, parent: etree._Element, draft: _Draft) -> None:
         node = draft.node
@@ -204,19 +239,26 @@ class _Writer:
         draft.uid = self.uid()
         element = sub(parent, "Part", {"Name": draft.name, "UId": draft.uid, **marks})
         if isinstance(node, Block):
+            if "Equation" in kept:
+                sub(element, "Equation").text = kept["Equation"] or None
             if node.instance is not None:
                 self._instance(element, node.instance)
             for key, value in self._template_values(draft, node, kept).items():
                 sub(element, "TemplateValue", {"Name": key, "Type": template_type(key)}).text = value
+            for kind in LISTS:
+                for name in filter(None, kept.get(kind, "").split(",")):
+                    sub(element, kind, {"Name": name})
             for variable in (*node.parameters.inputs, *node.parameters.outputs):
                 if variable.negated:
                     sub(element, "Negated", {"Name": _s7_pin(node, variable.name)})
         elif isinstance(node, Contact | Coil) and node.negated:
             sub(element, "Negated", {"Name": "operand"})
+        if draft.is_inverted:
+            sub(element, "Negated", {"Name": "in"})
 
     def _template_values(self, draft: _Draft, node: Block, kept: dict[str, str]) -> dict[str, str]:
         """What a box says of itself: how many inputs it has, and of which type they are."""
-        values = {key: value for key, value in kept.items() if key not in _PART_ATTRIBUTES}
+        values = {key: value for key, value in kept.items() if key not in _NO_TEMPLATES}
         block = _standard(node)
         if values or block is None or block.operator is None:
             return values
@@ -245,24 +287,32 @@ class _Writer:
         element = sub(parent, "Call", {"UId": draft.uid})
         call = _CALL_NAMES[node.call.value] if node.call is not None else "FC"
         info = sub(element, "CallInfo", {"Name": node.type_name, "BlockType": call})
+        for name, kind in CALL_MARKS.items():
+            if name in _kept(node.carried):
+                text = _kept(node.carried)[name]
+                sub(info, kind, {"Name": name, "Informative": "true"}).text = text or None
         if node.instance is not None:
             self._instance(info, node.instance)
-        groups = (("Input", node.parameters.inputs), ("InOut", node.parameters.in_outs))
-        for section, variables in (*groups, ("Output", node.parameters.outputs)):
+        groups = (("Input", node.parameters.inputs), ("Output", node.parameters.outputs))
+        for section, variables in (*groups, ("InOut", node.parameters.in_outs)):
             for variable in variables:
                 if variable.name in ("EN", "ENO"):
                     continue
                 kept = _kept(variable.carried)
                 marks = {"Name": variable.name, "Section": kept.get("Section", section)}
-                sub(info, "Parameter", marks | {"Type": kept.get("Type", "Variant")})
+                parameter = sub(info, "Parameter", marks | {"Type": kept.get("Type", "Variant")})
+                if "InterfaceFlags" in kept:
+                    flags = {"Name": "InterfaceFlags", "Informative": "true"}
+                    sub(parameter, "StringAttribute", flags).text = kept["InterfaceFlags"] or None
                 if variable.negated:
                     sub(element, "Negated", {"Name": variable.name})
 
     def _instance(self, parent: etree._Element, text: str) -> None:
         operand = parse_operand(text)
         if operand is None or not operand.path:
-            raise NotUnderstoodError(text)
-        write_path(sub(parent, "Instance", {"Scope": operand.scope, "UId": self.uid()}), operand.path)
+            raise NotUnderstoodError(f"{text} is no instance")
+        instance = sub(parent, "Instance", {"Scope": operand.scope, "UId": self.uid()})
+        write_path(instance, operand.path, hint=self.hints.of(text), index=self.hints.index)
 
     def _wires(self, parent: etree._Element, draft: _Draft, end: _End, opens: dict[tuple[str, str], str]) -> None:
         """Write the wires that start at a pin, or end at it from an operand or nowhere."""
@@ -301,6 +351,10 @@ def _draft(node: Node) -> _Draft:
             return _Draft(node, node.variable, [_inlet("in", node.input)])
         name = _COIL_NAMES[node.storage.value]
         return _Draft(node, name, [_inlet("in", node.input), _End("operand", operand=node.variable)])
+    if isinstance(node, Jump):
+        return _Draft(node, "Jump", [_inlet("in", node.input), _End(JUMP_PIN, operand=node.label)])
+    if isinstance(node, Return):
+        return _Draft(node, "Return", [_inlet("in", node.input)])
     if isinstance(node, Block) and node.code is None:
         ends = [_inlet(_s7_pin(node, v.name), v.input) for v in node.parameters.inputs if v.input is not None]
         ends += [_inlet(v.name, v.input) for v in node.parameters.in_outs if v.input is not None]
@@ -309,6 +363,7 @@ def _draft(node: Node) -> _Draft:
             raise NotUnderstoodError("an edge at a pin")
         block = _standard(node)
         name = s7_name(block) if block is not None else node.type_name
+        name = _kept(node.carried).get(PART_NAME, name)
         return _Draft(node, name, ends, _kept(node.carried).get("SrcType", ""))
     raise NotUnderstoodError(node.kind)
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, attributes, children, local
 from plcopen_sfc.formats.simaticml.writing import sub
+from plcopen_sfc.formats.xml.carrying import legal
 
 _PLAIN = re.compile(r"[^\W\d]\w*")
 _VARIABLES = {"LocalVariable": "#", "GlobalVariable": ""}
-_CONSTANTS = {"LocalConstant": "#", "GlobalConstant": ""}
+CONSTANTS = {"LocalConstant": "#", "GlobalConstant": ""}
 
 
 def quoted(name: str, *, always: bool = False) -> str:
@@ -30,8 +33,8 @@ def read_operand(access: etree._Element) -> str:
     kind = local(part)
     if kind == "Symbol" and scope in _VARIABLES and not part.attrib:
         return _VARIABLES[scope] + read_path(part, globally=scope == "GlobalVariable")
-    if kind == "Constant" and scope in _CONSTANTS:
-        return _CONSTANTS[scope] + quoted(part.get("Name", ""), always=scope == "GlobalConstant")
+    if kind == "Constant" and scope in CONSTANTS:
+        return CONSTANTS[scope] + quoted(part.get("Name", ""), always=scope == "GlobalConstant")
     if kind == "Constant" and scope in ("LiteralConstant", "TypedConstant"):
         value = next((child.text or "" for child in children(part) if local(child) == "ConstantValue"), "")
         if not value or value[0] in '"#%':
@@ -180,28 +183,32 @@ def write_operand(
     attributes: dict[str, str] | None = None,
     *,
     hint: str | None = None,
+    index: Callable[[str], str | None] | None = None,
 ) -> None:
     """Write an ``Access``; `kind` is the type of a number where it stands. Raises `NotUnderstoodError` for no operand.
 
-    `hint` says what the text does not: that a name is one of a constant, or which type a literal has.
+    `hint` says what the text does not (see `hints`), `index` gives that of an index of an array.
     """
     operand = parse_operand(text)
     if operand is None:
-        raise NotUnderstoodError(text)
-    if hint in _CONSTANTS and operand.path:
+        raise NotUnderstoodError(f"{text} is no operand")
+    if hint in CONSTANTS and operand.path:
         constant = sub(parent, "Access", {"Scope": hint, **(attributes or {})})
         sub(constant, "Constant", {"Name": operand.path[0].name})
         return
     element = sub(parent, "Access", {"Scope": operand.scope, **(attributes or {})})
     if operand.path:
-        write_path(sub(element, "Symbol"), operand.path)
+        write_path(sub(element, "Symbol"), operand.path, hint=hint, index=index)
     elif operand.scope == "Address":
         _write_address(element, text.strip())
     else:
         constant = sub(element, "Constant")
+        given, _, shown = (hint or "").partition(" ")
         if operand.scope == "LiteralConstant":
-            sub(constant, "ConstantType").text = hint or literal_type(operand.value, kind)
+            sub(constant, "ConstantType").text = given or literal_type(operand.value, kind)
         sub(constant, "ConstantValue").text = operand.value
+        if shown:
+            sub(constant, "StringAttribute", {"Name": "Format", "Informative": "true"}).text = shown
 
 
 def literal_type(value: str, kind: str) -> str:
@@ -223,8 +230,14 @@ _NUMBERS = frozenset(
 )
 
 
-def write_path(parent: etree._Element, path: tuple[PathPart, ...]) -> None:
-    """Write the ``Component`` children of a symbol or an instance."""
+def write_path(
+    parent: etree._Element,
+    path: tuple[PathPart, ...],
+    *,
+    hint: str | None = None,
+    index: Callable[[str], str | None] | None = None,
+) -> None:
+    """Write the ``Component`` children of a symbol or an instance, with where it lies where `hint` says so."""
     for part in path:
         marks = {"Name": part.name}
         if part.slice is not None:
@@ -232,8 +245,19 @@ def write_path(parent: etree._Element, path: tuple[PathPart, ...]) -> None:
         if part.indices:
             marks["AccessModifier"] = "Array"
         component = sub(parent, "Component", marks)
-        for index in part.indices:
-            write_operand(component, index, "DInt")
+        for text in part.indices:
+            write_operand(component, text, "DInt", hint=index(text) if index is not None else None, index=index)
+    if address := details(hint or ""):
+        sub(parent, "Address", {**address, "Informative": "true"})
+
+
+def details(hint: str) -> dict[str, str]:
+    """What a hint says by name; nothing where it says no such thing, or is damaged."""
+    try:
+        found = json.loads(hint) if hint.startswith("{") else {}
+    except ValueError:
+        return {}
+    return {name: legal(value) for name, value in found.items() if isinstance(value, str) and _PLAIN.fullmatch(name)}
 
 
 def _write_address(parent: etree._Element, text: str) -> None:

@@ -6,14 +6,20 @@ from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_
 
 RAIL = 0
 """The id of the power rail; those of other elements are their ``UId``, which begin at 21."""
-HINT = "operand "
-"""Carried attributes of a network that begin so say what an operand is where its text does not: a constant, a type."""
 RESULTS = ("TrCoil", "IlCoil", "SvCoil")
 """The coils in which the networks of transitions, interlocks and supervisions end."""
 COILS = {"Coil": "none", "SCoil": "set", "RCoil": "reset"}
 CARDINALITIES = ("Card", "card")
 COUNTED = ("A", "O", "X")
 """Boxes that say nothing of themselves but how many inputs they have."""
+LISTS = ("AutomaticTyped", "Invisible")
+"""Lists of names in a ``Part``: types that follow from the operands, pins that are not shown. Carried with commas."""
+PART_NAME = "Part"
+"""Carried attribute of a block: the name of its part, where that is another than TIA Portal has for the block."""
+INVERTED = "Negated"
+"""Carried attribute of a NOT that stands for the negated input of the coil behind it, as FBD draws it."""
+CALL_MARKS = {"BlockNumber": "IntegerAttribute", "ParameterModifiedTS": "DateAttribute"}
+"""What ``CallInfo`` says about the called block for information."""
 CALLS = {"FB": "functionblock", "FC": "function"}
 
 

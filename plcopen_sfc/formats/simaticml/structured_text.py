@@ -67,8 +67,8 @@ def _line_comment(comment: etree._Element) -> str:
 
 def _comment(comment: etree._Element) -> str:
     texts = [text for text in children(comment) if local(text) == "MultiLanguageText"]
-    if len(texts) != 1 or comment.get("Inserted") != "true":
-        raise NotUnderstoodError("a comment in several languages")
+    if not texts or comment.get("Inserted") != "true":
+        raise NotUnderstoodError("a comment without a text")
     return f"(/*{_inner(texts[0])}*/)"
 
 

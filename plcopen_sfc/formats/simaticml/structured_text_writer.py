@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Mapping
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.operands import write_operand
-from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, same
+from plcopen_sfc.formats.simaticml.hints import HINT
+from plcopen_sfc.formats.simaticml.operands import CONSTANTS, details, write_operand
+from plcopen_sfc.formats.simaticml.parts import template_type
+from plcopen_sfc.formats.simaticml.reading import (
+    Fields,
+    NotUnderstoodError,
+    attributes,
+    carry_attribute,
+    child_named,
+    children,
+    local,
+)
 from plcopen_sfc.formats.simaticml.structured_text import scl_text
+from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, UID, are_numbers, numbers_of, renumber, shortened
 from plcopen_sfc.formats.simaticml.versions import concrete, neutral
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, sub
 from plcopen_sfc.formats.xml.carrying import legal, markup
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.report import Fate
 
-FIRST_UID = 21
 _BOTH_ENDS = len("(**)")
 
 
@@ -24,8 +37,15 @@ def write_code(ctx: WriteContext, source: etree._Element, body: StBody) -> None:
     """Write a body into ``NetworkSource``: with its tokens as long as they say the same."""
     if body.markup is not None and _text_of(ctx, body.markup) == body.text:
         add_element(ctx, source, body.markup)
-    elif body.text:
-        write_text(ctx.root("StructuredText", "StructuredText", source), legal(body.text), ctx.types, ctx.culture)
+        return
+    if body.markup is not None and body.markup.count("<MultiLanguageText") > body.markup.count("<Comment"):
+        ctx.note(Fate.DROPPED, "comment", why="only one language of a comment stands in a text that was edited")
+    if body.text:
+        root = ctx.root("StructuredText", "StructuredText", source)
+        kept = body.carried.attributes if body.carried is not None else {}
+        write_text(root, legal(body.text), ctx.types, ctx.culture, kept)
+        if NUMBERS in kept:
+            renumber(root, kept[NUMBERS])
 
 
 def read_code(element: etree._Element, types: dict[str, str]) -> Fields:
@@ -35,10 +55,69 @@ def read_code(element: etree._Element, types: dict[str, str]) -> Fields:
     """
     fields: Fields = {"text": scl_text(element)}
     copy = etree.Element(element.tag)
-    write_text(copy, fields["text"], types, "")
-    if not same(element, copy):
+    hints = _hints(element)
+    write_text(copy, fields["text"], types, _culture(element), hints)
+    if not _alike(element, copy) or not _rise(element):
         fields["markup"] = neutral(markup(element))
+        return fields
+    for name, hint in hints.items():
+        carry_attribute(fields, name, hint)
+    if short := shortened(numbers_of(element), numbers_of(copy)):
+        carry_attribute(fields, NUMBERS, short)
     return fields
+
+
+def _hints(element: etree._Element) -> dict[str, str]:
+    """What the text of a program does not say: which names are constants, and the types of instructions."""
+    found: dict[str, str] = {}
+    for access in element.iter("{*}Access"):
+        constant = child_named(access, "Constant")
+        scope = access.get("Scope", "")
+        if scope in CONSTANTS and constant is not None:
+            name = constant.get("Name", "")
+            found[HINT + (f'"{name}"' if scope == "GlobalConstant" else f"#{name}")] = scope
+    for instruction in element.iter("{*}Instruction"):
+        values = [part for part in children(instruction) if local(part) == "TemplateValue"]
+        if values:
+            said = {part.get("Name", ""): part.text or "" for part in values}
+            found[_TYPES + instruction.get("Name", "")] = json.dumps(said)
+    return found
+
+
+_TYPES = "types of "
+"""Carried attributes that begin so are the types for which an instruction is called, as JSON."""
+
+
+def _culture(element: etree._Element) -> str:
+    """The language of the first comment that says its own."""
+    text = next(element.iter("{*}MultiLanguageText"), None)
+    return text.get("Lang", "") if text is not None else ""
+
+
+def _rise(element: etree._Element) -> bool:
+    """Whether the numbers of a program are whole numbers that rise."""
+    found = [str(part.get(UID, "")) for part in element.iterdescendants(etree.Element)]
+    return are_numbers(found) and found == numbers_of(element)
+
+
+_USUAL = {"Num": "1", "Inserted": "false", "NoClosingBracket": "false"}
+"""What attributes mean that are not there."""
+
+
+def _alike(one: etree._Element, other: etree._Element) -> bool:
+    """Whether two programs have the same tokens; their numbers do not count, if they rise."""
+    if (
+        local(one) != local(other)
+        or _said(one) != _said(other)
+        or ((one.text or "") != (other.text or "") and not len(one))
+    ):
+        return False
+    mine, theirs = children(one), children(other)
+    return len(mine) == len(theirs) and all(map(_alike, mine, theirs))
+
+
+def _said(element: etree._Element) -> dict[str, str]:
+    return {name: value for name, value in attributes(element).items() if name != UID and _USUAL.get(name) != value}
 
 
 def _text_of(ctx: WriteContext, markup: str) -> str | None:
@@ -48,17 +127,36 @@ def _text_of(ctx: WriteContext, markup: str) -> str | None:
         return None
 
 
-def write_text(root: etree._Element, text: str, types: dict[str, str], culture: str) -> None:
+def write_text(
+    root: etree._Element, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str] | None = None
+) -> None:
     """Fill ``StructuredText`` with the tokens of `text`.
 
     `types` are those of local variables: an instance of a block of the user is called otherwise than one of the system.
+    `hints` are the carried attributes of the body, which say what the text does not.
     """
-    _Writer(root, text.replace("\r\n", "\n"), types, culture).run()
+    _Writer(root, text.replace("\r\n", "\n"), types, culture, hints or {}).run()
+
+
+def _is_end_of_function(element: etree._Element) -> bool:
+    """Whether a token closes the call of an instruction that has a result."""
+    owner = element.getparent()
+    if element.get("Text") != ")" or owner is None or element.getnext() is not None or local(owner) != "Instruction":
+        return False
+    name = owner.get("Name", "")
+    return bool(name) and not name.upper().startswith(_WITHOUT_RESULT)
+
+
+_WITHOUT_RESULT = ("POKE",)
+"""Instructions of SCL without a result: how their names begin."""
 
 
 class _Writer:
-    def __init__(self, root: etree._Element, text: str, types: dict[str, str], culture: str) -> None:
+    def __init__(
+        self, root: etree._Element, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str]
+    ) -> None:
         self.root = root
+        self.hints = hints
         self.text = text
         self.types = types
         self.culture = culture
@@ -75,10 +173,10 @@ class _Writer:
         self._number()
 
     def _number(self) -> None:
-        number = FIRST_UID
+        number = FIRST
         for element in self.root.iterdescendants():
-            if str(element.tag).endswith("}ConstantValue") or element.tag == "ConstantValue":
-                number += 1  # that of the type, which is left out
+            if local(element) == "ConstantValue" or _is_end_of_function(element):
+                number += 1  # that of the type of the constant, or of the result, which is left out
             element.set("UId", str(number))
             number += 1
 
@@ -160,11 +258,18 @@ class _Writer:
         is_path = name.startswith(("#", '"'))
         if not is_path and self._next_is("LPAR", joined=True):
             call = sub(parent, "Access", {"Scope": "Call"})
-            self._arguments(sub(call, "Instruction", {"Name": name}))
+            instruction = sub(call, "Instruction", {"Name": name})
+            for key, value in details(self.hints.get(_TYPES + name, "")).items():
+                sub(instruction, "TemplateValue", {"Name": key, "Type": template_type(key)}).text = value or None
+            self._arguments(instruction)
             return
         scope = "GlobalVariable" if name.startswith('"') else "LocalVariable"
         if not is_path:
-            sub(parent, "Token", {"Text": name})
+            self._word(parent, name)
+            return
+        constant = self.hints.get(HINT + name)
+        if constant in CONSTANTS:
+            sub(sub(parent, "Access", {"Scope": constant}), "Constant", {"Name": name.lstrip("#").strip('"')})
             return
         start = len(parent)
         path = name
@@ -183,6 +288,17 @@ class _Writer:
                 self._component(symbol, value)
         if self._next_is("LPAR", joined=True):
             self._call(parent, start, scope, path)
+
+    def _word(self, parent: etree._Element, name: str) -> None:
+        """Write a name that is none of a variable: that of a label behind GOTO or before a colon, else a word."""
+        before = self.items[self.index - 2] if self.index > 1 else None
+        is_target = isinstance(before, Token) and before.type == "GOTO"
+        if not is_target and not (parent is self.root and self._next_is("COLON", joined=True)):
+            sub(parent, "Token", {"Text": name})
+            return
+        label = sub(sub(parent, "Access", {"Scope": "Label"}), "Label", {"Name": name})
+        if not is_target:
+            sub(label, "Token", {"Text": self._value(self._take(label))})
 
     def _component(self, symbol: etree._Element, name: str) -> None:
         plain = name.removeprefix("#").strip('"')

@@ -14,6 +14,9 @@ from tests.formats.simaticml.documents import ALL_PARAMS, parsed
 NOT_EQUAL = frozenset({"f0477a1e2d4d0d8f3b3b0102776edf6e32c9286f.xml", "LAD_TemplateValve_V0.x.xml"})
 """Made by hand: texts with unknown parts, whose ids are inside of what is carried as it is."""
 
+USUAL = {"Num": "1", "Inserted": "false", "NoClosingBracket": "false"}
+"""Attributes of tokens that are left out where they say what holds without them."""
+
 Fact = tuple[str, str, str]
 
 OBJECTS_WITHOUT_CONTENT = frozenset({"ObjectList"})
@@ -67,6 +70,7 @@ def test_a_fresh_document_says_all_but_the_documented_exceptions(path: Path) -> 
     data = path.read_bytes()
     old, new = facts(data), facts(sfc.dumps(sfc.loads(data), fresh=True))
     lost = [fact for fact in old - new if last(fact) not in OBJECTS_WITHOUT_CONTENT | FORMER]
+    lost = [fact for fact in lost if USUAL.get(fact[1]) != fact[2]]
     added = [fact for fact in new - old if last(fact) not in ADDED]
     if path.name == "V14SP1.xml":  # a template whose version is empty
         lost = [fact for fact in lost if last(fact) != "Engineering"]

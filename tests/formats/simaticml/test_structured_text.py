@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -10,9 +11,10 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
+from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, same
 from plcopen_sfc.formats.simaticml.structured_text import scl_text
-from plcopen_sfc.formats.simaticml.structured_text_writer import write_text
+from plcopen_sfc.formats.simaticml.structured_text_writer import read_code, write_text
+from plcopen_sfc.formats.simaticml.uids import renumber
 from plcopen_sfc.model import StBody
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
 from tests.languages import st_simaticml
@@ -78,6 +80,8 @@ def test_texts_of_the_corpus() -> None:
                 fates["opaque"] += 1
                 continue
             fates["read"] += 1
+            fields = read_code(element, {})
+            fates["kept beside"] += "markup" in fields
             if not any(local.get("Scope") == "GlobalConstant" for local in element.iter("{*}Access")):
                 assert text == st_simaticml.scl_text(element)
             # exports have no carriage returns; a template made by hand has
@@ -86,6 +90,54 @@ def test_texts_of_the_corpus() -> None:
         pytest.skip("no corpus beside the repository")
     assert fates["opaque"] == 0
     assert fates["same text"] == fates["read"]
+    # one template of another tool, in seven versions: blanks and line ends are tokens there
+    assert fates["kept beside"] == 7
+
+
+def read_and_written(content: str) -> tuple[dict[str, Any], etree._Element, etree._Element]:
+    """A program as it is read, the element, and what is written from that."""
+    element = etree.fromstring(f"<StructuredText>{content}</StructuredText>")
+    fields = read_code(element, {})
+    copy = etree.Element("StructuredText")
+    hints = fields.get("carried", {}).get("attributes", {})
+    write_text(copy, fields["text"], {}, "de-DE", hints)
+    return fields, element, copy
+
+
+def test_labels_and_jumps() -> None:
+    content = """<Access Scope="Label" UId="21"><Label Name="Again" UId="22"><Token Text=":" UId="23" /></Label>
+    </Access>
+    <Blank UId="24" /><Token Text="GOTO" UId="25" /><Blank UId="26" />
+    <Access Scope="Label" UId="27"><Label Name="Again" UId="28" /></Access><Token Text=";" UId="29" />"""
+    fields, element, copy = read_and_written(content)
+    assert fields == {"text": "Again: GOTO Again;"}
+    assert same(element, copy)
+
+
+def test_what_the_text_does_not_say_is_kept() -> None:
+    content = """<Access Scope="LocalConstant" UId="21"><Constant Name="Init" UId="22" /></Access>
+    <Blank UId="23" /><Access Scope="Call" UId="24"><Instruction Name="LIMIT" UId="25">
+    <TemplateValue Name="value_type" Type="Type" UId="26">Real</TemplateValue>
+    <Token Text="(" UId="27" /><Token Text=")" UId="29" /></Instruction></Access>"""
+    fields, element, copy = read_and_written(content)
+    assert fields["text"] == "#Init LIMIT()"
+    assert "markup" not in fields
+    assert same(element, copy)
+
+
+def test_numbers_of_another_tool_come_back() -> None:
+    fields, element, copy = read_and_written('<Token Text="RETURN" UId="1" /><Token Text=";" UId="7" />')
+    assert fields["carried"]["attributes"] == {"UId numbers": "1 7"}
+    renumber(copy, "1 7")
+    assert same(element, copy)
+
+
+def test_a_comment_in_several_languages_is_read_in_the_first_and_kept() -> None:
+    content = """<Comment Inserted="true" UId="21"><MultiLanguageText Lang="de-DE" UId="22">ja</MultiLanguageText>
+    <MultiLanguageText Lang="en-US" UId="23">yes</MultiLanguageText></Comment>"""
+    fields, _, _ = read_and_written(content)
+    assert fields["text"] == "(/*ja*/)"
+    assert "yes" in fields["markup"]
 
 
 def test_an_edit_of_a_text() -> None:
