@@ -56,6 +56,9 @@ class _ChartWriter:
         self.chart = chart
         self.schema = ctx.schemas.get("Graph", ctx.version.graph)
         self.step_numbers = _numbers((step.id, step.number) for step in chart.steps)
+        self.blocks = {
+            block.name.casefold(): f'"{block.type_name}"' for block in ctx.project.data_blocks if block.type_name
+        }
         self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
 
     def write(self, root: etree._Element) -> None:
@@ -209,7 +212,7 @@ class _ChartWriter:
             self.ctx.keep("action")
             return
         element = sub(parent, "Action")
-        write_row(element, action)
+        write_row(element, action, self.blocks)
         native = {"id", "qualifier", "target", "value", "duration", "event", "interlock"}
         if isinstance(action.body, StBody) or action.body is None:
             native.add("body")
@@ -324,7 +327,7 @@ def _is_always(condition: Condition) -> bool:
 
 def _says(kept: etree._Element, action: ActionAssociation) -> bool:
     """Whether a row of the file still says what the association says."""
-    same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept)})
+    same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept), "carried": None})
     return same == action.model_copy(update={"carried": None})
 
 

@@ -9,18 +9,12 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.drawing import fits
-from plcopen_sfc.formats.simaticml.actions_reader import read_action
-from plcopen_sfc.formats.simaticml.actions_writer import write_row
 from plcopen_sfc.model import (
-    ActionAssociation,
-    ActionEvent,
     BodyCondition,
     Expression,
     MultilingualText,
     Project,
-    Qualifier,
     SfcNetwork,
-    StBody,
 )
 from tests.formats.simaticml.documents import FIXTURES, GRAPH_PARAMS, parsed
 
@@ -131,52 +125,3 @@ def test_a_connection_to_nothing_is_an_error_and_stays() -> None:
     fresh = sfc.dumps(project, fresh=True)
     assert fresh.count(b"<Connection>") == data.count(b"<Connection>")
     assert b'<TransitionRef Number="333" />' in fresh
-
-
-def row(*tokens: str, **attributes: str) -> etree._Element:
-    element = etree.Element("Action", attributes)
-    for token in (*tokens, "\n"):
-        etree.SubElement(element, "Token", {"Text": token})
-    return element
-
-
-ROWS = (
-    (row('"Tag"', Qualifier="N"), {"qualifier": Qualifier.N, "target": '"Tag"'}),
-    (row("#a.b[1]", Qualifier="S", Event="S1"), {"event": ActionEvent.S1, "target": "#a.b[1]"}),
-    (row("#x", Qualifier="N", Interlock="true"), {"interlock": True, "target": "#x"}),
-    (row("#x", ",", "T#5S", Qualifier="D"), {"target": "#x", "duration": "T#5S"}),
-    (row("#x", ",", '"DB".time', Qualifier="L"), {"target": "#x", "duration": '"DB".time'}),
-    (row("#x", ":=", "1", Qualifier="N"), {"target": "#x", "value": "1"}),
-    (row('"C1"', ",", "C#10", Qualifier="CS", Event="S1"), {"target": '"C1"', "value": "C#10"}),
-    (row("Step5", Qualifier="OFF", Event="S1"), {"qualifier": Qualifier.OFF, "target": "Step5"}),
-    (row("#x", " ", ":=", " ", "1", Qualifier="N"), {"target": "#x", "value": "1"}),
-)
-
-
-@pytest.mark.parametrize(("element", "expected"), ROWS)
-def test_rows_of_actions(element: etree._Element, expected: dict[str, object]) -> None:
-    fields = read_action(element)
-    action = ActionAssociation.model_validate({"id": 1, **fields})
-    assert {name: getattr(action, name) for name in expected} == expected
-    if action.carried is None:
-        again = etree.Element("Action")
-        write_row(again, action)
-        assert etree.tostring(again, method="c14n") == etree.tostring(element, method="c14n")
-
-
-def test_a_call_is_a_statement() -> None:
-    tokens = ["CALL", " ", '"FC_1"', " ", "\n", "    ", "(", "a", " ", ":=", " ", "1", "\n"]
-    tokens += ["     ", "b", " ", ":=", " ", "#c", "\n", "    ", ")"]
-    action = ActionAssociation.model_validate({"id": 1, **read_action(row(*tokens, Qualifier="N"))})
-    assert action.qualifier is Qualifier.CALL
-    assert action.body == StBody(text='"FC_1"(a := 1, b := #c);')
-    assert action.carried is None
-
-
-def test_a_row_that_no_rule_fits_is_kept() -> None:
-    element = row("IF", " ", "#a", Qualifier="N")
-    assert read_action(element)["body"] == {"language": "ST", "text": "IF #a"}
-    unknown = etree.fromstring('<Action Qualifier="N"><Access Scope="Unnamed" /></Action>')
-    assert read_action(unknown)["body"]["content"] == (
-        '<Action xmlns="" Qualifier="N"><Access Scope="Unnamed"></Access></Action>'
-    )
