@@ -74,6 +74,20 @@ class Signal:
         return cls(type_name, SignalKind.ENUMERATION, dict(names))
 
     @property
+    def default(self) -> Value:
+        """The value of a variable that has no other (IEC 61131-3 ed. 3, table 10)."""
+        match self.kind:
+            case SignalKind.BOOL:
+                return False
+            case SignalKind.REAL:
+                return 0.0
+            case SignalKind.STRING:
+                return ""
+            case SignalKind.ENUMERATION if self.names:
+                return next(iter(self.names))
+        return min(max(0, self.least), self.greatest)
+
+    @property
     def bits(self) -> int:
         """How many bits an integer of the type has."""
         return max(self.greatest.bit_length(), (-self.least - 1).bit_length() + 1 if self.least < 0 else 1)

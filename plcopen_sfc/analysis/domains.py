@@ -1,0 +1,153 @@
+"""The values that free inputs can take, as few as tell everything that programs do with them.
+
+A Boolean has two, an enumeration its names. Of a number only a few matter as long as programs do nothing with it but
+compare it with constants: one for each constant, and one of each interval between them. Which constants these are shows
+when the programs run: they get a `Probe` instead of a number, which answers comparisons and notes what it is compared
+with. Anything else that is done with a probe ends the proof (`NotProvableError`).
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from itertools import pairwise
+from typing import Any, NoReturn
+
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+
+__all__ = ["Domain", "NotProvableError", "Probe", "frozen", "plain"]
+
+_GREATEST_REAL = 3.4028234663852886e38
+_MOST_CUTS = 24
+_MOST_NAMES = 64
+
+
+class NotProvableError(Exception):
+    """Programs do something with an input that no few values stand for."""
+
+
+class Domain:
+    """The values of one input. `grown`: a constant was found since it was last looked at."""
+
+    def __init__(self, name: str, signal: Signal) -> None:
+        self.name = name
+        self.signal = signal
+        self.grown = False
+        self._cuts: set[int | float] = set()
+        self.options: tuple[Any, ...] = self._options()
+
+    def cut(self, constant: object) -> None:
+        """Note that the input is compared with a constant."""
+        if isinstance(constant, bool) or not isinstance(constant, int | float) or constant - constant != 0:
+            raise NotProvableError(f"{self.name} is compared with {constant!r}")
+        found = {constant} if self.signal.kind is SignalKind.REAL else {math.floor(constant), math.ceil(constant)}
+        if found <= self._cuts:
+            return
+        self._cuts |= found
+        if len(self._cuts) > _MOST_CUTS:
+            raise NotProvableError(f"{self.name} is compared with more than {_MOST_CUTS} values")
+        self.options = self._options()
+        self.grown = True
+
+    def _options(self) -> tuple[Any, ...]:
+        match self.signal.kind:
+            case SignalKind.BOOL:
+                return (False, True)
+            case SignalKind.STRING:
+                return (_Text(self),)
+            case SignalKind.ENUMERATION if 0 < len(self.signal.names) <= _MOST_NAMES:
+                return tuple(sorted(self.signal.names))
+        return tuple(Probe(value, self) for value in self._numbers())
+
+    def _numbers(self) -> list[int | float]:
+        """One number for each constant, and one below, between and above them where the type has any."""
+        cuts = sorted(self._cuts)
+        if not cuts:
+            return [min(max(0, self.signal.least), self.signal.greatest)]
+        if self.signal.kind is SignalKind.REAL:
+            most = _GREATEST_REAL if self.signal.type == "REAL" else sys.float_info.max
+            between = [low / 2 + high / 2 for low, high in pairwise(cuts)]
+            below, above = cuts[0] - abs(cuts[0]) - 1, cuts[-1] + abs(cuts[-1]) + 1
+            inside = (min(max(float(each), -most), most) for each in (below, *cuts, *between, above))
+            return sorted({each for each in map(self.signal.accept, inside) if isinstance(each, float)})
+        near = {cut + offset for cut in cuts for offset in (0, 1)} | {cuts[0] - 1}
+        near |= {self.signal.least, self.signal.greatest}  # for intervals that a bound of the type cuts off
+        return sorted(each for each in near if self.signal.least <= each <= self.signal.greatest)
+
+
+class Probe:
+    """A number of a free input that may only be compared with constants, stored, and put out."""
+
+    __slots__ = ("domain", "value")
+
+    def __init__(self, value: int | float, domain: Domain) -> None:
+        self.value = value
+        self.domain = domain
+
+    def _compared(self, other: object) -> Any:
+        """The other side of a comparison as a plain number."""
+        if isinstance(other, Probe):
+            if other.domain is self.domain:
+                return other.value
+            raise NotProvableError(f"{self.domain.name} is compared with {other.domain.name}")
+        self.domain.cut(other)
+        return other
+
+    def __lt__(self, other: object) -> bool:
+        return bool(self.value < self._compared(other))
+
+    def __le__(self, other: object) -> bool:
+        return bool(self.value <= self._compared(other))
+
+    def __gt__(self, other: object) -> bool:
+        return bool(self.value > self._compared(other))
+
+    def __ge__(self, other: object) -> bool:
+        return bool(self.value >= self._compared(other))
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.value == self._compared(other))
+
+    def __hash__(self) -> int:
+        raise self._misuse()
+
+    def __repr__(self) -> str:
+        return f"<{self.domain.name}: {self.value}>"
+
+    def _misuse(self) -> NotProvableError:
+        return NotProvableError(f"{self.domain.name} is used otherwise than in comparisons with constants")
+
+    def _escape(self, *_: object) -> NoReturn:
+        raise self._misuse()
+
+    __bool__ = __int__ = __float__ = __index__ = __round__ = __trunc__ = __floor__ = __ceil__ = _escape
+    __add__ = __sub__ = __mul__ = __truediv__ = __floordiv__ = __mod__ = __pow__ = __divmod__ = _escape
+    __radd__ = __rsub__ = __rmul__ = __rtruediv__ = __rfloordiv__ = __rmod__ = __rpow__ = __rdivmod__ = _escape
+    __and__ = __or__ = __xor__ = __lshift__ = __rshift__ = _escape
+    __rand__ = __ror__ = __rxor__ = __rlshift__ = __rrshift__ = _escape
+    __neg__ = __pos__ = __abs__ = __invert__ = _escape
+
+
+class _Text(Probe):
+    """A text of a free input: nothing may be done with it at all."""
+
+    __slots__ = ()
+
+    def __init__(self, domain: Domain) -> None:
+        super().__init__(0, domain)
+
+    def _compared(self, other: object) -> NoReturn:  # noqa: ARG002
+        raise NotProvableError(f"{self.domain.name} is a text")
+
+
+def plain(value: Any) -> Value:
+    """The number of a probe; anything else itself."""
+    number: Value = value.value if isinstance(value, Probe) else value
+    return number
+
+
+def frozen(state: Any) -> Any:
+    """A state that can be hashed: the probes that were stored in it are named."""
+    if isinstance(state, Probe):
+        return (state.domain.name, state.value)
+    return tuple(map(frozen, state)) if isinstance(state, tuple) else state

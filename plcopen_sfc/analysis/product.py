@@ -1,0 +1,202 @@
+"""Search of everything that two systems can do together, scan by scan, with the same inputs.
+
+Breadth first over the pairs of their states. In each state the scan runs once for every combination of values of those
+inputs that it really reads: `Branching` notes what is read, and what was not tried yet. So a chart of 100 conditions
+costs as many runs as conditions are looked at in a scan, not 2 to the power of 100. The first difference that is found
+is one with the fewest scans.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.semantics.signals import Value
+
+__all__ = ["Branching", "Explored", "System", "compare", "explore", "failure_of"]
+
+InputReader = Callable[[str], Any]
+
+
+class System(Protocol):
+    """Something that runs scan by scan and can be put back into an earlier state."""
+
+    def reset(self) -> None:
+        """Go to the state before the first scan."""
+
+    def scan(self, read: InputReader, *, first: bool) -> None:
+        """Run one scan; `read` gives the value of an input. Time goes on before every scan but the first."""
+
+    def observed(self) -> tuple[Any, ...]:
+        """The values that are compared, at the end of a scan."""
+
+    def snapshot(self) -> Any:
+        """The state, without absolute times."""
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a state."""
+
+
+class _Regrown(Exception):  # noqa: N818  # no error: the search starts again
+    """A constant was found: there are more values to try."""
+
+
+class Branching:
+    """All combinations of values that the inputs of one scan can have, in the order in which they are read."""
+
+    def __init__(self, domains: Mapping[str, Domain]) -> None:
+        self._domains = domains
+        self._path: list[tuple[str, Sequence[Any], int]] = []
+        self._cursor = 0
+        self.values: dict[str, Any] = {}
+
+    def combinations(self) -> Iterator[dict[str, Any]]:
+        """Run the body of the loop once for each combination; it reads its inputs with `read`."""
+        self._path = []
+        while True:
+            self._cursor = 0
+            self.values = {}
+            yield self.values
+            while self._path and self._path[-1][2] + 1 == len(self._path[-1][1]):
+                self._path.pop()
+            if not self._path:
+                return
+            name, options, index = self._path[-1]
+            self._path[-1] = (name, options, index + 1)
+
+    def read(self, name: str) -> Any:
+        """The value of an input in this scan."""
+        if name in self.values:
+            return self.values[name]
+        if self._cursor == len(self._path):
+            self._path.append((name, self._domains[name].options, 0))
+        _, options, index = self._path[self._cursor]
+        self._cursor += 1
+        value = self.values[name] = options[index]
+        return value
+
+
+@dataclass(frozen=True)
+class Explored:
+    """What a search has found.
+
+    `inputs`: those of the scans that lead to the first difference, None where there is none. `complete`: all states
+    were seen. `depth`: every input sequence of that many scans was tried. `reason`: why the search is not complete.
+    """
+
+    states: int
+    depth: int
+    complete: bool
+    inputs: list[dict[str, Value]] | None = None
+    reason: str = ""
+
+
+def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
+    """Search the product of two systems up to `cap` states. The domains grow by the constants that are found."""
+    try:
+        while True:
+            try:
+                return _search(left, right, domains, cap)
+            except _Regrown:
+                for domain in domains.values():
+                    domain.grown = False
+    except NotProvableError as reason:
+        return Explored(0, 0, complete=False, reason=str(reason))
+
+
+def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
+    probing = any(isinstance(option, Probe) for domain in domains.values() for option in domain.options)
+    key: Callable[[Any], Any] = frozen if probing else _itself
+    left.reset()
+    right.reset()
+    states: list[tuple[Any, Any]] = [(left.snapshot(), right.snapshot())]
+    origins: list[tuple[int, dict[str, Any]]] = [(-1, {})]
+    depths = [0]
+    seen: set[Any] = set()
+    branching = Branching(domains)
+    waiting = deque([0])
+    while waiting:
+        number = waiting.popleft()
+        before_left, before_right = states[number]
+        for values in branching.combinations():
+            left.restore(before_left)
+            right.restore(before_right)
+            ended = _scan(left, right, branching.read, first=number == 0)
+            if any(domain.grown for domain in domains.values()):
+                raise _Regrown
+            if ended is _DIFFERENT:
+                inputs = [*_inputs(origins, number), {name: plain(value) for name, value in values.items()}]
+                return Explored(len(seen), depths[number], complete=False, inputs=inputs)
+            if ended is _FAILED:
+                continue
+            after = (left.snapshot(), right.snapshot())
+            code = key(after)
+            if code in seen:
+                continue
+            seen.add(code)
+            if len(seen) > cap:
+                reason = f"more than {cap:,} states"
+                return Explored(len(seen) - 1, depths[number], complete=False, reason=reason)
+            states.append(after)
+            origins.append((number, dict(values)))
+            depths.append(depths[number] + 1)
+            waiting.append(len(states) - 1)
+        states[number] = (None, None)  # it is not gone back to
+    return Explored(len(seen), max(depths), complete=True)
+
+
+_SAME, _DIFFERENT, _FAILED = range(3)
+
+
+def _scan(left: System, right: System, read: InputReader, *, first: bool) -> int:
+    failures = [failure_of(system, read, first=first) for system in (left, right)]
+    if any(failures):
+        return _FAILED if all(failures) else _DIFFERENT
+    return _SAME if compare(left.observed(), right.observed()) == [] else _DIFFERENT
+
+
+def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | None:
+    """Run a scan; the error that it ends with, such as a division by zero."""
+    try:
+        system.scan(read, first=first)
+    except (TypeError, AttributeError) as error:
+        raise NotProvableError(f"an input is used in a way that cannot be followed ({error})") from error
+    except SfcError as error:
+        reason: BaseException | None = error
+        while reason is not None:
+            if isinstance(reason, NotProvableError):
+                raise reason from None
+            reason = reason.__cause__ or reason.__context__
+        return error
+    return None
+
+
+def compare(left: Sequence[Any], right: Sequence[Any]) -> list[int]:
+    """The places at which two observations differ."""
+    return [place for place, (a, b) in enumerate(zip(left, right, strict=True)) if not _equal(a, b)]
+
+
+def _equal(a: Any, b: Any) -> bool:
+    if not isinstance(a, Probe) and not isinstance(b, Probe):
+        return bool(a == b) or (a != a and b != b)  # noqa: PLR0124  # two that are no numbers are the same
+    if isinstance(a, Probe) and isinstance(b, Probe) and a.domain is b.domain:
+        return bool(a.value == b.value)
+    if plain(a) != plain(b):
+        return False
+    raise NotProvableError(f"{(a if isinstance(a, Probe) else b).domain.name} is put out")
+
+
+def _itself(state: Any) -> Any:
+    return state
+
+
+def _inputs(origins: Sequence[tuple[int, dict[str, Any]]], number: int) -> list[dict[str, Value]]:
+    found: list[dict[str, Value]] = []
+    while number > 0:
+        number, values = origins[number]
+        found.append({name: plain(value) for name, value in values.items()})
+    return found[::-1]
