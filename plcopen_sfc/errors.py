@@ -114,3 +114,45 @@ class RivalsError(SfcError):
     def __init__(self, message: str, *, transitions: tuple[str, ...]) -> None:
         super().__init__(message, hint="Make their conditions exclude each other, or give them priorities.")
         self.transitions = transitions
+
+
+class SimulationError(SfcError):
+    """A simulated controller cannot go on: a division by zero, an index out of bounds, an endless loop, a text with
+    syntax errors, a construct that the simulator does not know.
+
+    `location.path` is the body (``Main.Fill``), `location.line` the line in its text, `scan` the number of the scan
+    from 1; None: it was found before the first scan.
+    """
+
+    def __init__(self, message: str, *, location: Location | None = None, hint: str = "") -> None:
+        super().__init__(message, location=location, hint=hint)
+        self.scan: int | None = None
+
+    @property
+    def pou(self) -> str:
+        """The POU in which it happened."""
+        return (self.location.path or "").partition(".")[0]
+
+    def __str__(self) -> str:
+        return super().__str__() if self.scan is None else f"scan {self.scan}: {super().__str__()}"
+
+
+class UnknownFunctionError(SimulationError):
+    """A function, function block or type called `name` is neither of the project nor known to the simulator."""
+
+    def __init__(self, name: str, message: str, *, location: Location | None = None, hint: str = "") -> None:
+        super().__init__(message, location=location, hint=hint)
+        self.name = name
+
+
+class LoweringError(SfcError):
+    """A chart, or something in it, cannot be lowered as asked. Nothing was written, nothing was approximated."""
+
+
+class UnknownBehaviourError(SimulationError):
+    """A chart has something of which the profile does not say what it does: a qualifier of another tool, an event of
+    S7-GRAPH in a chart of CODESYS. It is not guessed."""
+
+
+class UnstableChartError(SimulationError):
+    """The search for stability does not end: the situation goes on changing with the same inputs."""

@@ -1,0 +1,1 @@
+"""Lowering: a chart as program code for controllers and tools that have no SFC."""

@@ -1,0 +1,38 @@
+"""Step bits in two phases: all transitions from the old bits, then all resets, then all sets.
+
+This is the rule of evolution itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays active), so
+it holds for every chart, also for one that is not safe.
+"""
+
+from __future__ import annotations
+
+from plcopen_sfc.languages.st.nodes import Statement
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, when
+from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.semantics.profile import ScanOrder
+
+
+class StepBits(StepFlags):
+    """Lowers one chart into `code`."""
+
+    def exact(self) -> None:
+        """Transitions, resets, sets; actions before or behind them, as the profile has it."""
+        if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            self.add_actions()
+        fired = self.add_transitions()
+        resets: list[Statement] = []
+        sets: list[Statement] = []
+        for transition in self.net.transitions:
+            flag = fired[transition.index]
+            leaving = [assignment(self.flags[i], FALSE) for i in transition.sources]
+            entering = [assignment(self.flags[i], TRUE) for i in transition.targets]
+            resets += [when(flag, *leaving)] if leaving else []
+            sets += [when(flag, *entering)] if entering else []
+        if self.init is not None:
+            resets.append(when(self.init, *(assignment(flag, FALSE) for flag in self.flags)))
+            initial = [self.flags[s.index] for s in self.net.steps if self.net.initial & s.bit]
+            sets.append(when(self.init, *(assignment(flag, TRUE) for flag in initial)))
+        self.code.add(self.texts.resets, resets)
+        self.code.add(self.texts.sets, sets)
+        if self.profile.order is ScanOrder.TRANSITIONS_FIRST:
+            self.add_actions()

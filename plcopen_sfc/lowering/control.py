@@ -1,0 +1,127 @@
+"""What drives an action: the action control of IEC 61131-3, as code.
+
+One control for each action, over all steps that use it (ed. 3, 6.7.4.6): stored and delayed uses are remembered apart,
+R dominates all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
+from plcopen_sfc.model.actions import Qualifier
+
+Q = Qualifier
+
+
+class ActionControl:
+    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net."""
+
+    def __init__(self, memory: Memory, active: Callable[[int], Expression]) -> None:
+        self._memory = memory
+        self._active = active
+
+    def drive(self, action: ActionSource, into: list[Statement]) -> Expression:
+        """Whether the action is active: the output Q of its action control."""
+        reset = self._input(action, Q.R, Q.R0)
+        makers = (self._level, self._stored, self._limited, self._delayed, self._pulses, self._stored_and_timed)
+        terms = [term for make in makers for term in make(action, reset, into)]
+        resettable = {Q.S, Q.SD, Q.DS}  # their flip-flops have seen the reset already
+        if all(use.qualifier in resettable | {Q.R, Q.R0} for use in action.uses) and not self._input_is(action, Q.SD):
+            return disjunction(terms)
+        return conjunction([disjunction(terms), negation(reset)])
+
+    def drive_with_final_scan(self, action: ActionSource, into: list[Statement]) -> Expression:
+        """Whether the action is executed: while it is active, and once more after it has ended (output A)."""
+        active = self._memory.named(f"{action.name}_Q", self.drive(action, into), into)
+        return disjunction([active, self._memory.falling(f"{action.name}_end", active, into)])
+
+    def _input_is(self, action: ActionSource, qualifier: Qualifier) -> bool:
+        return any(use.qualifier is qualifier for use in action.uses)
+
+    def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
+        """The input of the action control for these qualifiers: any step that uses the action with one of them."""
+        return disjunction(self._of(use) for use in action.uses if use.qualifier in qualifiers)
+
+    def _of(self, use: Use) -> Expression:
+        return conjunction([self._active(use.step), use.condition])
+
+    def _level(self, action: ActionSource, _: Expression, __: list[Statement]) -> list[Expression]:
+        return [self._input(action, Q.N)]
+
+    def _stored(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        set_ = self._input(action, Q.S)
+        if is_constant(set_, FALSE):
+            return []
+        return [self._memory.latch(f"{action.name}_S", set_, reset, into)]
+
+    def _limited(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        value = self._input(action, Q.L)
+        if is_constant(value, FALSE):
+            return []
+        over = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L), into)
+        return [conjunction([value, negation(over)])]
+
+    def _delayed(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        value = self._input(action, Q.D)
+        if is_constant(value, FALSE):
+            return []
+        return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D), into)]
+
+    def _pulses(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        found: list[Expression] = []
+        for qualifiers, edge in (((Q.P, Q.P1), self._memory.rising), ((Q.P0,), self._memory.falling)):
+            value = self._input(action, *qualifiers)
+            if not is_constant(value, FALSE):
+                found.append(edge(f"{action.name}_{qualifiers[0]}", value, into))
+        return found
+
+    def _stored_and_timed(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        found: list[Expression] = []
+        stored = self._input(action, Q.SD)
+        if not is_constant(stored, FALSE):
+            latch = self._memory.latch(f"{action.name}_SD", stored, reset, into)
+            found.append(self._memory.delayed(f"{action.name}_SD_T", latch, self._time(action, Q.SD), into))
+        delayed = self._input(action, Q.DS)
+        if not is_constant(delayed, FALSE):
+            late = self._memory.delayed(f"{action.name}_DS_T", delayed, self._time(action, Q.DS), into)
+            found.append(self._memory.latch(f"{action.name}_DS", late, reset, into))
+        limited = self._input(action, Q.SL)
+        if not is_constant(limited, FALSE):
+            latch = self._memory.latch(f"{action.name}_SL", limited, reset, into)
+            over = self._memory.delayed(f"{action.name}_SL_T", latch, self._time(action, Q.SL), into)
+            found.append(conjunction([latch, negation(over)]))
+        return found
+
+    def _time(self, action: ActionSource, qualifier: Qualifier) -> Expression:
+        times: list[Expression] = []
+        for use in action.uses:
+            if use.qualifier is qualifier and use.duration is not None and use.duration not in times:
+                times.append(use.duration)
+        if len(times) != 1:
+            raise LoweringError(
+                f"{action.name} has several times for {qualifier}, of which one timer can have only one",
+                location=Location(path=f"action {action.name}"),
+            )
+        return times[0]
+
+
+def add_actions(source: ChartSource, code: Code, control: ActionControl, rules: LoweringRules) -> None:
+    """Append a network for each action, in the order in which the profile executes them."""
+    actions = list(source.actions)
+    if rules.profile.alphabetic_actions:
+        actions.sort(key=lambda action: action.name.casefold())
+    for action in actions:
+        statements: list[Statement] = []
+        if action.target is not None:
+            statements.append(assignment(action.target, control.drive(action, statements)))
+        else:
+            drive = control.drive_with_final_scan if rules.profile.final_scan else control.drive
+            statements.append(when(drive(action, statements), *action.statements))
+        code.add(rules.texts.action(action.name), statements)

@@ -1,0 +1,51 @@
+"""Flip-flop chains: one reset-dominant flip-flop and one flag for each step.
+
+*Exact*: all transitions are computed first, from the flags of the last scan; then each flip-flop is set by the
+transitions that lead to its step and reset by those that leave it. As no flip-flop reads another, neighbours never
+overlap and no token runs through. *Classic* is the textbook chain: set by the step before and the condition, reset by
+the step behind. It does something else than the chart; see docs/lowering.md.
+"""
+
+from __future__ import annotations
+
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.logic import disjunction
+from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.model.text import plain
+from plcopen_sfc.semantics.net import NetStep
+from plcopen_sfc.semantics.profile import ScanOrder
+
+
+class FlipFlopChain(StepFlags):
+    """Lowers one chart into `code`."""
+
+    def exact(self) -> None:
+        """Transitions first, then steps; actions before or behind both, as the profile has it."""
+        if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            self.add_actions()
+        fired = self.add_transitions()
+        for step in self.net.steps:
+            entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
+            loops = set(entering) & set(leaving)  # such a step stays active: neither set nor reset
+            set_: list[Expression] = [fired[i] for i in entering if i not in loops]
+            reset: list[Expression] = [fired[i] for i in leaving if i not in loops]
+            self._add_step(step, set_, reset)
+        if self.profile.order is ScanOrder.TRANSITIONS_FIRST:
+            self.add_actions()
+
+    def classic(self) -> None:
+        """The textbook chain: steps one after the other, each looks at the flags as they are at that moment."""
+        for step in self.net.steps:
+            set_ = [self.enabled(self.net.transitions[i]) for i in self.net.entering[step.index]]
+            following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
+            self._add_step(step, set_, [self.flags[i] for i in sorted(following)])
+        self.add_actions()
+
+    def _add_step(self, step: NetStep, set_: list[Expression], reset: list[Expression]) -> None:
+        initial = bool(self.net.initial & step.bit)
+        if self.init is not None:
+            set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
+        flag = self.flags[step.index]
+        statements: list[Statement] = []
+        self.memory.latch(f"FF_{flag.identifier}", disjunction(set_), disjunction(reset), statements, flag)
+        self.code.add(self.texts.step(step.step, step.path, initial=initial), statements, plain(step.step.comment))

@@ -1,0 +1,77 @@
+"""Boolean expressions and statements, made as a person would write them: flat, without needless operands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Operator
+
+TRUE = n.Literal("TRUE")
+FALSE = n.Literal("FALSE")
+
+
+_OPPOSITES = {Operator.EQUAL: Operator.UNEQUAL, Operator.UNEQUAL: Operator.EQUAL}
+
+
+def conjunction(operands: Iterable[Expression]) -> Expression:
+    """All of them: what is TRUE anyway and what stands twice is left out; of none it is TRUE."""
+    return _joined(Operator.AND, operands, neutral=TRUE, absorbing=FALSE)
+
+
+def disjunction(operands: Iterable[Expression]) -> Expression:
+    """Any of them: what is FALSE anyway and what stands twice is left out; of none it is FALSE."""
+    return _joined(Operator.OR, operands, neutral=FALSE, absorbing=TRUE)
+
+
+def negation(operand: Expression) -> Expression:
+    """NOT of it; of an inverted expression what is inside, of ``a = b`` it is ``a <> b``."""
+    inner = n.bare(operand)
+    if isinstance(inner, n.Unary) and inner.operator is Operator.NOT:
+        return inner.operand
+    if isinstance(inner, n.Operation) and inner.operator in _OPPOSITES:
+        return n.Operation(_OPPOSITES[inner.operator], inner.operands)
+    if is_constant(inner, TRUE):
+        return FALSE
+    if is_constant(inner, FALSE):
+        return TRUE
+    return n.Unary(Operator.NOT, inner)
+
+
+def is_constant(expression: Expression, constant: n.Literal) -> bool:
+    """Whether it is the literal TRUE or FALSE, however it is written."""
+    inner = n.bare(expression)
+    return isinstance(inner, n.Literal) and inner.text.upper().removeprefix("BOOL#") == constant.text
+
+
+def assignment(target: Expression, value: Expression) -> n.Assignment:
+    """``target := value;``"""
+    return n.Assignment(target, value)
+
+
+def call(instance: Expression, **inputs: Expression) -> n.CallStatement:
+    """The call of a function block instance with inputs by name."""
+    arguments = tuple(n.Argument(value, n.Name(name)) for name, value in inputs.items())
+    return n.CallStatement(n.Call(instance, arguments))
+
+
+def when(condition: Expression, *statements: n.Statement) -> n.If:
+    """``IF condition THEN .. END_IF;``"""
+    return n.If((n.Branch(condition, statements),))
+
+
+def _joined(
+    operator: Operator, operands: Iterable[Expression], *, neutral: n.Literal, absorbing: n.Literal
+) -> Expression:
+    found: list[Expression] = []
+    for operand in operands:
+        inner = n.bare(operand)
+        parts = inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)
+        for part in parts:
+            if is_constant(part, absorbing):
+                return absorbing
+            if not is_constant(part, neutral) and part not in found:
+                found.append(part)
+    if not found:
+        return neutral
+    return found[0] if len(found) == 1 else n.Operation(operator, tuple(found))

@@ -1,0 +1,125 @@
+"""How lowered code remembers: by function blocks, as networks do, or by Boolean variables, as structured text can.
+
+Every method appends statements to `into` and gives the expression that has the value behind them.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.logic import assignment, call, conjunction, disjunction, negation
+from plcopen_sfc.model.types import DerivedType
+
+
+class Memory(Protocol):
+    """Flip-flops, edges and timers."""
+
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+    ) -> Expression:
+        """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
+
+    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """The value as a variable, to be used several times."""
+
+    def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """TRUE in the scan in which `value` becomes TRUE."""
+
+    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """TRUE in the scan in which `value` becomes FALSE."""
+
+    def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
+        """TRUE when `value` has been TRUE for `time`."""
+
+
+class BlockMemory:
+    """Instances of RS, R_TRIG, F_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
+
+    def __init__(self, code: Code) -> None:
+        self._code = code
+
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+    ) -> Expression:
+        """An RS, whose inputs are ``S`` and ``R1``."""
+        block = self._code.declare(wanted, DerivedType(name="RS"))
+        into.append(call(block, S=set_, R1=reset))
+        value = n.Member(block, n.Name("Q1"))
+        if flag is None:
+            return value
+        into.append(assignment(flag, value))
+        return flag
+
+    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """An assignment."""
+        return _variable(self._code, wanted, value, into)
+
+    def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """An R_TRIG."""
+        return self._edge("R_TRIG", wanted, value, into)
+
+    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """An F_TRIG."""
+        return self._edge("F_TRIG", wanted, value, into)
+
+    def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
+        """A TON."""
+        return _timer(self._code, wanted, value, time, into)
+
+    def _edge(self, kind: str, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        block = self._code.declare(wanted, DerivedType(name=kind))
+        into.append(call(block, CLK=value))
+        return n.Member(block, n.Name("Q"))
+
+
+class BitMemory:
+    """Boolean variables, which every dialect of structured text knows, and TON."""
+
+    def __init__(self, code: Code) -> None:
+        self._code = code
+
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+    ) -> Expression:
+        """``flag := (set OR flag) AND NOT reset``."""
+        value = flag or self._code.declare(wanted)
+        into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
+        return value
+
+    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """An assignment."""
+        return _variable(self._code, wanted, value, into)
+
+    def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """The value and not that of the last scan."""
+        return self._edge(wanted, value, into, rising=True)
+
+    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """The value of the last scan and not that of this one."""
+        return self._edge(wanted, value, into, rising=False)
+
+    def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
+        """A TON, called in every scan: it would not notice otherwise that its input went FALSE."""
+        return _timer(self._code, wanted, value, time, into)
+
+    def _edge(self, wanted: str, value: Expression, into: list[Statement], *, rising: bool) -> Expression:
+        pulse, before = self._code.declare(wanted), self._code.declare(f"{wanted}_old")
+        now, then = (value, negation(before)) if rising else (negation(value), before)
+        into.append(assignment(pulse, conjunction([now, then])))
+        into.append(assignment(before, value))
+        return pulse
+
+
+def _timer(code: Code, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
+    timer = code.declare(wanted, DerivedType(name="TON"))
+    into.append(call(timer, IN=value, PT=time))
+    return n.Member(timer, n.Name("Q"))
+
+
+def _variable(code: Code, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+    flag = code.declare(wanted)
+    into.append(assignment(flag, value))
+    return flag

@@ -1,0 +1,39 @@
+"""Names that a lowering gives: legal, free, and the same whenever the chart is lowered again."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+
+
+class Naming:
+    """Gives names that nothing else in the POU has. `taken` are all names that occur in it."""
+
+    def __init__(self, dialect: Dialect, taken: Iterable[str]) -> None:
+        self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
+        self._taken = {name.casefold() for name in taken}
+
+    def fresh(self, wanted: str) -> str:
+        """`wanted` as an identifier, with a number behind it if that is taken."""
+        name = _identifier(wanted)
+        number = 2
+        candidate = name
+        while candidate.casefold() in self._taken:
+            candidate = f"{name}_{number}"
+            number += 1
+        self._taken.add(candidate.casefold())
+        return candidate
+
+    def local(self, name: str) -> n.Name:
+        """A name of the POU's interface as the dialect writes it."""
+        return n.Name(name, self._local)
+
+
+def _identifier(wanted: str) -> str:
+    spelled = unicodedata.normalize("NFC", wanted)
+    name = re.sub(r"_{2,}", "_", re.sub(r"\W", "_", spelled)).strip("_")
+    return name if name and not name[0].isdigit() else f"x{name}"
