@@ -163,9 +163,9 @@ class CaseChain:
             case Qualifier.N if conditional:
                 return [f"{target} := {value}; // {self._texts.set_while(value)}"]
             case Qualifier.N:
-                return [f"{target} := TRUE; // {self._texts.set_action}"]
+                return [f"{target} := true; // {self._texts.set_action}"]
             case Qualifier.S | Qualifier.R | Qualifier.R0:
-                new = f"{target} := {'TRUE' if use.qualifier is Qualifier.S else 'FALSE'};"
+                new = f"{target} := {'true' if use.qualifier is Qualifier.S else 'false'};"
                 if use.qualifier is not Qualifier.S:
                     new += f" // {self._texts.reset_action}"
                 return [f"IF {value} THEN", _INDENT + new, "END_IF;"] if conditional else [new]
@@ -179,4 +179,4 @@ class CaseChain:
     def _ending(self, action: ActionSource, use: Use) -> list[str]:
         if action.target is None or use.qualifier is not Qualifier.N:
             return []
-        return [f"{self._text(action.target)} := FALSE; // {self._texts.reset_actions}"]
+        return [f"{self._text(action.target)} := false; // {self._texts.reset_actions}"]

@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
+import re
+
 from plcopen_sfc.model.sfc import Step
+
+
+def _digits(name: str) -> str:
+    """The number that a step's name says and nothing else: of ``S3``, ``Step_3``, ``Schritt 3``, ``3``; else empty."""
+    found = re.fullmatch(r"(?i:(?:S|X|Step|Schritt)[ _]?)?(\d+)", name)
+    return found.group(1) if found is not None else ""
+
+
+def _numbered(step: Step, path: str) -> str:
+    digits = _digits(path)
+    if step.number is None or digits == str(step.number):
+        return digits or path
+    return f"{step.number} {path}"
 
 
 class Texts:
@@ -35,8 +50,7 @@ class Texts:
         """The flag of a step: ``X1`` of step 1 or S1, else with its name (``X_Fill``)."""
         if step.number is not None:
             return f"X{step.number}"
-        digits = step.name[1:] if step.name[:1].upper() in {"S", "X"} else step.name
-        return f"X{digits}" if digits.isdigit() else f"X_{step.name}"
+        return f"X{_digits(step.name) or '_' + step.name}"
 
     def flag_of(self, path: str) -> str:
         """The comment of a step's flag."""
@@ -48,8 +62,7 @@ class Texts:
 
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """The title of a step's network."""
-        title = f"Step {path}" if step.number is None else f"Step {step.number} {path}"
-        return f"{title} (initial step)" if initial else title
+        return f"Step {_numbered(step, path)}" + (" – initial step" if initial else "")
 
     def action(self, name: str) -> str:
         """The title of an action's network."""
@@ -92,8 +105,7 @@ class GermanTexts(Texts):
 
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """The title of a step's network."""
-        title = f"Schritt {path}" if step.number is None else f"Schritt {step.number} {path}"
-        return f"{title} (Initialschritt)" if initial else title
+        return f"Schritt {_numbered(step, path)}" + (" – Initialschritt" if initial else "")
 
     def action(self, name: str) -> str:
         """The title of an action's network."""

@@ -1,0 +1,70 @@
+"""The textbook forms are those of the textbook."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.lower import Construction, Language, Style, lower_chart
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.texts import GermanTexts
+from plcopen_sfc.model import FbdBody, StBody
+from plcopen_sfc.semantics.profile import PROFILES
+from tests.corpus import CORPUS
+from tests.lowering.charts import training_chain
+
+RULES = LoweringRules(PROFILES["iec"], GermanTexts(), "Init")
+
+
+def squeezed(text: str) -> list[str]:
+    """The lines of a program, but for the case of letters, spaces and empty lines."""
+    lines = (re.sub(r"\s+", "", line).casefold() for line in text.splitlines())
+    return [line for line in lines if line]
+
+
+def lowered(construction: Construction, language: Language) -> object:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    result = lower_chart(
+        pou, chart, Dialect.IEC, RULES, construction=construction, style=Style.CLASSIC, language=language
+    )
+    return result.pou.body
+
+
+def test_case_is_the_listing_of_the_textbook() -> None:
+    seeds = sorted((CORPUS.parent / "seeds").glob("000_*.txt"))
+    if not seeds:
+        pytest.skip("the textbook is not here")
+    listing = re.findall(r"```\n(//Kette.*?)```", seeds[0].read_text(encoding="utf-8"), re.DOTALL)[-1]
+    body = lowered(Construction.CASE, Language.ST)
+    assert isinstance(body, StBody)
+    assert squeezed(body.text) == squeezed(listing)
+
+
+def test_flip_flops_are_set_by_the_step_before_and_reset_by_the_step_behind() -> None:
+    body = lowered(Construction.FLIPFLOP, Language.FBD)
+    assert isinstance(body, FbdBody)
+    assert [network.title for network in body.networks] == [
+        "Schritt 1 – Initialschritt",
+        "Schritt 2",
+        "Schritt 3",
+        "Schritt 4",
+        "Aktion Q1",
+        "Aktion Q2",
+        "Aktion Q3",
+    ]
+    text = lowered(Construction.FLIPFLOP, Language.ST)
+    assert isinstance(text, StBody)
+    assert [line for line in text.text.splitlines() if line and not line.startswith("//")] == [
+        "X1 := (Init OR X4 AND B4 OR X1) AND NOT X2;",
+        "X2 := (X1 AND B1 OR X2) AND NOT (X3 OR Init);",
+        "X3 := (X2 AND B2 OR X3) AND NOT (X4 OR Init);",
+        "X4 := (X3 AND B3 OR X4) AND NOT (X1 OR Init);",
+        "Q1 := X1;",
+        "Q2_S := (X2 OR Q2_S) AND NOT X4;",
+        "Q2 := Q2_S;",
+        "Q3 := X3 AND B5;",
+    ]
