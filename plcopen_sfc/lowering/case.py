@@ -15,6 +15,7 @@ from plcopen_sfc.lowering.code import Code, TextNetwork
 from plcopen_sfc.lowering.control import ActionControl, add_actions
 from plcopen_sfc.lowering.logic import TRUE, is_constant
 from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.references import resolve_steps
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
@@ -43,7 +44,7 @@ class CaseChain:
         objection = one_step_at_a_time(source)
         if objection:
             raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=Location(path=source.pou.name))
-        self._source, self._code, self._memory, self._rules = source, code, memory, rules
+        self._code, self._memory, self._rules = code, memory, rules
         self._net, self._texts = source.net, rules.texts
         self._numbers = self._numbered()
         initial = next(indexes(self._net.initial))
@@ -53,6 +54,7 @@ class CaseChain:
             self._texts.state, kind, initial=self._initial.text, comment=self._texts.state_comment
         )
         self._init = code.declare_input(rules.init, rules.texts.init) if rules.init is not None else None
+        self._source = resolve_steps(source, self._active, rules.profile)
 
     def exact(self) -> None:
         """Transitions, then outputs; the other way round where the profile has it so."""

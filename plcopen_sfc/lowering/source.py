@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
@@ -17,6 +18,9 @@ from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
+
+Change: TypeAlias = Callable[[Any], Any]
+"""Makes another node of the same kind of a node."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,28 @@ class ChartSource:
     conditions: tuple[n.Expression, ...]
     before: tuple[n.Statement, ...]
     actions: tuple[ActionSource, ...]
+
+    def changed(self, change: Change) -> ChartSource:
+        """The same chart with `change` applied to every text but the targets of actions."""
+
+        def used(use: Use) -> Use:
+            duration = change(use.duration) if use.duration is not None else None
+            return replace(use, condition=change(use.condition), duration=duration)
+
+        actions = [
+            replace(
+                action,
+                statements=tuple(change(statement) for statement in action.statements),
+                uses=tuple(used(use) for use in action.uses),
+            )
+            for action in self.actions
+        ]
+        return replace(
+            self,
+            conditions=tuple(change(condition) for condition in self.conditions),
+            before=tuple(change(statement) for statement in self.before),
+            actions=tuple(actions),
+        )
 
     @property
     def names(self) -> set[str]:

@@ -8,6 +8,7 @@ from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.control import ActionControl, add_actions
 from plcopen_sfc.lowering.logic import assignment, conjunction, negation
 from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.references import resolve_steps
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
@@ -17,10 +18,11 @@ class StepFlags:
     """The flags of the steps of one chart, and what is made of them in `code`."""
 
     def __init__(self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules) -> None:
-        self.source, self.code, self.memory, self.rules = source, code, memory, rules
+        self.code, self.memory, self.rules = code, memory, rules
         self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
         self.init = code.declare_input(rules.init, rules.texts.init) if rules.init is not None else None
         self.flags: tuple[n.Name, ...] = tuple(self._declare(step) for step in self.net.steps)
+        self.source = resolve_steps(source, self.flags.__getitem__, rules.profile)
 
     def enabled(self, transition: NetTransition) -> Expression:
         """All its steps are active and its condition is TRUE."""

@@ -1,0 +1,61 @@
+"""Step variables in texts (``S3.X``, ``X3``): what stands for them where there are no steps any more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform
+from plcopen_sfc.languages.st.nodes import Expression, Node
+from plcopen_sfc.lowering.logic import disjunction
+from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Profile, StepVariables
+
+
+def resolve_steps(source: ChartSource, active: Callable[[int], Expression], profile: Profile) -> ChartSource:
+    """The same chart, its texts with `active(step)` for what says that a step is active.
+
+    Raises `LoweringError` for whatever else a program may ask of a step: there is nothing that would answer.
+    """
+    steps = _StepVariables(source, profile)
+    return source.changed(lambda tree: transform(tree, lambda node: steps.resolved(node, active)))
+
+
+class _StepVariables:
+    def __init__(self, source: ChartSource, profile: Profile) -> None:
+        self._pou = source.pou.name
+        declared = {v.name.casefold() for v in source.pou.interface.variables()} if source.pou.interface else set()
+        steps = _bits_by_name(source.net)
+        self._steps = {name: bits for name, bits in steps.items() if name not in declared}
+        simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)
+        self._flags = self._steps if simple else {}
+        if profile.step_variables is StepVariables.GRAFCET:
+            numbers = {f"x{s.step.name}".casefold(): s.bit for s in source.net.steps}
+            numbers |= {f"x{s.step.number}": s.bit for s in source.net.steps if s.step.number is not None}
+            self._flags = {name: bits for name, bits in numbers.items() if name not in declared}
+
+    def resolved(self, node: Node, active: Callable[[int], Expression]) -> Node:
+        """What stands for a node."""
+        match node:
+            case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
+                if quantity.casefold() != "x":
+                    raise LoweringError(
+                        f"{step}.{quantity} is not lowered yet: the code does not keep it",
+                        location=Location(path=self._pou),
+                    )
+                return disjunction(active(i) for i in indexes(bits))
+            case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:
+                return disjunction(active(i) for i in indexes(bits))
+        return node
+
+
+def _bits_by_name(net: Net) -> dict[str, int]:
+    """Which steps a name means: those of this name, in a macro-step all of its expansion."""
+    found: dict[str, int] = {}
+    for step in net.steps:
+        found[step.step.name.casefold()] = found.get(step.step.name.casefold(), 0) | step.bit
+    for macro in net.macros:
+        found[macro.step.name.casefold()] = found.get(macro.step.name.casefold(), 0) | macro.steps
+    return found
