@@ -4,28 +4,35 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.documents import encode, read_document
-from plcopen_sfc.errors import LossError, UnknownFormatError
+from plcopen_sfc.documents import encode, read_document, refuse_losses
+from plcopen_sfc.errors import UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.formats.registry import FORMATS, format_named
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.report import ConversionReport
+
+if TYPE_CHECKING:
+    from plcopen_sfc.folders.loading import Progress
 
 Source = str | os.PathLike[str] | BinaryIO
 
 
-def load(source: Source, *, format: str | None = None) -> Project:  # the word that users look for
-    """Load a project from a path or a binary file.
+def load(source: Source, *, format: str | None = None, progress: Progress | None = None) -> Project:
+    """Load a project from a path, a binary file, or a folder of documents of TIA Portal Openness.
 
     The format is recognised from the content; `format` insists on one. Charts that are wrong are loaded too; what is
     wrong with them is in `Project.diagnostics`. Raises `FileAccessError` or `FormatError`.
     """
     if isinstance(source, str | os.PathLike):
         path = os.fspath(source)
+        if Path(path).is_dir():
+            from plcopen_sfc.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
+
+            return load_folder(path, format=format, progress=progress)
         return loads(read_bytes(path), format=format, path=path)
     return loads(source.read(), format=format, path=getattr(source, "name", None))
 
@@ -53,11 +60,13 @@ def save(
     """
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
     name = format or _format_for(project, Path(path) if path is not None else None)
+    if path is not None and _is_folder(path, project, name):
+        from plcopen_sfc.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
+
+        return save_folder(project, path, name, flavour=flavour, strict=strict, fresh=fresh)
     data, report = encode(project, name, flavour=flavour, fresh=fresh)
-    if strict and report.losses:
-        first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in report.losses[:3])
-        message = f"{len(report.losses)} items would be lost or changed: {first}"
-        raise LossError(message, report, hint="Nothing was written.")
+    if strict:
+        refuse_losses(report)
     if isinstance(target, str | os.PathLike):
         write_atomic(target, data)
         report.written.append(os.fspath(target))
@@ -93,6 +102,16 @@ def _format_for(project: Project, path: Path | None) -> str:
     )
 
 
+def _is_folder(path: str, project: Project, name: str) -> bool:
+    """Whether `path` is a folder, or is meant to become one."""
+    if Path(path).exists():
+        return Path(path).is_dir()
+    if path.endswith(("/", os.sep)):
+        return True
+    folders = isinstance(project._origin, FolderOrigin) and format_named(name)[0].folders
+    return folders and not Path(path).suffix
+
+
 def check_syntax(project: Project) -> list[Diagnostic]:
     """What does not parse in the bodies, conditions and declarations of a project.
 
@@ -102,7 +121,7 @@ def check_syntax(project: Project) -> list[Diagnostic]:
     from plcopen_sfc.languages.syntax import syntax_problems  # noqa: PLC0415
 
     origin = project._origin
-    if origin is None:
+    if not isinstance(origin, Origin):
         return syntax_problems(project)
     kind = format_named(origin.format)[0]
     finder = TextFinder(_text_of(origin.content, kind), xml=kind.xml)

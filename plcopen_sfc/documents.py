@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.errors import UnknownFormatError
+from plcopen_sfc.errors import LossError, UnknownFormatError
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, TextCodec, WriteOptions
 from plcopen_sfc.formats.registry import format_named, recognise
 from plcopen_sfc.model.base import FINGERPRINT
@@ -15,7 +15,7 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import numbered_in_order
-from plcopen_sfc.model.project import Origin, Project
+from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.report import ConversionReport, Fate
 
 
@@ -57,6 +57,7 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
             return _patched(project, origin, kind, report), report
         if not fresh and kind.text:
             return _patched_text(project, origin, kind, report), report
+    note_unreadable(project, report)
     same = origin is not None and origin.format == kind.name and origin.version == version and not flavour
     options = WriteOptions(version, flavour, same=same)
     copy = prepared(project, kind, options, report)
@@ -65,6 +66,22 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
     if origin is not None and format_named(origin.format)[0].xml:
         report.locate(format_named(origin.format)[0].codec().lines(origin.content, project))
     return data, report
+
+
+def note_unreadable(project: Project, report: ConversionReport) -> None:
+    """Documents of a folder that could not be read are missing wherever else the project is written."""
+    origin = project._origin
+    for path, error in origin.unreadable.items() if isinstance(origin, FolderOrigin) else ():
+        report.add(Fate.DROPPED, "file", path, f"it could not be read: {error.message}")
+
+
+def refuse_losses(report: ConversionReport) -> None:
+    """Raise `LossError` where something would be dropped or approximated."""
+    if not report.losses:
+        return
+    first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in report.losses[:3])
+    message = f"{len(report.losses)} items would be lost or changed: {first}"
+    raise LossError(message, report, hint="Nothing was written.")
 
 
 def verify(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:

@@ -10,12 +10,13 @@ import errno
 import os
 import secrets
 import stat
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
 from plcopen_sfc.errors import FileAccessError, Location
 
-__all__ = ["read_bytes", "write_atomic"]
+__all__ = ["access_failure", "read_bytes", "write_all", "write_atomic"]
 
 _READ_REASONS = {
     errno.ENOENT: ("the file does not exist", "Check the path and the working folder."),
@@ -51,6 +52,11 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
         raise _failure(path, error, _READ_REASONS, "cannot be read") from error
 
 
+def access_failure(path: str | os.PathLike[str], error: OSError) -> FileAccessError:
+    """What to say where `path` cannot be read because of `error`."""
+    return _failure(path, error, _READ_REASONS, "cannot be read")
+
+
 def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
     """Replace the file at `path` by `data`, or leave it exactly as it is.
 
@@ -71,7 +77,47 @@ def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
         raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
 
 
+def write_all(files: Mapping[Path, bytes]) -> None:
+    """Replace all of `files`, or leave them exactly as they are; folders are made where they are missing.
+
+    All temporary files are on the disk before the first is renamed: only what fails between two renames (a file that
+    another program has just opened, a loss of power) leaves some files new and some old, each of them whole.
+    Raises `FileAccessError`.
+    """
+    staged: list[tuple[Path, Path]] = []
+    path = Path()
+    try:
+        for path, data in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            target = Path(os.path.realpath(path))
+            if target.exists() and not target.is_file():
+                raise IsADirectoryError(errno.EISDIR, "is no file")
+            staged.append((_stage(target, data), target))
+        for temporary, path in staged:
+            temporary.replace(path)
+        for folder in {target.parent for _, target in staged}:
+            _sync_folder(folder)
+    except (OSError, ValueError) as error:
+        raise _failure(path, error, _WRITE_REASONS, "cannot be written") from error
+    finally:
+        for temporary, _ in staged:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+
+
 def _replace(target: Path, data: bytes) -> None:
+    temporary = _stage(target, data)
+    try:
+        temporary.replace(target)
+    except BaseException:
+        with suppress(OSError):
+            temporary.unlink()
+        raise
+    _sync_folder(target.parent)
+
+
+def _stage(target: Path, data: bytes) -> Path:
+    """Write `data` to a temporary file beside `target`, with its permissions; returns the path of that file."""
     mode = _mode_of(target)
     # The name is cut: the target's own name may already be as long as the file system allows.
     temporary = target.parent / f".{target.name[:40]}.{secrets.token_hex(6)}.tmp"
@@ -84,12 +130,11 @@ def _replace(target: Path, data: bytes) -> None:
             os.fsync(handle)
         finally:
             os.close(handle)
-        temporary.replace(target)
     except BaseException:
         with suppress(OSError):
             temporary.unlink()
         raise
-    _sync_folder(target.parent)
+    return temporary
 
 
 def _mode_of(target: Path) -> int | None:

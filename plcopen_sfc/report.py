@@ -37,13 +37,19 @@ class Item:
 
 @dataclass(slots=True)
 class ConversionReport:
-    """The fates of all items. `unchanged`: the file was written back in its own format, with what was edited."""
+    """The fates of all items. `unchanged`: nothing was edited, the file is what was read.
+
+    `written` are the files that were written. In a folder, `removed` are those whose objects are gone, and `left_alone`
+    those that are none of the project's.
+    """
 
     source_format: str = ""
     target_format: str = ""
     items: list[Item] = field(default_factory=list)
     unchanged: bool = False
     written: list[str] = field(default_factory=list)
+    removed: list[str] = field(default_factory=list)
+    left_alone: list[str] = field(default_factory=list)
 
     def add(self, fate: Fate, what: str, path: str, why: str = "") -> None:
         """Note the fate of an item."""
@@ -77,6 +83,8 @@ class ConversionReport:
             "target_format": self.target_format,
             "unchanged": self.unchanged,
             "written": self.written,
+            "removed": self.removed,
+            "left_alone": self.left_alone,
             "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
         }
 

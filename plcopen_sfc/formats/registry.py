@@ -10,7 +10,8 @@ from plcopen_sfc.formats.base import DrawingNeed, Format
 from plcopen_sfc.model.dialect import Dialect
 
 _ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
-_HEAD = 65536
+HEAD = 65536
+"""How many bytes of a file are looked at to recognise its format."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,7 @@ FORMATS: tuple[Format, ...] = (
         drawing=DrawingNeed.PLAIN,
         dialect=Dialect.SCL,
         ids=False,
+        folders=True,
     ),
     Format(
         name="json",
@@ -210,11 +212,16 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
     raise UnknownFormatError("no format recognises this file", location=Location(file), hint=_HINT)
 
 
+def recognised_as(kind: Format, start: bytes) -> bool:
+    """Whether the first `HEAD` bytes of a file look like `kind`."""
+    return kind.recognises(_head(start))
+
+
 _HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
 
 
 def _head(data: bytes) -> Head:
-    start = data[:_HEAD]
+    start = data[:HEAD]
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
     elif start[:2] in (b"<\0", b"\0<"):

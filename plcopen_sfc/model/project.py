@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 from weakref import WeakValueDictionary
 
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, SfcError
 from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
@@ -170,6 +172,49 @@ class Origin(NamedTuple):
         return self
 
 
+class SourceDocument(NamedTuple):
+    """One document of a folder: a project with what is beside its objects, and how many objects it has."""
+
+    frame: Project
+    objects: int
+
+    @property
+    def origin(self) -> Origin:
+        """What the document was read from."""
+        if not isinstance(self.frame._origin, Origin):
+            raise TypeError("a document is read from one file")
+        return self.frame._origin
+
+
+@dataclass
+class FolderOrigin:
+    """The folder that a project was read from; what saving needs to touch changed files only.
+
+    `path` is the folder, `documents` are by their path in it. `version` is the newest of theirs. `shared` is what the
+    project has beside its objects, as it was read. `unreadable` are documents that could not be read, and why; `others`
+    the files that are none of the project's. Belongs to `plcopen_sfc.folders`.
+    """
+
+    format: str
+    version: str
+    path: str
+    documents: dict[str, SourceDocument]
+    shared: dict[str, Any]
+    unreadable: dict[str, SfcError]
+    others: list[str]
+    own_diagnostics: list[Diagnostic]
+
+    @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """What there is to say about the folder, and about its documents."""
+        of_documents = (document.origin.diagnostics for document in self.documents.values())
+        return [*self.own_diagnostics, *chain.from_iterable(of_documents)]
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> FolderOrigin:
+        """Copies of a project come from the same files, but each is saved by itself."""
+        return replace(self, documents=dict(self.documents))
+
+
 class Project(Element):
     """Everything a file holds.
 
@@ -200,7 +245,7 @@ class Project(Element):
     tree: list[TreeNode] | None = None
     dialect: Dialect = Dialect.IEC
 
-    _origin: Origin | None = PrivateAttr(default=None)
+    _origin: Origin | FolderOrigin | None = PrivateAttr(default=None)
 
     def __eq__(self, other: Any) -> bool:
         """Equal content; where the projects were read from does not matter."""
@@ -235,7 +280,8 @@ class Project(Element):
         if self._origin is None:
             return ()
         self.read_all()
-        return tuple(sorted(self._origin.diagnostics, key=lambda d: d.location.line or 0))
+        found = self._origin.diagnostics
+        return tuple(sorted(found, key=lambda d: (d.location.file or "", d.location.line or 0)))
 
     def read_all(self) -> None:
         """Read every object and chart that nobody has looked at yet: quicker for all at once than one by one."""

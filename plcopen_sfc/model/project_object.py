@@ -28,15 +28,20 @@ class ProjectObject(Element):
 
     _home: tuple[str, int] | None = PrivateAttr(default=None)
     """The document of the folder that the object was read from, and its place in it. Belongs to `formats.folders`."""
+    _own_folder: str | None = PrivateAttr(default=None)
+    """The folder that the file itself names; it mostly leaves that to its own place."""
+    _early: tuple[str, ...] = PrivateAttr(default=())
+    """The fields that were there before the object was read."""
     _unread: Callable[[], Self] | None = PrivateAttr(default=None)
     _digest: bytes | None = PrivateAttr(default=None)
 
     @classmethod
-    def deferred(cls, name: str, read: Callable[[], Self]) -> Self:
-        """An object with just a name; `read` gives the whole object when somebody asks for more of it."""
-        thing = cast("Self", cls.model_construct(name=name))
+    def deferred(cls, fields: dict[str, Any], read: Callable[[], Self]) -> Self:
+        """An object with `fields`; `read` gives the whole object when somebody asks for more of it."""
+        thing = cast("Self", cls.model_construct(**fields))
         thing.__dict__.clear()
-        thing.__dict__.update(name=name, folder=None)
+        thing.__dict__.update(fields)
+        thing._early = tuple(fields)
         thing._unread = read
         return thing
 
@@ -54,8 +59,10 @@ class ProjectObject(Element):
             whole = unread()
             self._unread = None
             self._digest = _digest(whole)
-            present = self.__dict__
-            present.update({name: value for name, value in whole.__dict__.items() if name not in present})
+            self._own_folder = whole.folder
+            present = dict(self.__dict__)
+            self.__dict__.clear()  # its order is that of the fields in JSON
+            self.__dict__.update(whole.__dict__ | present)
             self.__pydantic_fields_set__.update(whole.__pydantic_fields_set__)
 
     if not TYPE_CHECKING:
@@ -90,18 +97,36 @@ class ProjectObject(Element):
     @model_serializer(mode="wrap")
     def _serialize(self, handler: SerializerFunctionWrapHandler, info: SerializationInfo) -> dict[str, Any]:
         if info.context == FINGERPRINT and self._is_untouched():
-            return {"untouched": {name: self.__dict__[name] for name in _EAGER}}
+            return {"untouched": {name: self.__dict__[name] for name in self._early}}
         self.read()
         content: dict[str, Any] = handler(self)
         return content
 
+    def settle(self, home: tuple[str, int], folder: str) -> None:
+        """The object was read as `home`, from a document in `folder`."""
+        self._home = home
+        self.__dict__["folder"] = folder  # an assignment would read the object
+
+    def as_in_file(self) -> Self:
+        """A copy without what the place of its document says of it."""
+        copy = self.model_copy()
+        if self._unread is not None and "folder" not in self._early:
+            copy.__dict__.pop("folder", None)
+        else:
+            copy.__dict__["folder"] = self._own_folder
+        return copy
+
+    def settle_as(self, saved: ProjectObject) -> None:
+        """The object was saved, and `saved` is what was read of its file: from here on, edits count from this."""
+        self._home = saved._home
+        self._early = saved._early
+        self.__dict__["folder"] = saved.folder
+        if self._unread is None:
+            self._digest = _digest(self.as_in_file())
+
     def _is_untouched(self) -> bool:
         """Whether the object is as it was read, but perhaps for the fields that are read at once."""
         return self._unread is not None or (self._digest is not None and self._digest == _digest(self))
-
-
-_EAGER = ("name", "folder")
-"""The fields that a deferred object has from the start."""
 
 
 def _digest(thing: ProjectObject) -> bytes:

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.formats.base import Reading, WriteOptions
-from plcopen_sfc.formats.simaticml import adapting
+from plcopen_sfc.formats.simaticml import adapting, layout
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.project_writer import write_project
@@ -18,6 +18,10 @@ from plcopen_sfc.formats.xml.source import parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
+
+
+standard_folder = layout.standard_folder
+new_document = layout.new_document
 
 
 def read(data: bytes, *, file: str | None = None) -> Reading:

@@ -18,7 +18,15 @@ from plcopen_sfc.formats.simaticml.objects_reader import (
     read_pou,
     read_tag_table,
 )
-from plcopen_sfc.formats.simaticml.reading import Fields, ReadContext, carry_attribute, child_named, local
+from plcopen_sfc.formats.simaticml.reading import (
+    Fields,
+    ReadContext,
+    carry_attribute,
+    child_named,
+    local,
+    plain_text,
+    whole_number,
+)
 from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -63,7 +71,15 @@ class LateDocument:
         keep_id: bool,
     ) -> T:
         holder = child_named(element, "AttributeList")
-        name = child_named(holder, "Name") if holder is not None else None
+        values = {local(child): child for child in reversed(holder)} if holder is not None else {}
+        name = values.get("Name")
+        eager: Fields = {"name": (name.text or "") if name is not None else ""}
+        plain = next(element.iterchildren(etree.Comment), None) is None  # a comment of ours may say anything
+        if plain:
+            eager["folder"] = None
+        if plain and model in (Pou, DataBlock):
+            eager["number"] = whole_number(plain_text(values.get("Number")))
+            eager["kind"] = (POUS | DATA_BLOCKS)[local(element)]
         self._waiting += 1
         waiting = True
 
@@ -86,7 +102,7 @@ class LateDocument:
                 self._done()
             return thing
 
-        return model.deferred((name.text or "") if name is not None else "", read)
+        return model.deferred(eager, read)
 
     def _tree(self) -> etree._Element:
         if self._root is None:

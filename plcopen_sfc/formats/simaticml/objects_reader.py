@@ -17,6 +17,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     child_named,
     children,
     local,
+    plain_text,
     read_comments,
     read_object_text,
     whole_number,
@@ -85,7 +86,7 @@ def read_data_block(ctx: ReadContext, element: etree._Element) -> Fields:
     if interface is not None:
         fields["interface"] = read_interface(ctx, interface)
     fields["type_name"] = _take(values, "InstanceOfName")
-    if _text(values.get("ProgrammingLanguage")) == "DB":
+    if plain_text(values.get("ProgrammingLanguage")) == "DB":
         del values["ProgrammingLanguage"]
     for child in _object_list(element, fields, ""):
         carry_element(fields, child)
@@ -155,7 +156,7 @@ def _start(ctx: ReadContext, element: etree._Element, fields: Fields) -> dict[st
     fields["name"] = (name.text or "") if name is not None else ""
     _take(values, "Name")
     ctx.place.append(f"{local(element).rpartition('.')[2]} {fields['name']}")
-    number = whole_number(_text(values.get("Number")))
+    number = whole_number(plain_text(values.get("Number")))
     if number is not None:
         fields["number"] = number
         del values["Number"]
@@ -165,7 +166,7 @@ def _start(ctx: ReadContext, element: etree._Element, fields: Fields) -> dict[st
 def _end(ctx: ReadContext, element: etree._Element, fields: Fields, values: dict[str, etree._Element]) -> Fields:
     """Keep the attributes that nobody has read."""
     for name, value in values.items():
-        text = _text(value)
+        text = plain_text(value)
         if text is not None:
             carry_attribute(fields, name, text)
         else:
@@ -179,16 +180,9 @@ def _end(ctx: ReadContext, element: etree._Element, fields: Fields, values: dict
     return fields
 
 
-def _text(element: etree._Element | None) -> str | None:
-    """The text of a plain attribute; None for one that is marked, or is more than text."""
-    if element is None or element.attrib or len(element):
-        return None
-    return element.text or ""
-
-
 def _take(values: dict[str, etree._Element], name: str) -> str | None:
     """Take the text of a plain attribute; one that is more than text is left, and so kept."""
-    text = _text(values.get(name))
+    text = plain_text(values.get(name))
     if text is not None:
         del values[name]
     return text
@@ -197,12 +191,12 @@ def _take(values: dict[str, etree._Element], name: str) -> str | None:
 def _settings(values: dict[str, etree._Element]) -> Fields:
     settings: Fields = {}
     for name, field in SETTINGS.items():
-        truth = TRUTHS.get(_text(values.get(name)) or "")
+        truth = TRUTHS.get(plain_text(values.get(name)) or "")
         if truth is not None:
             settings[field] = truth
             del values[name]
     for name, field in SETTING_TEXTS.items():
-        text = _text(values.get(name))
+        text = plain_text(values.get(name))
         if text is not None:
             settings[field] = text
             del values[name]

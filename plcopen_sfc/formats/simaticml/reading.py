@@ -236,5 +236,12 @@ def whole_number(text: str | None) -> int | None:
     return int(text)
 
 
+def plain_text(element: etree._Element | None) -> str | None:
+    """The text of a plain attribute; None for one that is marked, or is more than text."""
+    if element is None or element.attrib or len(element):
+        return None
+    return element.text or ""
+
+
 TRUTHS = {"true": True, "false": False}
 """How SimaticML writes Booleans."""

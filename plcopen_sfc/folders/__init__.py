@@ -1,0 +1,1 @@
+"""A folder of documents as one project. See docs/decisions/0012."""

@@ -1,0 +1,161 @@
+"""Writing a project into a folder: into the documents that it was read from, or one document for each object."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from plcopen_sfc.documents import encode, note_unreadable, prepared, refuse_losses, verify
+from plcopen_sfc.errors import FileAccessError, Location
+from plcopen_sfc.files import read_bytes, write_all
+from plcopen_sfc.folders.loading import add_document, files_below, settle
+from plcopen_sfc.folders.merging import merged, shared_fields, with_objects, without_objects
+from plcopen_sfc.folders.planning import PROJECT_DOCUMENT, PlannedDocument, plan_anew, plan_like
+from plcopen_sfc.formats.base import Format, WriteOptions
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.project import FolderOrigin, Origin, Project, SourceDocument
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.report import ConversionReport
+
+__all__ = ["save_folder"]
+
+
+def save_folder(
+    project: Project, folder: str, name: str, *, flavour: str = "", strict: bool = False, fresh: bool = False
+) -> ConversionReport:
+    """Save `project` in the format `name` into `folder`, which is made where it is missing.
+
+    A project that was read from documents of this format keeps them: those that nobody edited stay byte for byte as
+    they are, an edit changes its lines. New objects get documents of their own. In the folder that the project was read
+    from, a document is removed when its objects are. Everything is encoded before anything is written.
+
+    Raises `LossError`; `FileAccessError`, also where a document to be changed was changed on the disk meanwhile.
+    """
+    kind, version = format_named(name)
+    if not kind.folders:
+        message = f"the target is a folder, not a file, and in the format {kind.name} a project is one file"
+        raise FileAccessError(message, location=Location(folder), hint="Name a file inside it.")
+    report = ConversionReport(project._origin.format if project._origin is not None else "", name, unchanged=True)
+    origin = _documents_of(project, kind)
+    home = origin is not None and origin is project._origin and _same_folder(origin.path, folder)
+    if origin is None:
+        planned, contents = _convert(project, kind, version, report)
+    else:
+        planned = plan_like(project, origin, kind, home=home)
+        contents = _encode(planned, origin, name, report, flavour=flavour, fresh=fresh)
+    if not home:
+        note_unreadable(project, report)
+    if strict:
+        refuse_losses(report)
+    before = {path: document.origin.content for path, document in origin.documents.items()} if home and origin else {}
+    gone = [path for path in before if path not in contents]
+    if home:
+        changed = {path: data for path, data in contents.items() if before.get(path) != data}
+        _refuse_if_changed(folder, {path: before[path] for path in [*gone, *changed] if path in before})
+    else:
+        changed = {path: data for path, data in contents.items() if _on_disk(Path(folder, path)) != data}
+    write_all({Path(folder, path): data for path, data in changed.items()})
+    for path in gone:
+        Path(folder, path).unlink(missing_ok=True)
+    report.unchanged = not changed and not gone if home else report.unchanged
+    report.written += [str(Path(folder, path)) for path in changed]
+    report.removed += [str(Path(folder, path)) for path in gone]
+    report.left_alone += [str(Path(folder, path)) for path in files_below(folder) if path not in contents]
+    if home and origin is not None:
+        _remember(project, origin, planned, changed, gone)
+    return report
+
+
+def _documents_of(project: Project, kind: Format) -> FolderOrigin | None:
+    """The documents that the project was read from; None where they are of another format, or there are none."""
+    origin = project._origin
+    if isinstance(origin, FolderOrigin) and origin.format == kind.name:
+        return origin
+    if not isinstance(origin, Origin) or origin.format != kind.name:
+        return None
+    name = Path(origin.path).name if origin.path else f"{PROJECT_DOCUMENT}{kind.extensions[0]}"
+    things = list(project.objects())
+    for place, thing in enumerate(things):
+        thing._home = (name, place)
+    documents = {name: SourceDocument(without_objects(project), len(things))}
+    return FolderOrigin(kind.name, origin.version, "", documents, shared_fields(project), {}, [], [])
+
+
+def _same_folder(one: str, other: str) -> bool:
+    try:
+        return Path(one).samefile(other)
+    except OSError:
+        return False
+
+
+def _encode(
+    planned: list[PlannedDocument],
+    origin: FolderOrigin,
+    name: str,
+    report: ConversionReport,
+    *,
+    flavour: str,
+    fresh: bool,
+) -> dict[str, bytes]:
+    """The bytes of each document, by path."""
+    contents: dict[str, bytes] = {}
+    for document in planned:
+        wanted = name if document.source is not None or name != origin.format else f"{name}-{origin.version}"
+        data, found = encode(document.project(), wanted, flavour=flavour, fresh=fresh)
+        contents[document.path] = data
+        report.extend(found.items)
+        report.unchanged = report.unchanged and found.unchanged and document.path == document.source
+    return contents
+
+
+def _convert(
+    project: Project, kind: Format, version: str, report: ConversionReport
+) -> tuple[list[PlannedDocument], dict[str, bytes]]:
+    """The documents of a project of another format: adapted as a whole, written one by one, read back as a whole."""
+    codec = kind.codec()
+    options = WriteOptions(version)
+    copy = prepared(project, kind, options, report)
+    if not copy.header.product:
+        copy.header = codec.new_document(version).header
+    planned = plan_anew(copy, kind, version)
+    contents = {document.path: codec.write(document.project(), options, report) for document in planned}
+    back = FolderOrigin(kind.name, version, "", {}, {}, {}, [], [])
+    things: list[ProjectObject] = []
+    for document in planned:
+        settle(document.things, document.path)
+        things += add_document(back, document.path, contents[document.path])
+    verify(copy, kind, with_objects(merged(back.documents, kind), things), report)
+    report.unchanged = False
+    return planned, contents
+
+
+def _on_disk(path: Path) -> bytes | None:
+    """The bytes of a file; None where there is none."""
+    return read_bytes(path) if path.exists() else None
+
+
+def _refuse_if_changed(folder: str, expected: dict[str, bytes]) -> None:
+    """Refuse to overwrite what somebody else wrote since the project was read."""
+    for path, content in expected.items():
+        if _on_disk(Path(folder, path)) not in (None, content):
+            raise FileAccessError(
+                "the file was changed since the project was read, and so was the project",
+                location=Location(str(Path(folder, path))),
+                hint="Nothing was written. Load the folder again and repeat the edit.",
+            )
+
+
+def _remember(
+    project: Project, origin: FolderOrigin, planned: list[PlannedDocument], changed: dict[str, bytes], gone: list[str]
+) -> None:
+    """The folder is what was written now: the next save changes what is edited from here on."""
+    for path in gone:
+        del origin.documents[path]
+    for document in planned:
+        if document.path in changed:
+            found = add_document(origin, document.path, changed[document.path])
+            saved = {(type(thing), thing.name): thing for thing in found}
+            for thing in document.things:
+                again = saved.get((type(thing), thing.name))
+                if again is not None:
+                    thing.settle_as(again)
+    origin.shared = shared_fields(project)
