@@ -6,19 +6,18 @@ it holds for every chart, also for one that is not safe.
 
 from __future__ import annotations
 
-from plcopen_sfc.languages.st.nodes import Statement
+from collections.abc import Mapping
+
+from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, when
 from plcopen_sfc.lowering.steps import StepFlags
-from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class StepBits(StepFlags):
     """Lowers one chart into `code`."""
 
-    def exact(self) -> None:
-        """Transitions, resets, sets; actions before or behind them, as the profile has it."""
-        if self.profile.order is ScanOrder.ACTIONS_FIRST:
-            self.add_actions()
+    def evolve(self) -> Mapping[int, Expression]:
+        """Transitions, resets, sets."""
         fired = self.add_transitions()
         resets: list[Statement] = []
         sets: list[Statement] = []
@@ -34,5 +33,4 @@ class StepBits(StepFlags):
             sets.append(when(self.init, *(assignment(flag, TRUE) for flag in initial)))
         self.code.add(self.texts.resets, resets)
         self.code.add(self.texts.sets, sets)
-        if self.profile.order is ScanOrder.TRANSITIONS_FIRST:
-            self.add_actions()
+        return self.reentered(fired)

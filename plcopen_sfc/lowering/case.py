@@ -7,21 +7,19 @@ executes the actions of its step and then tries its transition, which ends them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Operator
-from plcopen_sfc.lowering.code import Code, TextNetwork
-from plcopen_sfc.lowering.control import ActionControl, add_actions
+from plcopen_sfc.lowering.chain import Chain
+from plcopen_sfc.lowering.code import TextNetwork
 from plcopen_sfc.lowering.logic import TRUE, is_constant
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.references import resolve_steps
-from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import Elementary, ElementaryType
-from plcopen_sfc.semantics.net import NetStep, Rivals, indexes
-from plcopen_sfc.semantics.profile import ScanOrder
+from plcopen_sfc.semantics.net import Net, NetStep, Rivals, indexes
 
 _INDENT = "    "
 
@@ -37,117 +35,110 @@ def one_step_at_a_time(source: ChartSource) -> str:
     return ""
 
 
-class CaseChain:
+def _numbered(net: Net) -> list[int]:
+    """The state of each step: its number where all steps have one of their own, else counted from 1."""
+    own = [step.step.number for step in net.steps]
+    if None not in own and len(set(own)) == len(own):
+        return [number for number in own if number is not None]
+    return list(range(1, len(own) + 1))
+
+
+class CaseChain(Chain):
     """Lowers one chart into `code`. Raises `LoweringError` where several steps can be active."""
 
-    def __init__(self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules) -> None:
+    def declare_states(self, source: ChartSource) -> None:
+        """The number of the active step, that of the initial step at the start."""
         objection = one_step_at_a_time(source)
         if objection:
             raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=Location(path=source.pou.name))
-        self._code, self._memory, self._rules = code, memory, rules
-        self._net, self._texts = source.net, rules.texts
-        self._numbers = self._numbered()
-        initial = next(indexes(self._net.initial))
-        self._initial = n.Literal(str(self._numbers[initial]))
+        self._numbers = _numbered(source.net)
+        self._initial = str(self._numbers[next(indexes(source.net.initial))])
         kind = ElementaryType(name=Elementary.INT)
-        self._state = code.declare(
-            self._texts.state, kind, initial=self._initial.text, comment=self._texts.state_comment
-        )
-        self._init = code.declare_input(rules.init, rules.texts.init) if rules.init is not None else None
-        self._source = resolve_steps(source, self._active, rules.profile)
+        comment = self.texts.state_comment
+        self._state = self.code.declare(self.texts.state, kind, initial=self._initial, comment=comment)
 
-    def exact(self) -> None:
-        """Transitions, then outputs; the other way round where the profile has it so."""
-        control = ActionControl(self._memory, self._active)
-        actions_first = self._rules.profile.order is ScanOrder.ACTIONS_FIRST
-        if actions_first:
-            add_actions(self._source, self._code, control, self._rules)
-        self._code.add(self._texts.transitions, self._source.before)
-        self._chain()
-        if not actions_first:
-            add_actions(self._source, self._code, control, self._rules)
+    def active(self, step: int) -> Expression:
+        """A comparison of the state."""
+        return n.Operation(Operator.EQUAL, (self._state, n.Literal(str(self._numbers[step]))))
+
+    def evolve(self) -> Mapping[int, Expression]:
+        """The CASE with the transitions of each step."""
+        lines = [f"CASE {self._text(self._state)} OF"]
+        for step in self.net.steps:
+            lines.append(f"{_INDENT}{self._numbers[step.index]}: // {self._heading(step)}")
+            lines += [_INDENT * 2 + line for line in self._choice(step)]
+        lines.append("END_CASE;")
+        if self.init is not None:
+            lines = [
+                *(f"IF {self._text(self.init)} THEN", _INDENT + self._assigned(self._initial), "ELSE"),
+                *(_INDENT + line for line in lines),
+                "END_IF;",
+            ]
+        self.code.networks.append(TextNetwork(self.texts.chain, "\n".join(lines)))
+        return {}
 
     def classic(self) -> None:
         """Each branch: the actions of the step, then its transition."""
         self._initialise()
         lines = [f"CASE {self._text(self._state)} OF"]
-        for step in self._net.steps:
+        for step in self.net.steps:
             lines += self._classic_branch(step)
-        self._code.networks.append(TextNetwork(self._texts.chain, "\n".join([*lines, "END_CASE;"])))
-
-    def _numbered(self) -> list[int]:
-        """The state of each step: its number where all steps have one of their own, else counted from 1."""
-        own = [step.step.number for step in self._net.steps]
-        if None not in own and len(set(own)) == len(own):
-            return [number for number in own if number is not None]
-        return list(range(1, len(own) + 1))
-
-    def _active(self, step: int) -> Expression:
-        return n.Operation(Operator.EQUAL, (self._state, n.Literal(str(self._numbers[step]))))
+        self.code.networks.append(TextNetwork(self.texts.chain, "\n".join([*lines, "END_CASE;"])))
 
     def _text(self, node: n.Node) -> str:
-        return print_node(node, self._source.dialect)
+        return print_node(node, self.source.dialect)
 
     def _assigned(self, state: str) -> str:
         return f"{self._text(self._state)} := {state};"
 
-    def _chain(self) -> None:
-        lines = [f"CASE {self._text(self._state)} OF"]
-        for step in self._net.steps:
-            lines.append(f"{_INDENT}{self._numbers[step.index]}: // {self._heading(step)}")
-            lines += [_INDENT * 2 + line for line in self._choice(step)]
-        lines.append("END_CASE;")
-        if self._init is not None:
-            lines = [
-                *(f"IF {self._text(self._init)} THEN", _INDENT + self._assigned(self._initial.text), "ELSE"),
-                *(_INDENT + line for line in lines),
-                "END_IF;",
-            ]
-        self._code.networks.append(TextNetwork(self._texts.chain, "\n".join(lines)))
-
     def _choice(self, step: NetStep) -> list[str]:
         """The transitions that leave a step, as IF and ELSIF in the order in which they are tried."""
-        leaving = [self._net.transitions[i] for i in self._net.leaving[step.index]]
+        leaving = [self.net.transitions[i] for i in self.net.leaving[step.index]]
         if not leaving:
             return [";"]
-        if self._rules.profile.rivals is not Rivals.PRIORITY and len(leaving) > 1:
+        if self.profile.rivals is not Rivals.PRIORITY and len(leaving) > 1:
             raise LoweringError(
-                f"one CASE cannot hold rivals that fire together under the profile {self._rules.profile.name}",
+                f"one CASE cannot hold rivals that fire together under the profile {self.profile.name}",
                 location=Location(path=f"step {step.path}"),
             )
         lines: list[str] = []
         for transition in leaving:
             word = "ELSIF" if lines else "IF"
-            lines.append(f"{word} {self._text(self._source.conditions[transition.index])} THEN")
+            lines.append(f"{word} {self._text(self.source.conditions[transition.index])} THEN")
             lines.append(_INDENT + self._assigned(str(self._numbers[transition.targets[0]])))
         return [*lines, "END_IF;"]
 
     def _heading(self, step: NetStep) -> str:
-        return self._texts.step(step.step, step.path, initial=bool(self._net.initial & step.bit))
+        return self.texts.step(step.step, step.path, initial=bool(self.net.initial & step.bit))
 
     # -- classic
 
     def _initialise(self) -> None:
-        if self._init is None:
+        if self.init is None:
             return
-        lines = [f"IF {self._text(self._init)} THEN", _INDENT + self._assigned(self._initial.text), "END_IF;"]
-        self._code.networks.append(TextNetwork(self._texts.init, "\n".join(lines)))
+        lines = [f"IF {self._text(self.init)} THEN", _INDENT + self._assigned(self._initial), "END_IF;"]
+        self.code.networks.append(TextNetwork(self.texts.init, "\n".join(lines)))
 
     def _classic_branch(self, step: NetStep) -> list[str]:
-        used = [(action, use) for action in self._source.actions for use in action.uses if use.step == step.index]
+        used = [
+            (action, use)
+            for action in self.source.actions
+            for use in action.uses
+            if use.steps == (step.index,) and not use.inverted
+        ]
         lines = [f"{self._numbers[step.index]}: // {self._heading(step)}"]
         if used:
-            lines.append(f"{_INDENT}// {self._texts.actions}")
+            lines.append(f"{_INDENT}// {self.texts.actions}")
             lines += [_INDENT + line for action, use in used for line in self._acting(action, use)]
             lines.append("")
         ending = [line for action, use in used for line in self._ending(action, use)]
-        for transition in (self._net.transitions[i] for i in self._net.leaving[step.index]):
-            lines.append(f"{_INDENT}// {self._texts.transition}")
-            lines.append(f"{_INDENT}IF {self._text(self._source.conditions[transition.index])} THEN")
+        for transition in (self.net.transitions[i] for i in self.net.leaving[step.index]):
+            lines.append(f"{_INDENT}// {self.texts.transition}")
+            lines.append(f"{_INDENT}IF {self._text(self.source.conditions[transition.index])} THEN")
             lines += [_INDENT * 2 + line for line in ending]
-            target = self._net.steps[transition.targets[0]]
-            jump = self._texts.jump(
-                target.step, initial=bool(self._net.initial & target.bit), back=target.index <= step.index
+            target = self.net.steps[transition.targets[0]]
+            jump = self.texts.jump(
+                target.step, initial=bool(self.net.initial & target.bit), back=target.index <= step.index
             )
             lines.append(f"{_INDENT * 2}{self._assigned(str(self._numbers[target.index]))} // {jump}")
             lines.append(f"{_INDENT}END_IF;")
@@ -163,13 +154,13 @@ class CaseChain:
         value = self._text(use.condition)
         match use.qualifier:
             case Qualifier.N if conditional:
-                return [f"{target} := {value}; // {self._texts.set_while(value)}"]
+                return [f"{target} := {value}; // {self.texts.set_while(value)}"]
             case Qualifier.N:
-                return [f"{target} := true; // {self._texts.set_action}"]
+                return [f"{target} := true; // {self.texts.set_action}"]
             case Qualifier.S | Qualifier.R | Qualifier.R0:
                 new = f"{target} := {'true' if use.qualifier is Qualifier.S else 'false'};"
                 if use.qualifier is not Qualifier.S:
-                    new += f" // {self._texts.reset_action}"
+                    new += f" // {self.texts.reset_action}"
                 return [f"IF {value} THEN", _INDENT + new, "END_IF;"] if conditional else [new]
             case _:
                 raise LoweringError(
@@ -181,4 +172,4 @@ class CaseChain:
     def _ending(self, action: ActionSource, use: Use) -> list[str]:
         if action.target is None or use.qualifier is not Qualifier.N:
             return []
-        return [f"{self._text(action.target)} := false; // {self._texts.reset_actions}"]
+        return [f"{self._text(action.target)} := false; // {self.texts.reset_actions}"]

@@ -46,6 +46,10 @@ class Code:
         self.variables.append(Variable(name=name, type=kind, initial=value, comment=comment or None))
         return self.naming.local(name)
 
+    def declare_as(self, name: str, kind: DataType) -> None:
+        """Declare a local variable of this very name."""
+        self.variables.append(Variable(name=name, type=kind))
+
     def declare_input(self, name: str, comment: str) -> n.Name:
         """Declare a Boolean input of this very name."""
         self.inputs.append(Variable(name=name, type=BOOL, comment=comment))

@@ -50,7 +50,8 @@ class ActionControl:
         return disjunction(self._of(use) for use in action.uses if use.qualifier in qualifiers)
 
     def _of(self, use: Use) -> Expression:
-        return conjunction([self._active(use.step), use.condition])
+        active = disjunction(self._active(step) for step in use.steps)
+        return conjunction([negation(active) if use.inverted else active, use.condition])
 
     def _level(self, action: ActionSource, _: Expression, __: list[Statement]) -> list[Expression]:
         return [self._input(action, Q.N)]

@@ -8,21 +8,20 @@ the step behind. It does something else than the chart; see docs/lowering.md.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import disjunction
+from plcopen_sfc.lowering.logic import conjunction, disjunction
 from plcopen_sfc.lowering.steps import StepFlags
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetStep
-from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class FlipFlopChain(StepFlags):
     """Lowers one chart into `code`."""
 
-    def exact(self) -> None:
-        """Transitions first, then steps; actions before or behind both, as the profile has it."""
-        if self.profile.order is ScanOrder.ACTIONS_FIRST:
-            self.add_actions()
+    def evolve(self) -> Mapping[int, Expression]:
+        """Transitions first, then a network for each step."""
         fired = self.add_transitions()
         for step in self.net.steps:
             entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
@@ -30,15 +29,15 @@ class FlipFlopChain(StepFlags):
             set_: list[Expression] = [fired[i] for i in entering if i not in loops]
             reset: list[Expression] = [fired[i] for i in leaving if i not in loops]
             self._add_step(step, set_, reset)
-        if self.profile.order is ScanOrder.TRANSITIONS_FIRST:
-            self.add_actions()
+        return self.reentered(fired)
 
     def classic(self) -> None:
         """The textbook chain: steps one after the other, each looks at the flags as they are at that moment."""
         for step in self.net.steps:
-            set_ = [self.enabled(self.net.transitions[i]) for i in self.net.entering[step.index]]
+            entering = [self.net.transitions[i] for i in self.net.entering[step.index]]
+            set_ = [conjunction([self.enabled(t), self.source.conditions[t.index]]) for t in entering]
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
-            self._add_step(step, set_, [self.flags[i] for i in sorted(following)])
+            self._add_step(step, set_, [self.active(i) for i in sorted(following)])
         self.add_actions()
 
     def _add_step(self, step: NetStep, set_: list[Expression], reset: list[Expression]) -> None:

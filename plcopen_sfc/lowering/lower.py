@@ -14,8 +14,9 @@ from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.memory import BitMemory, BlockMemory, Memory
 from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ChartSource, read_chart
+from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -71,14 +72,14 @@ def lower_chart(
     language: Language | None = None,
 ) -> LoweredPou:
     """Lower `chart`, which is the body of `pou`. Raises `LoweringError` for what cannot be said in the target."""
-    source = read_chart(pou, chart, dialect)
+    source = read_chart(pou, chart, dialect, rules.profile)
     chosen, why = _choice(source, construction)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
         raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}")
     init = [rules.init] if rules.init is not None else []
-    code = Code(Naming(dialect, [*source.names, *init]))
+    code = Code(Naming(dialect, [*source.names(), *init]))
     memory: Memory = BitMemory(code) if language is Language.ST else BlockMemory(code)
     makers: dict[Construction, type[FlipFlopChain | CaseChain | StepBits]] = {
         Construction.FLIPFLOP: FlipFlopChain,

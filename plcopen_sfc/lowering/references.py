@@ -1,30 +1,41 @@
-"""Step variables in texts (``S3.X``, ``X3``): what stands for them where there are no steps any more."""
+"""Step variables in texts (``S3.X``, ``X3``, ``S3.T``): what stands for them where there are no steps any more."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Node
-from plcopen_sfc.lowering.logic import disjunction
+from plcopen_sfc.lowering.logic import conjunction, disjunction
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, StepVariables
 
+StepValue = Callable[[int], Expression]
+"""What stands for something of a step, given by its index in the net."""
 
-def resolve_steps(source: ChartSource, active: Callable[[int], Expression], profile: Profile) -> ChartSource:
-    """The same chart, its texts with `active(step)` for what says that a step is active.
+
+def resolve_steps(source: ChartSource, active: StepValue, elapsed: StepValue, profile: Profile) -> ChartSource:
+    """The same chart, its texts with `active` and `elapsed` for what asks whether and how long a step is active.
 
     Raises `LoweringError` for whatever else a program may ask of a step: there is nothing that would answer.
     """
-    steps = _StepVariables(source, profile)
-    return source.changed(lambda tree: transform(tree, lambda node: steps.resolved(node, active)))
+    steps = _StepVariables(source, active, elapsed, profile)
+    resolved = source.changed(lambda tree: transform(tree, steps.resolved))
+    conditions = list(resolved.conditions)
+    for step, time in resolved.minimum_times.items():
+        over = n.Operation(n.Operator.GREATER_OR_EQUAL, (elapsed(step), time))
+        for transition in source.net.leaving[step]:
+            conditions[transition] = conjunction([over, conditions[transition]])
+    return replace(resolved, conditions=tuple(conditions))
 
 
 class _StepVariables:
-    def __init__(self, source: ChartSource, profile: Profile) -> None:
+    def __init__(self, source: ChartSource, active: StepValue, elapsed: StepValue, profile: Profile) -> None:
+        self._active, self._elapsed = active, elapsed
         self._pou = source.pou.name
         declared = {v.name.casefold() for v in source.pou.interface.variables()} if source.pou.interface else set()
         steps = _bits_by_name(source.net)
@@ -36,18 +47,20 @@ class _StepVariables:
             numbers |= {f"x{s.step.number}": s.bit for s in source.net.steps if s.step.number is not None}
             self._flags = {name: bits for name, bits in numbers.items() if name not in declared}
 
-    def resolved(self, node: Node, active: Callable[[int], Expression]) -> Node:
+    def resolved(self, node: Node) -> Node:
         """What stands for a node."""
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
+                if quantity.casefold() == "t" and bits & (bits - 1) == 0:
+                    return self._elapsed(next(indexes(bits)))
                 if quantity.casefold() != "x":
                     raise LoweringError(
                         f"{step}.{quantity} is not lowered yet: the code does not keep it",
                         location=Location(path=self._pou),
                     )
-                return disjunction(active(i) for i in indexes(bits))
+                return disjunction(self._active(i) for i in indexes(bits))
             case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:
-                return disjunction(active(i) for i in indexes(bits))
+                return disjunction(self._active(i) for i in indexes(bits))
         return node
 
 

@@ -1,56 +1,51 @@
-"""What the lowerings with a flag for each step have in common: the flags, the transition bits, the actions."""
+"""What the lowerings with a flag for each step have in common: the flags and the transition bits."""
 
 from __future__ import annotations
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.control import ActionControl, add_actions
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.logic import assignment, conjunction, negation
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.references import resolve_steps
-from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
+from plcopen_sfc.semantics.net import NetTransition, Rivals
 
 
-class StepFlags:
-    """The flags of the steps of one chart, and what is made of them in `code`."""
+class StepFlags(Chain):
+    """A flag for each step, and a bit for each transition that fires."""
 
-    def __init__(self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules) -> None:
-        self.code, self.memory, self.rules = code, memory, rules
-        self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
-        self.init = code.declare_input(rules.init, rules.texts.init) if rules.init is not None else None
-        self.flags: tuple[n.Name, ...] = tuple(self._declare(step) for step in self.net.steps)
-        self.source = resolve_steps(source, self.flags.__getitem__, rules.profile)
+    def declare_states(self, source: ChartSource) -> None:
+        """The flags, those of initial steps TRUE at the start."""
+        self.flags: list[n.Name] = []
+        for step in source.net.steps:
+            initial = "TRUE" if source.net.initial & step.bit else None
+            comment = self.texts.flag_of(step.path)
+            self.flags.append(self.code.declare(self.texts.flag_name(step.step), initial=initial, comment=comment))
+
+    def active(self, step: int) -> Expression:
+        """The flag of a step."""
+        return self.flags[step]
 
     def enabled(self, transition: NetTransition) -> Expression:
-        """All its steps are active and its condition is TRUE."""
-        sources = [self.flags[i] for i in transition.sources]
-        return conjunction([*sources, self.source.conditions[transition.index]])
+        """All its steps are active."""
+        return conjunction(self.flags[i] for i in transition.sources)
 
     def add_transitions(self) -> list[n.Name]:
-        """Append a bit for each transition: enabled, and no rival before it has fired."""
+        """Append a bit for each transition: enabled, its condition TRUE, and no rival before it has fired."""
         fired: list[n.Name] = []
-        statements = list(self.source.before)
+        statements: list[Statement] = []
         for transition in self.net.transitions:
             comment = self.texts.transition_of(transition.path)
             flag = self.code.declare(f"T{transition.index + 1}", comment=comment)
             rivals = transition.rivals if self.profile.rivals is Rivals.PRIORITY else ()
-            parts = [self.enabled(transition), *(negation(fired[i]) for i in rivals)]
-            if self.init is not None:
-                parts.append(negation(self.init))
-            statements.append(assignment(flag, conjunction(parts)))
+            enabled = [self.enabled(transition)]
+            free = [negation(fired[i]) for i in rivals] + ([negation(self.init)] if self.init is not None else [])
+            statements += self.prepared(transition.index, conjunction([*enabled, *free]))
+            condition = self.source.conditions[transition.index]
+            statements.append(assignment(flag, conjunction([*enabled, condition, *free])))
             fired.append(flag)
         self.code.add(self.texts.transitions, statements)
         return fired
 
-    def add_actions(self) -> None:
-        """Append the networks of the actions."""
-        control = ActionControl(self.memory, self.flags.__getitem__)
-        add_actions(self.source, self.code, control, self.rules)
-
-    def _declare(self, step: NetStep) -> n.Name:
-        initial = "TRUE" if self.net.initial & step.bit else None
-        comment = self.texts.flag_of(step.path)
-        return self.code.declare(self.texts.flag_name(step.step), initial=initial, comment=comment)
+    def reentered(self, fired: list[n.Name]) -> dict[int, Expression]:
+        """For steps that a transition leaves and enters at once: its bit."""
+        return {i: fired[t.index] for t in self.net.transitions for i in t.sources if i in t.targets}

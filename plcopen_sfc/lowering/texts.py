@@ -25,6 +25,9 @@ class Texts:
 
     init = "Start the chain anew"
     transitions = "Transitions"
+    logic = "Logic drawn in the chart"
+    times = "Step times"
+    step_actions = "Step actions"
     resets = "Steps that are left"
     sets = "Steps that are entered"
     chain = "Step sequence"
@@ -52,6 +55,10 @@ class Texts:
             return f"X{step.number}"
         return f"X{_digits(step.name) or '_' + step.name}"
 
+    def time_name(self, step: Step) -> str:
+        """The timer of a step."""
+        return f"{self.flag_name(step)}_time"
+
     def flag_of(self, path: str) -> str:
         """The comment of a step's flag."""
         return f"step {path} is active"
@@ -74,6 +81,9 @@ class GermanTexts(Texts):
 
     init = "Kette initialisieren"
     transitions = "Transitionen"
+    logic = "Logik im Ablauf"
+    times = "Schrittzeiten"
+    step_actions = "Schrittaktionen"
     resets = "Verlassene Schritte"
     sets = "Erreichte Schritte"
     chain = "Schrittfolge"

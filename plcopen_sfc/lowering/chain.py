@@ -1,0 +1,72 @@
+"""What happens in a scan, whatever the construction: the parts of a lowered chart in the order of its profile."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code import BOOL, Code
+from plcopen_sfc.lowering.control import ActionControl, add_actions
+from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.references import resolve_steps
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.step_code import add_step_code
+from plcopen_sfc.lowering.times import StepTimes
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
+from plcopen_sfc.semantics.profile import ScanOrder
+
+
+class Chain(ABC):
+    """Lowers one chart into `code`. A construction says what a step is (`active`) and how it changes (`evolve`)."""
+
+    def __init__(self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules) -> None:
+        self.code, self.memory, self.rules = code, memory, rules
+        self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
+        self.init = code.declare_input(rules.init, rules.texts.init) if rules.init is not None else None
+        for helper in source.helpers:
+            known = Elementary.__members__.get(helper.type_name or "BOOL")
+            kind = ElementaryType(name=known) if known else DerivedType(name=helper.type_name or "")
+            code.declare_as(helper.name, kind if helper.type_name else BOOL)
+        self.declare_states(source)
+        names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
+        self.times = StepTimes(code, self.active, names.__getitem__)
+        self.source = resolve_steps(source, self.active, self.times.elapsed, rules.profile)
+
+    @abstractmethod
+    def declare_states(self, source: ChartSource) -> None:
+        """Declare the variables that keep the situation."""
+
+    @abstractmethod
+    def active(self, step: int) -> Expression:
+        """Whether a step, given by its index in the net, is active."""
+
+    @abstractmethod
+    def evolve(self) -> Mapping[int, Expression]:
+        """Append the networks of one evolution; for steps that can be left and entered at once, when they are."""
+
+    def exact(self) -> None:
+        """One scan, as the chart has it."""
+        self.code.add(self.texts.logic, self.source.logic)
+        times = self.times.calls()
+        self.code.add(self.texts.times, times)
+        if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            self.add_actions()
+            self.evolve()
+            return
+        reentered = self.evolve()
+        restarts = [s for step, when in reentered.items() for s in self.times.restarts(step, when)]
+        self.code.add(self.texts.times, [*restarts, *times])
+        self.add_actions()
+
+    def add_actions(self) -> None:
+        """Append what steps execute, then the actions."""
+        add_step_code(self.source, self.code, self.memory, self.active, self.texts)
+        add_actions(self.source, self.code, ActionControl(self.memory, self.active), self.rules)
+
+    def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
+        """What must be executed before the condition of a transition is evaluated, where it is."""
+        preparation = self.source.preparations[transition]
+        return [n.If((n.Branch(enabled, preparation),))] if preparation else []

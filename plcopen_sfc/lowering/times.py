@@ -1,0 +1,38 @@
+"""How long steps are active, for code that asks: a timer for each such step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.logic import FALSE, call, when
+from plcopen_sfc.model.types import DerivedType
+
+_FOREVER = n.Literal("T#24d")
+"""Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
+
+
+class StepTimes:
+    """The timers of one chart. `active` gives the flag of a step by its index in the net."""
+
+    def __init__(self, code: Code, active: Callable[[int], Expression], name: Callable[[int], str]) -> None:
+        self._code, self._active, self._name = code, active, name
+        self._timers: dict[int, n.Name] = {}
+
+    def elapsed(self, step: int) -> Expression:
+        """The time for which a step has been active."""
+        timer = self._timers.get(step)
+        if timer is None:
+            timer = self._timers[step] = self._code.declare(self._name(step), DerivedType(name="TON"))
+        return n.Member(timer, n.Name("ET"))
+
+    def calls(self) -> list[Statement]:
+        """The calls of all timers. They stand where steps have just changed, and where times are read."""
+        return [call(timer, IN=self._active(step), PT=_FOREVER) for step, timer in self._timers.items()]
+
+    def restarts(self, step: int, reentered: Expression) -> Sequence[Statement]:
+        """Lets the time of a step begin anew when it is left and entered at once."""
+        timer = self._timers.get(step)
+        return () if timer is None else (when(reentered, call(timer, IN=FALSE, PT=_FOREVER)),)
