@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import random
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from lxml import etree
 
@@ -37,10 +37,19 @@ TAGS = tuple(_TAGS.split())
 
 
 class Mutator:
-    """Makes mutants of one document. The seed decides which."""
+    """Makes mutants of one document. The seed decides which; tags, attributes and values are what it puts in."""
 
-    def __init__(self, root: etree._Element, seed: str) -> None:
+    def __init__(
+        self,
+        root: etree._Element,
+        seed: str,
+        *,
+        tags: Sequence[str] = TAGS,
+        attributes: Sequence[str] = ATTRIBUTES,
+        values: Sequence[str] = VALUES,
+    ) -> None:
         self.root = root
+        self.tags, self.attributes, self.values = tags, attributes, values
         self.random = random.Random(seed)  # noqa: S311
 
     def mutant(self) -> etree._Element:
@@ -57,7 +66,7 @@ class Mutator:
         return self.random.choice(kinds[self.random.choice(sorted(kinds))])
 
     def tag(self, root: etree._Element) -> str:
-        return f"{{{etree.QName(root).namespace}}}{self.random.choice(TAGS)}"
+        return f"{{{etree.QName(root).namespace}}}{self.random.choice(self.tags)}"
 
     # The mutations
 
@@ -98,7 +107,7 @@ class Mutator:
         place.insert(self.random.randint(0, len(place)), etree.Element(self.tag(root)))
 
     def add_attribute(self, root: etree._Element) -> None:
-        self.element(root).set(self.random.choice(ATTRIBUTES), self.random.choice(VALUES))
+        self.element(root).set(self.random.choice(self.attributes), self.random.choice(self.values))
 
     def with_attribute(self, root: etree._Element) -> tuple[etree._Element, str]:
         kinds: dict[tuple[str, str], list[etree._Element]] = defaultdict(list)
@@ -114,14 +123,14 @@ class Mutator:
 
     def change_value(self, root: etree._Element) -> None:
         element, name = self.with_attribute(root)
-        element.set(name, self.random.choice(VALUES))
+        element.set(name, self.random.choice(self.values))
 
     def add_text(self, root: etree._Element) -> None:
         element = self.element(root)
         if self.random.random() < 0.5:
-            element.text = (element.text or "") + self.random.choice(VALUES)
+            element.text = (element.text or "") + self.random.choice(self.values)
         else:
-            element.tail = (element.tail or "") + self.random.choice(VALUES)
+            element.tail = (element.tail or "") + self.random.choice(self.values)
 
 
 MUTATIONS: tuple[Mutation, ...] = (

@@ -61,7 +61,8 @@ def programs(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_all_that_is_needed_at_run_time(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     assert "plcopen_sfc/py.typed" in names
-    schemas = {f"plcopen_sfc/schemas/{path.name}" for path in (ROOT / "schemas").glob("*.xsd")}
+    folder = ROOT / "schemas"
+    schemas = {f"plcopen_sfc/schemas/{path.relative_to(folder).as_posix()}" for path in folder.rglob("*.xsd")}
     assert schemas
     assert schemas <= names
     modules = {path.relative_to(ROOT).as_posix() for path in (ROOT / "plcopen_sfc").rglob("*.py")}

@@ -14,8 +14,6 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.registry import recognise
 
-NO_SCHEMA = "XSD030"
-
 
 def run(screen: Screen, patterns: Sequence[str]) -> int:
     """Print all findings of all files."""
@@ -58,6 +56,4 @@ def _print(screen: Screen, name: str, findings: list[Diagnostic], *, valid: bool
     counts = Counter(finding.severity.value for finding in findings)
     what = ", ".join(f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts.items())
     verdict = ("valid", "green") if valid else ("not valid", "bold red")
-    if valid and any(finding.code == NO_SCHEMA for finding in findings):
-        verdict = ("no errors found", "yellow")
     screen.line((f"{name}: ", "bold"), verdict, f" ({what})" if what else "")

@@ -17,7 +17,7 @@ LANGUAGES = ("Graph", "FlgNet", "StructuredText", "StatementList")
 
 @dataclass(frozen=True)
 class TiaVersion:
-    """One version of TIA Portal: its name in ``Engineering/@version``, and the number of each schema."""
+    """One version of TIA Portal: its name in ``Engineering/@version``, and the number of each schema; 0 for none."""
 
     name: str
     interface: int
@@ -38,7 +38,7 @@ class TiaVersion:
 
 
 VERSIONS = (
-    TiaVersion("V14 SP1", interface=2, graph=1, flg_net=1, structured_text=1, statement_list=1),
+    TiaVersion("V14 SP1", interface=2, graph=1, flg_net=1, structured_text=0, statement_list=1),
     TiaVersion("V15", interface=3, graph=2, flg_net=2, structured_text=1, statement_list=2),
     TiaVersion("V15.1", interface=3, graph=4, flg_net=3, structured_text=2, statement_list=3),
     TiaVersion("V16", interface=4, graph=5, flg_net=4, structured_text=3, statement_list=4),
@@ -48,7 +48,12 @@ VERSIONS = (
     TiaVersion("V20", interface=5, graph=5, flg_net=5, structured_text=4, statement_list=5),
     TiaVersion("V21", interface=5, graph=6, flg_net=5, structured_text=4, statement_list=5),
 )
-"""Of V14 SP1 and V15 the program schemas without a sample are those that the GRAPH schema of the version includes."""
+"""Of V14 SP1 and V15 the program schemas without a sample are those that share their grammar of operands with the GRAPH
+schema of the version. The first schema of SCL shares that of V15: V14 SP1 has no SCL in XML.
+"""
+
+SCHEMAS = {kind: frozenset(v.schema(kind) for v in VERSIONS) - {0} for kind in ("Interface", *LANGUAGES)}
+"""The numbers of the schemas of each kind. There is no version 3 of GRAPH, and no version 1 of interfaces."""
 
 DEFAULT = VERSIONS[-2]
 """What is written where nothing says for which version: V20, which V20 and everything newer imports."""
@@ -57,6 +62,11 @@ DEFAULT = VERSIONS[-2]
 def version_named(name: str) -> TiaVersion | None:
     """The version of this name, as ``Engineering/@version`` spells it."""
     return next((version for version in VERSIONS if version.name == name), None)
+
+
+def first_with(kind: str, number: int) -> TiaVersion | None:
+    """The first version that has schema `number` of `kind`, or a later one."""
+    return next((version for version in VERSIONS if version.schema(kind) >= number), None)
 
 
 def namespace(kind: str, number: int) -> str:

@@ -49,7 +49,8 @@ def findings(
 ) -> list[Diagnostic]:
     """What is wrong with a document by the schema of this name; empty for a valid one.
 
-    `data` are the bytes that `root` was read from: the line numbers of long files are counted in them. At most
+    `root` may stand inside of a document that another schema describes. `data` are the bytes that the document was read
+    from: the line numbers of long files are counted in them. At most
     `MAX_FINDINGS`, then one more (``XSD099``) that says how many places were left out.
     """
     validator = _validator(schema)
@@ -58,7 +59,7 @@ def findings(
     # Only a file with errors pays for loading xmlschema.
     from plcopen_sfc.formats.xml.schema_explain import explain  # noqa: PLC0415
 
-    lines = SourceLines(root, data)
+    lines = SourceLines(root.getroottree().getroot(), data)
     found: list[Diagnostic] = []
     left_out = 0
     for element, fallback in _places(root, validator.error_log):
