@@ -16,12 +16,14 @@ from plcopen_sfc.version import __version__
 
 if TYPE_CHECKING:
     from plcopen_sfc.api import check_syntax, convert, dumps, load, loads, save
+    from plcopen_sfc.checking import check
     from plcopen_sfc.diagnostics import Diagnostic, Severity
     from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, SfcError
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
     from plcopen_sfc.report import ConversionReport, Fate
 
 _HOMES = {
+    "check": "checking",
     "check_syntax": "api",
     "convert": "api",
     "dumps": "api",
@@ -58,6 +60,7 @@ __all__ = [
     "Step",
     "Transition",
     "__version__",
+    "check",
     "check_syntax",
     "convert",
     "dumps",

@@ -18,12 +18,16 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding. `code` is stable (``SFC101``) and documented in docs/diagnostics.md."""
+    """One finding. `code` is stable (``SFC101``) and documented in docs/diagnostics.md, or docs/checks.md (``STR01``).
+
+    `hint` says what to do about it; it may be empty.
+    """
 
     code: str
     severity: Severity
     message: str
     location: Location = field(default_factory=Location)
+    hint: str = ""
 
     def __str__(self) -> str:
         place = str(self.location)

@@ -37,7 +37,7 @@ def _app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_common)
-    for command in (_formats, _info, _validate, _convert, _rename, _schema):
+    for command in (_formats, _info, _validate, _check, _rules, _convert, _rename, _schema):
         app.command(command.__name__.removeprefix("_"))(command)
     return app
 
@@ -89,6 +89,52 @@ def _validate(files: Files, as_json: AsJson = False, quiet: Quiet = False, verbo
         from plcopen_sfc.cli.commands import validate  # noqa: PLC0415
 
         screen.exit_code = validate.run(screen, files)
+
+
+def _check(  # noqa: PLR0917  # typer calls it by name
+    files: Files,
+    select: Annotated[
+        list[str] | None, typer.Option("--select", metavar="CODES", help="Apply these rules: STR, SEL01 ..; all else.")
+    ] = None,
+    ignore: Annotated[list[str] | None, typer.Option("--ignore", metavar="CODES", help="Do not apply these.")] = None,
+    profile: Annotated[
+        str | None,
+        typer.Option("--profile", metavar="NAME", help="How charts are executed: iec, codesys, s7graph, grafcet .."),
+    ] = None,
+    fail_on: Annotated[
+        str | None,
+        typer.Option(
+            "--fail-on", metavar="SEVERITY", help="Exit code 1 from here: error, warning (usual), info, never."
+        ),
+    ] = None,
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="How to print the result: text, json, sarif (2.1.0).")
+    ] = "text",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """Check the charts of files against the numbered rules. `plcopen-sfc rules` lists them."""
+    with guarded(as_json=as_json or form != "text", quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import check  # noqa: PLC0415
+
+        chosen = "json" if as_json else form
+        how = check.How(check.codes(select), check.codes(ignore), profile, fail_on, chosen)
+        screen.exit_code = check.run(screen, files, how)
+
+
+def _rules(
+    codes: Annotated[list[str] | None, typer.Argument(metavar="[CODE]...", help="Explain these: STR, SEL01 ..")] = None,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print the page docs/checks.md.")] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """List the rules of `check`, or explain some of them."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import rules  # noqa: PLC0415
+
+        screen.exit_code = rules.run(screen, codes or [], markdown=markdown)
 
 
 def _convert(  # noqa: PLR0917  # typer calls it by name

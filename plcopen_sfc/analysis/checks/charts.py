@@ -1,0 +1,203 @@
+"""A chart as the rules see it: with its project, its profile, its net, and places that findings can point at."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.uses import dialect_of
+from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
+from plcopen_sfc.semantics.profile import PROFILES, Profile
+
+_MOST_MARKINGS = 20_000
+"""Markings that are visited for each chart before questions about all of them are left unanswered."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where something stands.
+
+    `path` names it for people; `elements` are the object itself and those that it stands in, the innermost first.
+    """
+
+    path: str
+    elements: tuple[Element, ...]
+
+    @property
+    def excluded(self) -> bool:
+        """Whether it is left out of the program, by itself or with what it stands in."""
+        return any(getattr(element, "exclude", False) for element in self.elements)
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """One network of steps and transitions: the chart itself, a partial chart of it, or the expansion of a macro-step.
+
+    `partial` is the partial chart, `macro` the macro-step that it belongs to.
+    """
+
+    chart: SfcNetwork
+    place: Place
+    partial: PartialChart | None = None
+    macro: Step | None = None
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps that are in the program."""
+        return tuple(step for step in self.chart.steps if not step.exclude)
+
+    @cached_property
+    def transitions(self) -> tuple[Transition, ...]:
+        """The transitions that are in the program."""
+        return tuple(transition for transition in self.chart.transitions if not transition.exclude)
+
+    @cached_property
+    def names(self) -> dict[int, str]:
+        """The names of all steps by their id."""
+        return {step.id: step.name for step in self.chart.steps}
+
+    def actions(self) -> Iterator[tuple[Step, ActionAssociation]]:
+        """The action associations that are in the program, with their steps."""
+        for step in self.steps:
+            for association in step.actions:
+                if not association.exclude:
+                    yield step, association
+
+    def at(self, element: Step | Transition, association: ActionAssociation | None = None) -> Place:
+        """The place of a step, of an association of it, or of a transition."""
+        if isinstance(element, Transition):
+            return self._below(f"transition {self.chart.label(element)}", element)
+        if association is None:
+            return self._below(f"step {element.name}", element)
+        name = f"step {element.name} / action {association.target or 'inline'}"
+        return self._below(name, association, element)
+
+    def _below(self, name: str, *elements: Element) -> Place:
+        path = f"{self.place.path} / {name}" if self.place.path else name
+        return Place(path, (*elements, *self.place.elements))
+
+
+def family(profile: Profile) -> str:
+    """The name of the profile of `PROFILES` that this one is, or that it shares most of its choices with."""
+    if profile.name in PROFILES:
+        return profile.name
+
+    def alike(name: str) -> int:
+        return sum(getattr(profile, each.name) == getattr(PROFILES[name], each.name) for each in fields(Profile))
+
+    return max(PROFILES, key=alike)
+
+
+class CheckedChart:
+    """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
+
+    def __init__(self, project: Project, pou: Pou | None, place: Place, chart: SfcNetwork, profile: Profile) -> None:
+        self.project = project
+        self.pou = pou
+        self.chart = chart
+        self.profile = profile
+        self.family = family(profile)
+        self.root = Sheet(chart, place)
+        self._conditions: dict[int, NetworkExpression] = {}
+
+    @cached_property
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The networks that the chart consists of; the chart itself is the first."""
+        return tuple(_sheets(self.root, frozenset()))
+
+    @cached_property
+    def net(self) -> Net:
+        """The net of the chart, with macro-steps expanded and all partial charts."""
+        return Net.of(self.chart)
+
+    @cached_property
+    def graph(self) -> MarkingGraph:
+        """The situations that the net can come into."""
+        return marking_graph(self.net, rivals=self.profile.rivals, cap=_MOST_MARKINGS)
+
+    @cached_property
+    def dialect(self) -> Dialect:
+        """The dialect in which texts are read."""
+        return dialect_of(self.project)
+
+    def condition(self, sheet: Sheet, transition: Transition) -> NetworkExpression:
+        """The condition of a transition as an expression."""
+        found = self._conditions.get(id(transition))
+        if found is None:
+            named = self.pou.transitions if self.pou is not None else ()
+            found = condition_expression(sheet.chart, transition, self.dialect, transitions=named)
+            self._conditions[id(transition)] = found
+        return found
+
+    def place_of(self, element: NetStep | NetTransition) -> Place:
+        """The place of a step or transition of the net."""
+        sheet = self._sheet_of[id(element.chart)]
+        return sheet.at(element.step if isinstance(element, NetStep) else element.transition)
+
+    def sheet_of(self, element: NetStep | NetTransition) -> Sheet:
+        """The network that a step or transition of the net stands in."""
+        return self._sheet_of[id(element.chart)]
+
+    @cached_property
+    def _sheet_of(self) -> dict[int, Sheet]:
+        return {id(sheet.chart): sheet for sheet in reversed(self.sheets)}
+
+
+def _sheets(sheet: Sheet, around: frozenset[int]) -> Iterator[Sheet]:
+    """A network and those inside it."""
+    if id(sheet.chart) in around:
+        return
+    around = around | {id(sheet.chart)}
+    yield sheet
+    for step in sheet.steps:
+        if step.macro is not None and isinstance(step.macro.body, SfcBody):
+            yield from _sheets(Sheet(step.macro.body.chart, sheet.at(step), macro=step), around)
+    for partial in sheet.chart.partial_charts:
+        place = sheet._below(partial.name, partial)
+        yield from _sheets(Sheet(partial.network, place, partial=partial), around)
+
+
+def charts_of(project: Project, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
+    """Every chart of a POU: its body, those of its actions, and charts inside of steps."""
+    path = f"POU {pou.name}"
+    parts: list[tuple[str, Element, Body | None]] = [
+        *((f"{path} / action {a.name}", a, a.body) for a in pou.actions),
+        *((f"{path} / transition {t.name}", t, t.body) for t in pou.transitions),
+        *((f"{path} / method {m.name}", m, m.body) for m in pou.methods),
+    ]
+    for body in pou.bodies:
+        yield from _charts_in(body, Place(path, (pou,)), project, pou, profile)
+    for name, part, inner in parts:
+        yield from _charts_in(inner, Place(name, (part, pou)), project, pou, profile)
+
+
+def _charts_in(
+    body: Body | str | None, place: Place, project: Project, pou: Pou, profile: Profile
+) -> Iterator[CheckedChart]:
+    if not isinstance(body, SfcBody):
+        return
+    chart = body.chart
+    checked = CheckedChart(project, pou, Place(place.path, (chart, body, *place.elements)), chart, profile)
+    yield checked
+    for sheet in checked.sheets:
+        for at, inner in _bodies_in(sheet):
+            yield from _charts_in(inner, at, project, pou, profile)
+
+
+def _bodies_in(sheet: Sheet) -> Iterator[tuple[Place, Body | str | None]]:
+    """What steps do that is programmed in place."""
+    for step in sheet.steps:
+        actions = (step.entry_action, step.main_action, step.exit_action)
+        yield from ((sheet.at(step), action) for action in actions)
+    for step, association in sheet.actions():
+        yield sheet.at(step, association), association.body

@@ -1,0 +1,256 @@
+"""What a chart can come into and get out of: its marking graph, with all conditions taken as free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import reduce
+from operator import or_
+
+from plcopen_sfc.analysis.answers import Answer
+from plcopen_sfc.analysis.checks.charts import CheckedChart
+from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.marking import Firing
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
+
+_LONGEST_WAY = 6
+
+
+def words(names: tuple[str, ...]) -> str:
+    """Names for people: ``A``, ``A and B``, ``A, B and C``."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:]))) or "no step"
+
+
+def _way(trace: tuple[Firing, ...]) -> str:
+    """How a situation is reached."""
+    fired = [" and ".join(t.path for t in firing.transitions) for firing in trace]
+    if not fired:
+        return "at the start"
+    shown = fired if len(fired) <= _LONGEST_WAY else ["..", *fired[-_LONGEST_WAY:]]
+    return "after " + ", ".join(shown)
+
+
+def started_elsewhere(chart: CheckedChart) -> int:
+    """The steps (bits) that something else than a transition may activate: forcing orders, enclosing steps, ON."""
+    charts: set[str] = set()
+    names: set[str] = set()
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.forcing is not None:
+                charts.add(association.forcing.chart.casefold())
+                names.update(name.casefold() for name in association.forcing.steps)
+            if association.qualifier is Qualifier.ON and association.target:
+                names.add(association.target.strip('#"').casefold())
+            for enclosure in step.encloses or ():
+                charts.add(enclosure.chart.casefold())
+                names.update(name.casefold() for name in enclosure.activated_steps)
+        for step in sheet.steps:
+            for enclosure in step.encloses or ():
+                charts.add(enclosure.chart.casefold())
+                names.update(name.casefold() for name in enclosure.activated_steps)
+    found = 0
+    for net_step in chart.net.steps:
+        partial = chart.sheet_of(net_step).partial
+        of_chart = partial is not None and partial.name.casefold() in charts and net_step.step.initial
+        if of_chart or net_step.step.name.casefold() in names:
+            found |= net_step.bit
+    return found
+
+
+def structurally_reachable(net: Net, start: int) -> int:
+    """The steps that tokens may come to if no two of them ever miss each other: never too few."""
+    reached = start
+    waiting = [t for t in net.transitions if t.sources]
+    while True:
+        firing = [t for t in waiting if not t.pre & ~reached]
+        if not firing:
+            return reached
+        reached = reduce(or_, (t.post for t in firing), reached)
+        waiting = [t for t in waiting if t.pre & ~reached]
+
+
+def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:
+    """The steps that can never be active."""
+    if _plain(chart) and chart.graph.unreachable_steps is not None:
+        return chart.graph.unreachable_steps
+    start = chart.net.initial | started_elsewhere(chart)
+    if chart.family == "grafcet":
+        start = reduce(or_, (chart.net.transitions[i].post for i in chart.net.sourceless), start)
+    reached = structurally_reachable(chart.net, start)
+    return tuple(step for step in chart.net.steps if not reached & step.bit)
+
+
+def _started(chart: CheckedChart) -> bool:
+    """Whether there is a start to reach anything from; else there is another rule that says so."""
+    return bool(chart.net.initial)
+
+
+def _plain(chart: CheckedChart) -> bool:
+    """Whether the marking graph says it all: nothing but transitions moves tokens, all of them from steps.
+
+    A net takes a transition without a step before it for always enabled, as GRAFCET does; elsewhere it never fires.
+    """
+    if chart.net.sourceless and chart.family != "grafcet":
+        return False
+    return _started(chart) and not chart.net.hierarchy and not started_elsewhere(chart)
+
+
+def _unreachable(chart: CheckedChart) -> Iterator[Finding]:
+    if not _started(chart):
+        return
+    for step in unreachable(chart):
+        yield Finding(chart.place_of(step), "the step can never become active")
+
+
+def _unsafe(chart: CheckedChart) -> Iterator[Finding]:
+    if not _plain(chart):
+        return
+    unsafe = chart.graph.unsafe
+    if unsafe is not None:
+        message = (
+            f"{unsafe.transition.path} would activate step {unsafe.step.path} while it is active: "
+            f"{_way(unsafe.trace)} the active steps are {words(chart.net.names(unsafe.marking))}"
+        )
+        yield Finding(chart.place_of(unsafe.step), message)
+
+
+def dead_joins(chart: CheckedChart) -> tuple[NetTransition, ...]:
+    """Transitions whose sources can each be active, but never together."""
+    if not _plain(chart):
+        return ()
+    never = reduce(or_, (step.bit for step in unreachable(chart)), 0)
+    return tuple(t for t in chart.graph.dead_transitions or () if len(t.sources) > 1 and not t.pre & never)
+
+
+def _dead(chart: CheckedChart) -> Iterator[Finding]:
+    for transition in dead_joins(chart):
+        names = words(tuple(chart.net.steps[i].path for i in transition.sources))
+        yield Finding(chart.place_of(transition), f"{names} are never active together: the transition is never enabled")
+
+
+def _ends(chart: CheckedChart) -> int:
+    """The steps that no transition leaves."""
+    return reduce(or_, (step.bit for step in chart.net.steps if not chart.net.leaving[step.index]), 0)
+
+
+def _deadlocks(chart: CheckedChart) -> Iterator[Finding]:
+    if not _plain(chart):
+        return
+    ends = _ends(chart)
+    for marking in chart.graph.deadlocks:
+        if marking and not marking & ends:
+            names = chart.net.names(marking)
+            message = f"nothing leads on from {words(names)} together: {_way(chart.graph.trace(marking))}"
+            step = next(step for step in chart.net.steps if step.bit & marking)
+            yield Finding(chart.place_of(step), message)
+            return
+
+
+def _one_way(chart: CheckedChart) -> Iterator[Finding]:
+    ends = _ends(chart) or any(not t.targets for t in chart.net.transitions)
+    if ends or not _plain(chart) or chart.graph.way_home is not Answer.NO:
+        return  # there are rules on ends, too
+    stranded = chart.graph.stranded
+    if stranded is not None:
+        names, home = (words(chart.net.names(marking)) for marking in (stranded, chart.net.initial))
+        message = f"from {names} no way leads back to {home}: {_way(chart.graph.trace(stranded))}"
+        yield Finding(chart.root.place, message)
+
+
+STR06 = Rule(
+    code="STR06",
+    title="Every step can become active",
+    why="A step that no way leads to is never executed (IEC 61131-3 ed. 3, 6.7.6, unreachable steps). All conditions "
+    "are taken as free here: no condition can help.",
+    hint="Connect the step, or remove it with what follows it.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP Forgotten: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+TRANSITION FROM Forgotten TO S1 := c; END_TRANSITION
+""",
+    check=_unreachable,
+    severity=Severity.WARNING,
+    severities={"iec": Severity.ERROR},
+)
+
+STR07 = Rule(
+    code="STR07",
+    title="No step is activated twice",
+    why="A branch that is left by a jump, or simultaneous branches that end in a selection, leave tokens behind. The "
+    "next round meets them: steps are active that nobody expects together (IEC 61131-3 ed. 3, 6.7.6, unsafe network). "
+    "In GRAFCET the step stays active, which may be meant.",
+    hint="Let simultaneous branches meet in a simultaneous convergence, without jumps into them or out of them.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP A: END_STEP
+STEP B: END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
+TRANSITION FROM A TO S2 := b; END_TRANSITION
+TRANSITION FROM B TO S2 := c; END_TRANSITION
+TRANSITION FROM S2 TO S1 := d; END_TRANSITION
+""",
+    check=_unsafe,
+    severity=Severity.ERROR,
+    severities={"grafcet": Severity.WARNING},
+)
+
+STR08 = Rule(
+    code="STR08",
+    title="A simultaneous convergence can be enabled",
+    why="Where the legs of a selection meet in a simultaneous convergence, all of its steps are never active together: "
+    "the chart is locked (IEC 61131-3 ed. 3, 6.7.6).",
+    hint="Let the legs of a selection meet in a selection convergence.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP A: END_STEP
+STEP B: END_STEP
+TRANSITION FROM S1 TO A := a; END_TRANSITION
+TRANSITION FROM S1 TO B := b; END_TRANSITION
+TRANSITION FROM (A, B) TO S1 := c; END_TRANSITION
+""",
+    check=_dead,
+    severity=Severity.ERROR,
+)
+
+STR10 = Rule(
+    code="STR10",
+    title="Nothing locks the chart",
+    why="In a deadlock steps are active, each of them has a transition, and none of these can ever be enabled: the "
+    "chart stands still until it is reset.",
+    hint="Look which branch the convergence waits for, and how that was left.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP A: END_STEP
+STEP B: END_STEP
+STEP C: END_STEP
+TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
+TRANSITION FROM A TO C := b; END_TRANSITION
+TRANSITION FROM (A, B) TO S1 := c; END_TRANSITION
+TRANSITION FROM (A, C) TO S1 := d; END_TRANSITION
+""",
+    check=_deadlocks,
+    severity=Severity.WARNING,
+)
+
+STR15 = Rule(
+    code="STR15",
+    title="A way leads back to the start",
+    why="From some situation the initial one cannot be reached again. Charts that run once are meant so; in others a "
+    "branch has no end.",
+    hint="Nothing, if the chart runs once. Else add the transition or jump that leads back.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S2 := c; END_TRANSITION
+""",
+    check=_one_way,
+    severity=Severity.INFO,
+)

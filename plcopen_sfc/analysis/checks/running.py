@@ -1,0 +1,69 @@
+"""Applies the rules to charts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from plcopen_sfc.analysis.checks.charts import CheckedChart, Place, charts_of
+from plcopen_sfc.analysis.checks.rules import Rule
+from plcopen_sfc.analysis.checks.selection import selected
+from plcopen_sfc.analysis.checks.suppression import suppressed
+from plcopen_sfc.analysis.checks.table import RULES
+from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.errors import Location
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Project, projects_with
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.profile import Profile, default_profile
+from plcopen_sfc.semantics.profile import profile as profile_named
+
+
+def check_charts(
+    subject: Project | Pou | SfcNetwork,
+    *,
+    profile: str | Profile | None = None,
+    select: Iterable[str] = (),
+    ignore: Iterable[str] = (),
+) -> list[Diagnostic]:
+    """What is wrong with the charts of a project, of a POU, or with one chart: see `plcopen_sfc.api.check`."""
+    rules = selected(RULES, select, ignore)
+    project = subject if isinstance(subject, Project) else _home(subject)
+    execution = profile_named(profile) if profile is not None else default_profile(project)
+    found: list[Diagnostic] = []
+    for chart in _charts(subject, project, execution):
+        found += findings(chart, rules)
+    return found
+
+
+def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]:
+    """What the rules find in one chart, but for what is excluded from the program or what comments let be."""
+    for rule in rules:
+        severity = rule.severity_for(chart.family)
+        if severity is None:
+            continue
+        for finding in rule.check(chart):
+            if not finding.place.excluded and not suppressed(finding.place, rule.code):
+                location = Location(path=finding.place.path or None)
+                yield Diagnostic(rule.code, severity, finding.message, location, finding.hint or rule.hint)
+
+
+def _charts(subject: Project | Pou | SfcNetwork, project: Project, profile: Profile) -> Iterator[CheckedChart]:
+    if isinstance(subject, SfcNetwork):
+        everywhere = (chart for pou in project.pous if pou.name for chart in charts_of(project, pou, profile))
+        alone = CheckedChart(project, None, Place("", (subject,)), subject, profile)
+        yield next((chart for chart in everywhere if chart.chart is subject), alone)
+        return
+    for pou in [subject] if isinstance(subject, Pou) else project.pous:
+        yield from charts_of(project, pou, profile)
+
+
+def _home(subject: Pou | SfcNetwork) -> Project:
+    """The project that a POU or chart is in; an empty one where it is in none."""
+    chart = subject.sfc if isinstance(subject, Pou) else subject
+    for project in projects_with(chart) if chart is not None else ():
+        if isinstance(subject, SfcNetwork) or any(pou is subject for pou in project.pous):
+            return project
+    if isinstance(subject, SfcNetwork):
+        subject = Pou(name="", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=subject)])
+    return Project(pous=[subject])

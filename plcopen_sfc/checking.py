@@ -1,0 +1,74 @@
+"""Checking charts: the rules of `plcopen_sfc.analysis.checks`, with the places of their findings in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.errors import FormatError, Location
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Origin, Project, projects_with
+from plcopen_sfc.model.sfc import SfcNetwork
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.profile import Profile
+
+
+def check(
+    subject: Project | Pou | SfcNetwork,
+    *,
+    profile: str | Profile | None = None,
+    select: Iterable[str] = (),
+    ignore: Iterable[str] = (),
+) -> list[Diagnostic]:
+    """What is wrong with the charts of a project, of a POU, or with one chart; docs/checks.md has the rules.
+
+    `profile` says how the charts are executed (see `plcopen_sfc.semantics.profile`); without it that of the tool which
+    the project is for. It decides which rules apply and how severe a breach is. `select` are the rules to apply, by
+    their codes or by what their codes begin with (``STR``), and `ignore` those not to apply. Elements that are excluded
+    from the program are not looked at, and ``plcopen-sfc: ignore STR09`` in the comment of a step, a transition, a
+    chart or a POU lets findings there be.
+
+    Findings of a project that was loaded have the file and, as far as its format tells, the line. What the reader had
+    to say about the file is in `Project.diagnostics`, not here. Raises `ModelError` for a rule or profile that does not
+    exist.
+    """
+    from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # brings the parser with it
+
+    found = check_charts(subject, profile=profile, select=select, ignore=ignore)
+    project = subject if isinstance(subject, Project) else _home(subject)
+    return _located(found, project) if found and project is not None else found
+
+
+def _home(subject: Pou | SfcNetwork) -> Project | None:
+    chart = subject.sfc if isinstance(subject, Pou) else subject
+    return next(iter(projects_with(chart)), None) if chart is not None else None
+
+
+def _located(found: list[Diagnostic], project: Project) -> list[Diagnostic]:
+    """The findings with their places in the file, by line."""
+    origin = project._origin
+    if not isinstance(origin, Origin):
+        return found
+    lines_of = getattr(format_named(origin.format)[0].codec(), "lines", None)
+    try:
+        lines: Mapping[str, int] = lines_of(origin.content, project) if lines_of is not None else {}
+    except FormatError:  # the project was read with another format than its content has
+        lines = {}
+    placed = [
+        replace(each, location=Location(origin.path, _line(each.location.path, lines), None, each.location.path))
+        for each in found
+    ]
+    return sorted(placed, key=lambda each: each.location.line or 0)
+
+
+def _line(path: str | None, lines: Mapping[str, int]) -> int | None:
+    """The line of an object, or of what is around it."""
+    while path:
+        if path in lines:
+            return lines[path]
+        path = path.rpartition(" / ")[0]
+    return None

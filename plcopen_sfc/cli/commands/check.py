@@ -1,0 +1,124 @@
+"""``plcopen-sfc check``: what the numbered rules find in the charts of files."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from plcopen_sfc.checking import check
+from plcopen_sfc.cli.configuration import Configuration, Configurations
+from plcopen_sfc.cli.paths import expand
+from plcopen_sfc.cli.reading import LoadedFile, error_data, finding_data, load_each
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location, ModelError, SfcError
+
+_FINDINGS = 1
+_ORDER = {Severity.INFO: 0, Severity.WARNING: 1, Severity.ERROR: 2}
+_SAID_BY_RULES = frozenset({"SFC103", "SFC104", "SFC106", "SFC109", "SFC110", "SFC111", "SFC112"})
+"""What readers say of charts and a rule says too."""
+
+FORMATS = ("text", "json", "sarif")
+FAIL_ON = ("error", "warning", "info", "never")
+
+
+@dataclass(frozen=True)
+class How:
+    """What was asked for on the command line; None: what the configuration says."""
+
+    select: tuple[str, ...] | None = None
+    ignore: tuple[str, ...] | None = None
+    profile: str | None = None
+    fail_on: str | None = None
+    format: str = "text"
+
+
+def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
+    """Codes that were given in several options, or in one with commas between."""
+    if not texts:
+        return None
+    return tuple(code for text in texts for code in (part.strip() for part in text.split(",")) if code)
+
+
+def run(screen: Screen, patterns: Sequence[str], how: How) -> int:
+    """Print the findings of all files."""
+    _validate(how)
+    configurations = Configurations()
+    results: list[dict[str, Any]] = []
+    everything: list[Diagnostic] = []
+    errors: list[SfcError] = []
+    for loaded in load_each(screen, expand(patterns), "Checking"):
+        if loaded.project is None:
+            if loaded.error is not None:
+                errors.append(loaded.error)
+                results.append({"file": loaded.name, "error": error_data(loaded.error)})
+            continue
+        wanted = _with(how, configurations.of(loaded.name))
+        found = check(loaded.project, profile=wanted.profile, select=wanted.select or (), ignore=wanted.ignore or ())
+        others = [finding for finding in loaded.findings if finding.code not in _SAID_BY_RULES]
+        screen.exit_code = max(screen.exit_code, _exit_code(found, others, wanted.fail_on or "warning"))
+        everything += found
+        results.append({"file": loaded.name, "findings": [finding_data(finding) for finding in found]})
+        for finding in others:
+            screen.finding(finding, result=False)
+        if how.format == "text":
+            _print(screen, loaded, found)
+    if how.format == "sarif":
+        from plcopen_sfc.cli.sarif import sarif  # noqa: PLC0415  # only where it is asked for
+
+        screen.json(sarif(everything, errors))
+    elif how.format == "json":
+        screen.json({"files": results})
+    return screen.exit_code
+
+
+def _validate(how: How) -> None:
+    """Refuse what is unknown before any file is read. Raises `ModelError`."""
+    from plcopen_sfc.analysis.checks import RULES  # noqa: PLC0415  # brings the parser with it
+    from plcopen_sfc.analysis.checks.selection import known  # noqa: PLC0415
+    from plcopen_sfc.semantics.profile import profile  # noqa: PLC0415
+
+    known(RULES, (*(how.select or ()), *(how.ignore or ())))
+    if how.profile is not None:
+        profile(how.profile)
+    if how.fail_on is not None and how.fail_on not in FAIL_ON:
+        raise ModelError(f"there is no severity {how.fail_on!r}", hint=f"There are: {', '.join(FAIL_ON)}")
+    if how.format not in FORMATS:
+        raise ModelError(f"there is no format {how.format!r} of results", hint=f"There are: {', '.join(FORMATS)}")
+
+
+def _with(how: How, configuration: Configuration) -> How:
+    """What is asked for, completed by the configuration."""
+    try:
+        _validate(How(configuration.select, configuration.ignore, configuration.profile, configuration.fail_on))
+    except ModelError as error:
+        raise ModelError(error.message, location=Location(configuration.path), hint=error.hint) from None
+    return How(
+        select=how.select if how.select is not None else configuration.select,
+        ignore=how.ignore if how.ignore is not None else configuration.ignore,
+        profile=how.profile or configuration.profile,
+        fail_on=how.fail_on or configuration.fail_on,
+    )
+
+
+def _exit_code(found: Sequence[Diagnostic], others: Sequence[Diagnostic], fail_on: str) -> int:
+    if fail_on == "never":
+        return 0
+    least = _ORDER[Severity(fail_on)]
+    wrong = any(_ORDER[finding.severity] >= least for finding in found)
+    return _FINDINGS if wrong or any(finding.severity is Severity.ERROR for finding in others) else 0
+
+
+def _print(screen: Screen, loaded: LoadedFile, found: list[Diagnostic]) -> None:
+    for finding in found:
+        screen.finding(finding, result=True)
+        if finding.hint and not screen.quiet:
+            screen.line((f"  {finding.hint}", "dim"))
+    if screen.quiet:
+        return
+    counts = Counter(finding.severity.value for finding in found)
+    what = ", ".join(f"{count} {severity}{'s' if count > 1 else ''}" for severity, count in counts.items())
+    worst = "bold red" if counts["error"] else "yellow" if counts["warning"] else "green"
+    screen.line((f"{loaded.name}: ", "bold"), (what or "nothing found", worst))

@@ -1,0 +1,50 @@
+"""``plcopen-sfc rules``: what `check` looks for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from plcopen_sfc.analysis.checks import RULES, Rule
+from plcopen_sfc.analysis.checks.catalogue import catalogue, in_profiles
+from plcopen_sfc.analysis.checks.selection import selected
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.tables import Table
+
+
+def run(screen: Screen, codes: Sequence[str], *, markdown: bool) -> int:
+    """List all rules, or explain those with these codes."""
+    rules = selected(RULES, codes, ())
+    if screen.as_json:
+        screen.json({"rules": [_data(rule) for rule in rules]})
+    elif markdown:
+        screen.lines([[(line, "")] for line in catalogue(rules).splitlines()])
+    elif codes:
+        for rule in rules:
+            _explain(screen, rule)
+    else:
+        table = Table(["rule", "severity", "what"])
+        table.rows = [[rule.code, rule.severity.value if rule.severity else "-", rule.title] for rule in rules]
+        screen.table(table)
+    return 0
+
+
+def _explain(screen: Screen, rule: Rule) -> None:
+    screen.line((f"{rule.code} ", "bold"), (rule.title, "bold"))
+    screen.line(f"  {rule.why}")
+    screen.line(f"  What to do: {rule.hint}")
+    screen.line(f"  Severity: {in_profiles(rule)}")
+    for line in rule.example.strip().splitlines():
+        screen.line(f"    {line}")
+
+
+def _data(rule: Rule) -> dict[str, Any]:
+    return {
+        "code": rule.code,
+        "title": rule.title,
+        "why": rule.why,
+        "hint": rule.hint,
+        "severity": rule.severity,
+        "severities": dict(rule.severities),
+        "example": rule.example.strip(),
+    }

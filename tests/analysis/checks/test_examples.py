@@ -1,0 +1,52 @@
+"""The table of rules, and the page that is made of it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis.checks import RULES, Rule, rule_named
+from plcopen_sfc.analysis.checks.catalogue import catalogue
+from plcopen_sfc.analysis.checks.rules import FAMILIES
+from tests.analysis.checks.charts import project_of
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "checks.md"
+IN_TEXT = [rule for rule in RULES if "\n" in rule.example]
+
+
+def profile_for(rule: Rule) -> str:
+    """A profile under which the rule applies."""
+    return next(name for name in FAMILIES if rule.severity_for(name) is not None)
+
+
+def test_codes_are_unique_and_in_order() -> None:
+    found = [rule.code for rule in RULES]
+    assert len(set(found)) == len(found)
+    assert all(re.fullmatch(r"[A-Z]{3}\d\d", code) for code in found)
+    for group in {code[:3] for code in found}:
+        numbers = [code for code in found if code.startswith(group)]
+        assert numbers == sorted(numbers)
+    assert rule_named("str09").code == "STR09"
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
+def test_a_rule_says_what_people_need(rule: Rule) -> None:
+    assert not rule.title.endswith(".")
+    assert rule.why.endswith(".")
+    assert rule.hint.endswith(".")
+    assert rule.example
+    assert set(rule.severities) <= set(FAMILIES)
+    assert any(rule.severity_for(name) is not None for name in FAMILIES)
+
+
+@pytest.mark.parametrize("rule", IN_TEXT, ids=lambda rule: rule.code)
+def test_examples_break_their_rule(rule: Rule) -> None:
+    found = sfc.check(project_of(rule.example), profile=profile_for(rule), select=[rule.code])
+    assert {finding.code for finding in found} == {rule.code}
+
+
+def test_the_page_is_made_of_the_rules() -> None:
+    assert PAGE.read_text(encoding="utf-8") == catalogue(RULES), "plcopen-sfc rules --markdown > docs/checks.md"
