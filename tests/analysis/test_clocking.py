@@ -1,0 +1,73 @@
+"""What is found out of the times of programs before they are searched."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis.clocking import clocking
+from plcopen_sfc.model import ActionAssociation, Qualifier, SfcNetwork
+from plcopen_sfc.semantics.subjects import Subject, resolve
+
+MS = 1_000_000
+
+
+def chart(condition: str, duration: str | None = None) -> Subject:
+    network = SfcNetwork()
+    first, second = network.add_step("A", initial=True), network.add_step("B")
+    network.add_transition(first, second, condition)
+    network.add_transition(second, first, "TRUE")
+    if duration is not None:
+        association = ActionAssociation(id=100, qualifier=Qualifier.L, target="Q", duration=duration)
+        network.steps[1].actions.append(association)
+    return resolve(network)
+
+
+def test_the_scan_time_divides_every_duration_twice() -> None:
+    clock = clocking([chart("A.T > T#1s", "T#400ms"), chart("A.T > T#2.2s")], None)
+    assert clock.constants == (400 * MS, 1000 * MS, 2200 * MS)
+    assert clock.scan_time == 100 * MS
+    assert clock.limit == 2300 * MS
+    assert clocking([chart("Go")], None).scan_time == 10 * MS
+    assert clocking([chart("A.T > T#1s")], 7 * MS).scan_time == 7 * MS
+
+
+@pytest.mark.parametrize(
+    ("condition", "duration", "limited"),
+    [
+        ("Go", None, True),
+        ("A.T > T#1s", "T#5s", True),
+        ("A.t>=TIME#1s AND NOT (A.T < t#2s)", None, True),
+        ("A.T - T#1s > T#1s", None, False),
+        ("A.T > T#1s + Delay", None, False),
+        ("A.T > T#1s-Delay", None, False),
+        ("Total - A.T > T#1s", None, False),
+        ("Total-A.T>T#1s", None, False),
+        ("(A.T > T#1s) OR B.T <= T#2s", None, True),
+        ("Total MOD A.T > T#1s", None, False),
+        ("Go AND A.T > T#1s AND B.T < T#1s", None, True),
+        ("(A.T) > T#1s", None, False),
+        ("A.T > Delay", None, False),
+        ("T#1s < A.T", None, False),
+        ("Go", "Delay", False),
+    ],
+)
+def test_elapsed_times_are_limited_where_they_are_compared_with_constants(
+    condition: str, duration: str | None, *, limited: bool
+) -> None:
+    assert (clocking([chart(condition, duration)], None).limit is not None) is limited
+
+
+def test_a_program_that_reads_the_clock_has_no_finite_states() -> None:
+    assert "clock" in clocking([chart("TIME() > T#5s")], None).reason
+
+
+def test_durations_of_what_is_called_count_too() -> None:
+    text = """
+    FUNCTION_BLOCK Inner VAR t : TON; END_VAR t(IN := TRUE, PT := T#3s); END_FUNCTION_BLOCK
+    FUNCTION_BLOCK Outer VAR i : Inner; END_VAR i(); END_FUNCTION_BLOCK
+    FUNCTION_BLOCK Other VAR t : TON; END_VAR t(PT := T#7s); END_FUNCTION_BLOCK
+    PROGRAM Main VAR o : Outer; END_VAR o(); END_PROGRAM
+    """
+    project = sfc.loads(text.encode(), format="iec-text")
+    assert clocking([resolve(project, "Main")], None).constants == (3000 * MS,)
