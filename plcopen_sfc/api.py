@@ -12,7 +12,7 @@ from plcopen_sfc.errors import UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.formats.registry import FORMATS, format_named
-from plcopen_sfc.model.project import FolderOrigin, Origin, Project
+from plcopen_sfc.model.project import FolderOrigin, Project
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
@@ -121,7 +121,11 @@ def check_syntax(project: Project) -> list[Diagnostic]:
     from plcopen_sfc.languages.syntax import syntax_problems  # noqa: PLC0415
 
     origin = project._origin
-    if not isinstance(origin, Origin):
+    if isinstance(origin, FolderOrigin):
+        from plcopen_sfc.folders.parts import documents_of  # noqa: PLC0415
+
+        return [finding for document in documents_of(project) for finding in check_syntax(document)]
+    if origin is None:
         return syntax_problems(project)
     kind = format_named(origin.format)[0]
     finder = TextFinder(_text_of(origin.content, kind), xml=kind.xml)

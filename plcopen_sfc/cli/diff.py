@@ -12,7 +12,7 @@ __all__ = ["difference"]
 
 def difference(before: bytes, after: bytes, name: str) -> Iterator[str]:
     """The unified difference of two contents of the file `name`, without context."""
-    codec = _codec(before, name)
+    codec = _codec(before or after, name)
     old, new = (data.decode(codec, "replace").lstrip("\ufeff").splitlines() for data in (before, after))
     yield from difflib.unified_diff(old, new, name, name, n=0, lineterm="")
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from plcopen_sfc.api import loads
+from plcopen_sfc.api import load, loads
 from plcopen_sfc.cli.guard import UNREADABLE, describe_exhaustion
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic, Severity
@@ -21,10 +22,9 @@ _FINDINGS = 1
 
 @dataclass(frozen=True)
 class LoadedFile:
-    """A file that was asked for: its project, or why there is none."""
+    """A file or folder that was asked for: its project, or why there is none."""
 
     name: str
-    data: bytes = b""
     project: Project | None = None
     findings: tuple[Diagnostic, ...] = ()
     error: SfcError | None = None
@@ -35,10 +35,12 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
     for name in screen.progress(names, doing):
         try:
             screen.detail(f"reading {name}")
-            data = read_bytes(name)
-            project = loads(data, path=name)
+            if Path(name).is_dir():
+                project = _load_folder(screen, name, doing, bars=len(names) == 1)
+            else:
+                project = loads(read_bytes(name), path=name)
             findings = project.diagnostics  # reads the charts, too, while their errors can be told
-            found = LoadedFile(name, data, project, findings)
+            found = LoadedFile(name, project, findings)
         except SfcError as error:
             failure = error
         except (MemoryError, RecursionError) as error:
@@ -49,6 +51,16 @@ def load_each(screen: Screen, names: Sequence[str], doing: str = "Reading") -> I
         screen.exit_code = UNREADABLE
         screen.error(failure)
         yield LoadedFile(name, error=failure)
+
+
+def _load_folder(screen: Screen, name: str, doing: str, *, bars: bool) -> Project:
+    """Load a folder and read all that is in it, with progress bars if no other one runs already."""
+    if not bars:
+        return load(name)
+    project = load(name, progress=lambda files: screen.progress(files, "Loading"))
+    for thing in screen.progress(list(project.objects()), doing):
+        thing.read()
+    return project
 
 
 def exit_code_for(screen: Screen, findings: Sequence[Diagnostic]) -> int:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 from plcopen_sfc.cli.streams import is_terminal, is_unicode
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from plcopen_sfc.errors import SfcError
 
 __all__ = ["Line", "Screen"]
+
+T = TypeVar("T")
 
 Line = Sequence[tuple[str, str]]
 """Pieces of a line: text and style (as rich names styles; empty: none)."""
@@ -100,15 +102,15 @@ class Screen:
         if error.hint:
             self.advise(error.hint)
 
-    def progress(self, files: Sequence[str], doing: str) -> Iterator[str]:
-        """Go through `files`, with a progress bar where a person waits for many files or large ones."""
-        if self.quiet or not is_terminal(sys.stderr) or not _takes_time(files):
-            yield from files
+    def progress(self, items: Sequence[T], doing: str) -> Iterator[T]:
+        """Go through files or other things, with a progress bar where a person waits for many, or for large files."""
+        if self.quiet or not is_terminal(sys.stderr) or not _takes_time(items):
+            yield from items
             return
         from rich.progress import track  # noqa: PLC0415  # only where somebody looks
 
         console = self._console(sys.stderr)
-        yield from track(files, description=doing, total=len(files), console=console, transient=True)
+        yield from track(items, description=doing, total=len(items), console=console, transient=True)
 
     def flush(self) -> None:
         """Write out what is still buffered, so that a full disk or a closed pipe is noticed here."""
@@ -151,11 +153,13 @@ class Screen:
         console.print(text, no_wrap=cut, soft_wrap=not cut)
 
 
-def _takes_time(files: Sequence[str]) -> bool:
-    if len(files) >= _MANY_FILES:
+def _takes_time(items: Sequence[object]) -> bool:
+    if len(items) >= _MANY_FILES:
         return True
     size = 0
-    for file in files:
+    for file in items:
+        if not isinstance(file, str):
+            continue
         try:
             size += Path(file).stat().st_size
         except (OSError, ValueError):

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from plcopen_sfc.formats.registry import format_named, recognise
+from plcopen_sfc.folders.parts import documents_of
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.drawing import SymbolKind
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 
 __all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
@@ -41,7 +42,7 @@ class ChartSummary:
 
 @dataclass(frozen=True)
 class FileSummary:
-    """What a file is and what it holds."""
+    """What a file is and what it holds. `documents`: how many a folder has."""
 
     file: str
     format: str
@@ -55,11 +56,13 @@ class FileSummary:
     size: int
     pous: dict[str, int]
     languages: dict[str, int]
+    documents: int | None = None
     charts: list[ChartSummary] = field(default_factory=list)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
         own = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "charts"}
+        own = {name: value for name, value in own.items() if value is not None}
         return own | {"charts": [chart.as_dict() for chart in self.charts], "totals": self.totals()}
 
     def totals(self) -> dict[str, int]:
@@ -69,12 +72,20 @@ class FileSummary:
         return {"charts": len(self.charts), **sums}
 
 
-def summarise(file: str, data: bytes, project: Project) -> FileSummary:
-    """What there is to say about `project`, read from `data`."""
-    origin = project._origin
-    kind = format_named(origin.format)[0] if origin is not None else recognise(data, file=file)
-    version = origin.version if origin is not None else ""
-    encoding, line_ends = _characters(data, xml=kind.xml)
+def summarise(file: str, project: Project) -> FileSummary:
+    """What there is to say about `project`, read from `file`: a file or a folder."""
+    contents: list[bytes] = []
+    versions: dict[str, None] = {}
+    name = "json"
+    for document in documents_of(project):
+        if isinstance(document._origin, Origin):
+            name = document._origin.format
+            contents.append(document._origin.content)
+            versions[document._origin.version] = None
+    kind = format_named(name)[0]
+    version = ", ".join(versions)
+    characters = [_characters(content, xml=kind.xml) for content in contents]
+    encoding, line_ends = (" or ".join(dict.fromkeys(texts)) for texts in zip(*characters, strict=True))
     return FileSummary(
         file=file,
         format=kind.name,
@@ -85,7 +96,8 @@ def summarise(file: str, data: bytes, project: Project) -> FileSummary:
         project=project.name,
         encoding=encoding,
         line_ends=line_ends,
-        size=len(data),
+        documents=len(contents) if isinstance(project._origin, FolderOrigin) else None,
+        size=sum(map(len, contents)),
         pous=dict(Counter(pou.kind.value for pou in project.pous)),
         languages=dict(Counter(body.language for _, _, body in project.bodies())),
         charts=[_chart(name, pou_kind, chart) for name, pou_kind, chart in all_charts(project)],

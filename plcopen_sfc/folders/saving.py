@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from plcopen_sfc.documents import encode, note_unreadable, prepared, refuse_losses, verify
@@ -16,7 +17,7 @@ from plcopen_sfc.model.project import FolderOrigin, Origin, Project, SourceDocum
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport
 
-__all__ = ["save_folder"]
+__all__ = ["edited_files", "save_folder"]
 
 
 def save_folder(
@@ -63,6 +64,25 @@ def save_folder(
     if home and origin is not None:
         _remember(project, origin, planned, changed, gone)
     return report
+
+
+def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, bytes]]:
+    """What saving a project to the file or folder that it was read from would change: path, bytes before and after.
+
+    A file that is not there has no bytes.
+    """
+    origin = project._origin
+    if isinstance(origin, Origin):
+        yield path, origin.content, encode(project, origin.format, flavour="", fresh=False)[0]
+    if not isinstance(origin, FolderOrigin):
+        return
+    kind = format_named(origin.format)[0]
+    report = ConversionReport()
+    after = _encode(plan_like(project, origin, kind, home=True), origin, origin.format, report, flavour="", fresh=False)
+    before = {name: document.origin.content for name, document in origin.documents.items()}
+    for name in sorted(before.keys() | after.keys()):
+        if before.get(name) != after.get(name):
+            yield str(Path(path, name)), before.get(name, b""), after.get(name, b"")
 
 
 def _documents_of(project: Project, kind: Format) -> FolderOrigin | None:

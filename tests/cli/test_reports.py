@@ -105,10 +105,10 @@ class TestInfo:
         assert good["totals"]["charts"] == 3
         assert "broken/empty.xml:1:1: the file is empty" in outcome.err
 
-    def test_a_folder_is_an_error(self, cli, fixtures):
+    def test_a_folder_without_documents_is_an_error(self, cli, fixtures):
         outcome = cli("info", "codesys")
         assert outcome.code == 2
-        assert outcome.err.startswith("error: codesys: this is a folder, not a file")
+        assert outcome.err.startswith("error: codesys: the folder has no document of simaticml")
 
     def test_patterns_that_the_shell_did_not_expand(self, cli, fixtures):
         files = json.loads(cli("info", "--json", "codesys/*.xml").out)["files"]

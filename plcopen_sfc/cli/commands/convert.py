@@ -48,7 +48,7 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         raise SfcError("the file and the JSON report cannot both go to standard output", hint="Use --report FILE.json.")
     target = target or _beside(Path(source), how.format, extension)
     screen.results_to_stderr = to_stdout
-    project = load(source)
+    project = load(source, progress=lambda files: screen.progress(files, "Loading"))
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
     try:
@@ -60,13 +60,29 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         return _FINDINGS
     _show(screen, report)
     if not screen.as_json and not to_stdout:
-        screen.line("written: ", (target, "bold"))
+        _show_written(screen, target, report)
     _write_report(report, report_to)
     return exit_code_for(screen, project.diagnostics)
 
 
+def _show_written(screen: Screen, target: str, report: ConversionReport) -> None:
+    """Say what is new on the disk: the file, or how many files of a folder."""
+    if not Path(target).is_dir():
+        screen.line("written: ", (target, "bold"))
+        return
+    screen.line("written: ", (target, "bold"), f", {len(report.written)} files")
+    for name in report.removed:
+        screen.line("removed: ", (name, "bold"))
+    if report.left_alone:
+        screen.note(f"{len(report.left_alone)} other files in the folder are left as they are")
+        for name in report.left_alone:
+            screen.detail(f"  {name}")
+
+
 def _beside(source: Path, format_name: str, extension: str) -> str:
     """A name next to `source` that is not its own, even where upper and lower case are the same."""
+    if source.is_dir():
+        return str(source.resolve().with_name(f"{source.resolve().name}.{format_name}{extension}"))
     plain = source.with_suffix(extension)
     own = f".{format_name}" != extension or plain.name.casefold() == source.name.casefold()
     return str(source.with_suffix(f".{format_name}{extension}") if own else plain)

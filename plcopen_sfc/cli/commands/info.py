@@ -26,7 +26,7 @@ def run(screen: Screen, patterns: Sequence[str], *, outlines: bool | None) -> in
                 results.append({"file": loaded.name, "error": error_data(loaded.error)})
             continue
         project, findings = loaded.project, loaded.findings
-        summary = summarise(loaded.name, loaded.data, project)
+        summary = summarise(loaded.name, project)
         if screen.as_json:
             results.append(summary.as_dict() | {"findings": [finding_data(finding) for finding in findings]})
         else:
@@ -55,7 +55,7 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
         "format": f"{summary.format} ({', '.join(filter(None, (summary.format_title, summary.dialect)))})",
         "tool": f"{summary.tool} {_without(summary.tool_version, summary.tool)}".strip(),
         "project": summary.project,
-        "file": f"{summary.size:,} bytes, {summary.encoding}, {summary.line_ends}",
+        "file": f"{_count(summary)}{summary.size:,} bytes, {summary.encoding}, {summary.line_ends}",
         "POUs": pous,
         "bodies": bodies,
     }
@@ -67,6 +67,10 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
         return
     screen.line()
     screen.table(_chart_table(summary))
+
+
+def _count(summary: FileSummary) -> str:
+    return f"{summary.documents} documents, " if summary.documents is not None else ""
 
 
 def _chart_table(summary: FileSummary) -> Table:

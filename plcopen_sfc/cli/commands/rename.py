@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from plcopen_sfc.api import dumps, load, save
+from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.diff import difference
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.files import read_bytes
+from plcopen_sfc.folders.saving import edited_files
 from plcopen_sfc.languages.names import Use
 from plcopen_sfc.refactor.rename import RenameResult
 from plcopen_sfc.report import ConversionReport
@@ -18,13 +18,12 @@ _FINDINGS = 1
 
 def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
     """Rename `old` to `new` in `file`; with `dry_run` only show what would change in it."""
-    before = read_bytes(file)
-    project = load(file)
+    project = load(file, progress=lambda files: screen.progress(files, "Loading"))
     result = project.rename(old, new)
     report = None
     diff: list[str] = []
     if dry_run:
-        diff = list(difference(before, dumps(project), file))
+        diff = [line for name, before, after in edited_files(project, file) for line in difference(before, after, name)]
     else:
         report = save(project, file)
     if screen.as_json:
@@ -34,7 +33,8 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
             screen.line((line, _DIFF_STYLES.get(line[:1], "")))
     else:
         _show(screen, result)
-        screen.line("written: ", (file, "bold"))
+        for name in report.written if report is not None else ():
+            screen.line("written: ", (name, "bold"))
     for item in report.losses if report is not None else ():
         screen.note(f"{item.what} {item.path}: {item.why}")
     if result.undecided and not screen.as_json:

@@ -12,7 +12,9 @@ from plcopen_sfc.cli.paths import expand
 from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.registry import recognise
+from plcopen_sfc.folders.parts import documents_of
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.project import Origin
 
 
 def run(screen: Screen, patterns: Sequence[str]) -> int:
@@ -37,15 +39,24 @@ def run(screen: Screen, patterns: Sequence[str]) -> int:
 
 def _findings(loaded: LoadedFile) -> list[Diagnostic]:
     """What schema (formats that have one), reader and parser of program text say; by line."""
-    kind = recognise(loaded.data, file=loaded.name)
     found = list(loaded.findings)
-    if loaded.project is not None:
-        found += check_syntax(loaded.project)
-    if kind.xml:
-        package = kind.module.rpartition(".")[0]
-        found += import_module(f"{package}.schema").validate(loaded.data, file=loaded.name)
-    found.sort(key=lambda finding: (finding.location.line is None, finding.location.line or 0))
+    if loaded.project is None:
+        return found
+    found += check_syntax(loaded.project)
+    for document in documents_of(loaded.project):
+        origin = document._origin
+        if not isinstance(origin, Origin):
+            continue
+        kind = format_named(origin.format)[0]
+        if kind.xml:
+            package = kind.module.rpartition(".")[0]
+            found += import_module(f"{package}.schema").validate(origin.content, file=origin.path)
+    found.sort(key=lambda finding: (finding.location.file or "", finding.location.line is None, _line(finding)))
     return found
+
+
+def _line(finding: Diagnostic) -> int:
+    return finding.location.line or 0
 
 
 def _print(screen: Screen, name: str, findings: list[Diagnostic], *, valid: bool) -> None:
