@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Self, cast
+from functools import cache
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import PrivateAttr, SerializationInfo, SerializerFunctionWrapHandler, model_serializer
 
@@ -38,9 +39,7 @@ class ProjectObject(Element):
     @classmethod
     def deferred(cls, fields: dict[str, Any], read: Callable[[], Self]) -> Self:
         """An object with `fields`; `read` gives the whole object when somebody asks for more of it."""
-        thing = cast("Self", cls.model_construct(**fields))
-        thing.__dict__.clear()
-        thing.__dict__.update(fields)
+        thing: Self = _bare(cls).model_copy(update=fields)
         thing._early = tuple(fields)
         thing._unread = read
         return thing
@@ -127,6 +126,15 @@ class ProjectObject(Element):
     def _is_untouched(self) -> bool:
         """Whether the object is as it was read, but perhaps for the fields that are read at once."""
         return self._unread is not None or (self._digest is not None and self._digest == _digest(self))
+
+
+@cache
+def _bare(model: type[ProjectObject]) -> Any:
+    """An object without any field, to be copied: pydantic takes long to make one."""
+    thing: Any = model.model_construct(name="")
+    thing.__dict__.clear()
+    thing.__pydantic_fields_set__.clear()
+    return thing
 
 
 def _digest(thing: ProjectObject) -> bytes:

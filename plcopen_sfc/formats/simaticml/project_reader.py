@@ -20,7 +20,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     local,
     read_comments,
 )
-from plcopen_sfc.formats.simaticml.versions import DEFAULT, VERSIONS, TiaVersion, schema_of, version_named
+from plcopen_sfc.formats.simaticml.versions import DEFAULT, VERSIONS, TiaVersion, schema_of, version_like, version_named
 from plcopen_sfc.formats.xml.source import SourceLines
 from plcopen_sfc.model.dialect import Dialect
 
@@ -43,7 +43,7 @@ def find_version(root: etree._Element, *, file: str | None = None) -> TiaVersion
         )
     engineering = root.find("Engineering")
     name = engineering.get("version", "") if engineering is not None else ""
-    version = version_named(name)
+    version = version_like(name)
     if version is not None:
         return version
     if name:
@@ -71,6 +71,8 @@ def read_project(
     What there is to say about the document is added to the list returned; to say more when more is read.
     """
     ctx = ReadContext(version, file=file, lines=SourceLines(root, data))
+    if version_named(version.name) is None:
+        ctx.warn("XML210", f"TIA Portal {version.name} is not known here; the document is read as one before it", root)
     late = LateDocument(data, ctx)
     header: Fields = {"product": PRODUCT, "version": version.name}
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
@@ -110,6 +112,7 @@ def read_project(
     for kind, number in ctx.schemas.items():
         if number != version.schema(kind):
             carry_attribute(fields, SCHEMA + kind, str(number))
+    ctx.lines = None  # it keeps the tree
     return fields, ctx.diagnostics
 
 
