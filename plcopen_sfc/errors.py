@@ -7,9 +7,11 @@ there is something to do, what to do.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from plcopen_sfc.report import ConversionReport
 
 
@@ -100,6 +102,32 @@ class LossError(SfcError):
         self.report = report
 
 
+class VersionNeed(NamedTuple):
+    """What the version of a format that was asked for cannot say: the object, what it has, and the first that can."""
+
+    path: str
+    feature: str
+    version: str
+
+
+class OldVersionError(SfcError):
+    """A file was to be written for an older version of its tool than its content needs. Nothing was written.
+
+    `needs` lists what needs which newer version.
+    """
+
+    def __init__(self, version: str, needs: Iterable[VersionNeed]) -> None:
+        self.needs = tuple(needs)
+        lines = [f"{need.path}: {need.feature} needs {need.version}" for need in self.needs[:_SHOWN]]
+        if len(self.needs) > len(lines):
+            lines.append(f".. and {len(self.needs) - len(lines)} more")
+        message = f"{version} cannot say all of it: " + "; ".join(lines)
+        super().__init__(message, hint="Nothing was written. Write for a newer version, or take it out.")
+
+
+_SHOWN = 10
+
+
 class ModelError(SfcError, ValueError):
     """An operation on the model that its content does not allow: a name that does not exist, or exists already."""
 
@@ -117,8 +145,10 @@ class RivalsError(SfcError):
 
 
 class SimulationError(SfcError):
-    """A simulated controller cannot go on: a division by zero, an index out of bounds, an endless loop, a text with
-    syntax errors, a construct that the simulator does not know.
+    """A simulated controller cannot go on.
+
+    There is a division by zero, an index out of bounds, an endless loop, a text with syntax errors, or a construct that
+    the simulator does not know.
 
     `location.path` is the body (``Main.Fill``), `location.line` the line in its text, `scan` the number of the scan
     from 1; None: it was found before the first scan.
@@ -151,7 +181,8 @@ class LoweringError(SfcError):
 
 class UnknownBehaviourError(SimulationError):
     """A chart has something of which the profile does not say what it does: a qualifier of another tool, an event of
-    S7-GRAPH in a chart of CODESYS. It is not guessed."""
+    S7-GRAPH in a chart of CODESYS. It is not guessed.
+    """
 
 
 class UnstableChartError(SimulationError):

@@ -1,0 +1,69 @@
+"""Direct addresses: the memory image of a controller (ed. 3, 6.5.5)."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model import types as m
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.places import Place
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.library import Library
+
+_ADDRESS = re.compile(r"%?(?P<area>[A-Z]|DB\d+\.DB)(?P<size>[XBWDL]?)(?P<numbers>\d+(?:\.\d+)*)(?::P)?", re.IGNORECASE)
+_WIDTHS = {"": 1, "X": 1, "B": 8, "W": 16, "D": 32, "L": 64}
+_TYPES = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD", 64: "LWORD"}
+_AREAS = {"E": "I", "A": "Q"}
+
+
+class Image:
+    """The variables at direct addresses. Each address is a variable; those that overlap in part are refused.
+
+    Words are numbered as words in IEC 61131-3 and CODESYS (``%MW1`` lies behind ``%MW0``), as bytes in TwinCAT and S7.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._bytes = library.dialect in (Dialect.TWINCAT, Dialect.SCL)
+        self._places: dict[tuple[str, int, int], Place] = {}
+        self._bits: dict[tuple[str, int], tuple[str, int, int]] = {}
+
+    def place(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
+        """The variable at an address; the first one that names it gives it its type."""
+        area, start, width = key = self._range(address)
+        type_ = type_ or t.ELEMENTARY[_TYPES[width]]
+        found = self._places.get(key)
+        if found is None:
+            for bit in range(start, start + width):
+                other = self._bits.setdefault((area, bit), key)
+                if other != key:
+                    raise SimulationError(
+                        f"{address} overlaps {self._places[other].path}, which the simulator keeps apart",
+                        hint="use one of them with .%Xn for its bits",
+                    )
+            found = self._places[key] = self._library.add(path, type_, initial)
+        elif found.type != type_ and isinstance(found.type, t.ElementaryType):
+            same = {found.type.family, type_.family} <= {t.Family.INTEGER, t.Family.BITS}
+            if not same or found.type.least != type_.least:
+                raise SimulationError(f"{address} is a {found.type.name} and a {type_.name} at once")
+        return found
+
+    def _range(self, address: str) -> tuple[str, int, int]:
+        found = _ADDRESS.fullmatch(address.strip())
+        if found is None:
+            raise SimulationError(f"{address} is no address that the simulator knows")
+        area = _AREAS.get(found["area"].upper(), found["area"].upper())
+        size = found["size"].upper()
+        numbers = [int(part) for part in found["numbers"].split(".")]
+        width = _WIDTHS[size]
+        if width == 1:
+            if len(numbers) == 1:
+                return area, numbers[0] * (1 if size == "X" else 8), 1
+            head = area + "".join(f".{part}" for part in numbers[:-2])
+            return head, numbers[-2] * 8 + numbers[-1], 1
+        head = area + "".join(f".{part}" for part in numbers[:-1])
+        return head, numbers[-1] * (8 if self._bytes else width), width

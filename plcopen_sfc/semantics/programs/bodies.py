@@ -1,0 +1,186 @@
+"""Translation of bodies and conditions, whatever language they are in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
+from plcopen_sfc.languages.networks.results import NetworkText
+from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.code import settled, truth
+from plcopen_sfc.semantics.programs.instruction_list import instruction_statements
+from plcopen_sfc.semantics.programs.layouts import Direction, Frame
+from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.statements import StatementTranslator
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.scopes import Scope
+
+
+class Bodies:
+    """Translates the bodies of a scope into functions of its frame."""
+
+    def __init__(self, scope: Scope) -> None:
+        self._scope = scope
+        self._library = scope.library
+        self._parameters = "f, this" if scope.around is not None else "f"
+
+    def body(self, body: Body, path: str, function: Callable[..., Any] | None = None) -> Callable[..., None]:
+        """A body. What cannot be translated raises a `SimulationError` when it is executed."""
+        writer = self._writer()
+        try:
+            statements, text = self._statements(body)
+        except SimulationError as error:
+            self._refuse(error, path, writer)
+            return self._routine(writer, path, function)
+        unit = self._scope.unit
+        if unit is not None and function is unit.run and not unit.is_function:
+            for field in self._scope.layout.fields:
+                if field.direction is Direction.TEMP:
+                    writer.write(f"v[{field.slot}] = {field.initial}")
+        translator = self._scope.translator(writer)
+        StatementTranslator(translator, path, text).body(statements)
+        return self._routine(writer, path, function)
+
+    def text(self, text: str, path: str) -> Callable[[Frame], None]:
+        """Structured text."""
+        return self.body(StBody(text=text), path)
+
+    def chart_logic(self, chart: SfcNetwork, path: str) -> Callable[[Frame], None]:
+        """What the logic drawn in a chart does besides feeding its conditions."""
+        writer = self._writer()
+        try:
+            read = chart_statements(chart, self._library.dialect, taken=self._taken())
+            self._check(read)
+        except SimulationError as error:
+            self._refuse(error, path, writer)
+            return self._routine(writer, path)
+        self._declare(read)
+        StatementTranslator(self._scope.translator(writer), path).body(read.tree.statements)
+        return self._routine(writer, path)
+
+    def condition(self, condition: Condition, path: str, chart: SfcNetwork | None) -> Callable[[Frame], bool]:
+        """A condition, as a function that tells whether it is TRUE."""
+        writer = self._writer()
+        transitions = self._scope.unit.pou.transitions if self._scope.unit is not None else ()
+        transition = Transition.model_construct(id=0, condition=condition)
+        try:
+            read = condition_expression(
+                chart if chart is not None else SfcNetwork(),
+                transition,
+                self._library.dialect,
+                transitions=transitions,
+                taken=self._taken(),
+            )
+            self._check(read)
+            if read.tree is None:
+                raise SimulationError("the condition has no value")
+            self._declare(read)
+            translator = self._scope.translator(writer)
+            StatementTranslator(translator, path).body(read.before)
+            code = truth(translator.value(read.tree, t.BOOL))
+            writer.write(f"return {code.text}")
+        except SimulationError as error:
+            self._refuse(error, path, writer)
+        return self._routine(writer, path)
+
+    def expression(self, text: str, path: str, expected: t.Type | None) -> Callable[[Frame], Any]:
+        """An expression as a function."""
+        writer = self._writer()
+        try:
+            parsed = parse_expression(text, self._library.dialect)
+            _check_syntax(parsed)
+            translator = self._scope.translator(writer)
+            code = translator.value(parsed.tree, expected)
+            if expected is not None:
+                code = translator.fitted(code, expected)
+            writer.write(f"return {settled(code).text}")
+        except SimulationError as error:
+            self._refuse(error, path, writer)
+        return self._routine(writer, path)
+
+    def setter(self, text: str, type_: t.Type) -> Callable[[Frame, Any], None]:
+        """A function that writes a variable."""
+        writer = self._writer()
+        path = self._scope.path
+        try:
+            parsed = parse_expression(text, self._library.dialect)
+            _check_syntax(parsed)
+            translator = self._scope.translator(writer)
+            place = translator.place(parsed.tree, type_)
+            translator.note_write(place)
+            if place.bits is not None:
+                from plcopen_sfc.semantics.programs.code import Code  # noqa: PLC0415
+
+                translator.write(place, Code("value", place.type))
+            else:
+                writer.write(f"{place.text} = value")
+        except SimulationError as error:
+            self._refuse(error, path, writer)
+        return self._library.linker.routine(f"{self._parameters}, value", writer, path)
+
+    # -- parts
+
+    def _writer(self) -> Writer:
+        writer = Writer()
+        writer.write("v = f.v")
+        if self._scope.around is not None:
+            writer.write("t = this.v")
+        return writer
+
+    def _routine(self, writer: Writer, path: str, function: Callable[..., Any] | None = None) -> Callable[..., Any]:
+        return self._library.linker.routine(self._parameters, writer, path, function)
+
+    def _refuse(self, error: SimulationError, path: str, writer: Writer) -> None:
+        if error.location.path is None:
+            error.location = Location(path=path, line=error.location.line)
+        self._library.problems.append(error)
+        writer.write(f"fail({self._library.linker.name(error, 'e')})")
+
+    def _statements(self, body: Body) -> tuple[Sequence[n.Statement], str | None]:
+        if isinstance(body, StBody):
+            parsed = parse_statements(body.text, self._library.dialect)
+            _check_syntax(parsed)
+            return parsed.tree.statements, body.text
+        if isinstance(body, FbdBody | LdBody):
+            read = body_statements(body, self._library.dialect, taken=self._taken())
+            self._check(read)
+            self._declare(read)
+            return read.tree.statements, None
+        if isinstance(body, IlBody):
+            return instruction_statements(body.text, self._library.dialect), body.text
+        if isinstance(body, SfcBody):
+            raise SimulationError("a chart cannot be executed here")
+        raise SimulationError(f"a body in {body.source} is not known to the simulator")
+
+    def _taken(self) -> list[str]:
+        names = [field.name for field in self._scope.layout.fields]
+        return [*names, *self._scope.aliases]
+
+    def _check(self, read: NetworkText) -> None:
+        errors = [problem for problem in read.problems if problem.severity is Severity.ERROR]
+        wrong = [problem for problem in errors if "leads nowhere" not in problem.message]
+        if wrong:
+            place = f"element {wrong[0].node}: " if wrong[0].node is not None else ""
+            raise SimulationError(f"the network cannot be executed: {place}{wrong[0].message}")
+
+    def _declare(self, read: NetworkText) -> None:
+        for helper in read.helpers:
+            type_: t.Type = t.ANY
+            if helper.type_name is not None:
+                type_ = self._library.types.named(helper.type_name, self._scope)
+            self._scope.helper(helper.name, type_)
+
+
+def _check_syntax(parsed: Parsed[Any]) -> None:
+    if parsed.problems:
+        line, column = parsed.place(parsed.problems[0].span[0])
+        raise SimulationError(parsed.problems[0].message, location=Location(line=line, column=column))

@@ -1,0 +1,326 @@
+"""Translation of calls: functions, function blocks, methods, actions and programs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeGuard
+
+from plcopen_sfc.errors import SimulationError, UnknownFunctionError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.code import Code, ranged, settled
+from plcopen_sfc.semantics.programs.layouts import Direction, Field
+from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
+from plcopen_sfc.semantics.programs.standard_functions import StandardFunctions
+from plcopen_sfc.semantics.programs.units import Callee, MethodUnit, Unit
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.expressions import Translator
+
+_Given = tuple[Field, n.Argument]
+
+
+class Calls:
+    """Translates calls."""
+
+    def __init__(self, translator: Translator) -> None:
+        self._translator = translator
+        self._library = translator.library
+        self._scope = translator.scope
+        self._functions = StandardFunctions(translator)
+
+    @staticmethod
+    def is_unit(meaning: Any) -> TypeGuard[Unit]:
+        """Whether a name means a POU."""
+        return isinstance(meaning, Unit)
+
+    # -- in expressions
+
+    def value(self, node: n.Call, expected: t.Type | None) -> Code:
+        """The result of a call."""
+        name = node.callee
+        if isinstance(name, n.Name):
+            meaning = self._scope.resolve(name, called=True)
+            if isinstance(meaning, Unit) and not meaning.is_program:
+                return self._of_unit(meaning, node)
+            method = self._own_method(name)
+            if method is not None:
+                return self._function(method, node, [self._own_frame])
+            if isinstance(meaning, Unknown):
+                return self._by_name(name.identifier, node, expected)
+        elif isinstance(name, n.Member):
+            base = self._translator.meaning(name.base)
+            if isinstance(base, Unit) and base.is_program:
+                base = self._library.program(base)
+            if isinstance(base, Place):
+                return self._of_instance(self._translator.followed(base, None), name.name.identifier, node)
+            if isinstance(base, Unknown | Space):
+                found = self._translator.meaning(name)
+                if isinstance(found, Unit) and not found.is_program:
+                    return self._of_unit(found, node)
+                return self._by_name(name.name.identifier, node, expected)
+        raise SimulationError(f"{print_node(name)} is called inside an expression, but is no function")
+
+    def _of_unit(self, unit: Unit, node: n.Call) -> Code:
+        if not unit.is_function:
+            raise SimulationError(f"{unit.pou.name} is a type: only an instance of it can be called")
+        return self._function(unit, node, [])
+
+    def _of_instance(self, place: Place, name: str, node: n.Call) -> Code:
+        unit = self._unit_of(place.type)
+        method = unit.method(name) if unit is not None else None
+        if method is None:
+            raise self._unknown(f"{place.path}.{name}")
+        self._library.written.add(place.root)
+        return self._function(method, node, [place.text])
+
+    def _by_name(self, name: str, node: n.Call, expected: t.Type | None) -> Code:
+        """A function that the project does not have."""
+        supplied = self._library.functions.get(name.casefold())
+        if supplied is not None:
+            return self._supplied(supplied, node)
+        found = self._functions.value(name, node.arguments, expected)
+        if found is None:
+            raise self._unknown(name)
+        return found
+
+    def _unknown(self, name: str) -> UnknownFunctionError:
+        self._library.missing.setdefault(name, self._scope.path)
+        return UnknownFunctionError(
+            name,
+            f"{name} is not known to the simulator",
+            hint="supply it: a function as Controller(functions={name: ..}), a function block as a POU of the project",
+        )
+
+    def _supplied(self, function: Any, node: n.Call) -> Code:
+        arguments = []
+        for argument in node.arguments:
+            if argument.output:
+                raise SimulationError(f"{print_node(node.callee)} is supplied: it has no outputs but its result")
+            if argument.value is not None:
+                text = settled(self._translator.value(argument.value)).text
+                arguments.append(f"{argument.name.identifier.lower()}={text}" if argument.name is not None else text)
+        name = self._library.linker.name(function, "supplied")
+        return Code(f"{name}({', '.join(arguments)})", t.ANY, acts=True)
+
+    def _function(self, callee: Callee, node: n.Call, first: list[str]) -> Code:
+        """A call of a function or method: it has a frame of its own."""
+        inputs, outputs, enable, _ = self._sorted(callee.layout, callee.parameters, node.arguments)
+        if enable is not None:
+            raise SimulationError(f"{callee.name} is called with EN inside an expression")
+        given = dict(inputs)
+        texts = [*first]
+        for field in callee.parameters:
+            argument = given.get(field)
+            if argument is not None and argument.value is not None:
+                texts.append(self._argument(field, argument.value, copied=True))
+            elif field.direction is Direction.IN_OUT:
+                raise SimulationError(f"{callee.name} is called without its parameter {field.name}")
+            else:
+                texts.append(self._translator.library.initials.default(field.type) if field.late else field.initial)
+        call = f"{self._library.linker.name(callee.enter)}({', '.join(texts)})"
+        result = callee.result
+        type_: t.Type = result.type if result is not None else t.ANY
+        value = f"v[{result.slot}]" if result is not None else "layout"
+        if not outputs:
+            return ranged(f"{call}.{value}", type_, acts=True)
+        held = self._translator.writer.temporary()
+        steps = [f"({held} := {call})"]
+        for field, argument in outputs:
+            steps.append(self._put_output(field, argument, f"{held}.v[{field.slot}]"))
+        return ranged(f"({', '.join(steps)}, {held}.{value})[-1]", type_, acts=True)
+
+    def _put_output(self, field: Field, argument: n.Argument, text: str) -> str:
+        target, code = self._output(field, argument, text)
+        if not isinstance(target.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
+            return f"assign({target.text}, {code.text})"
+        if target.bits is not None:
+            raise SimulationError(f"{field.name} is written to a part of {target.path} inside an expression")
+        return f"put({target.cells}, {target.index}, {code.text})"
+
+    def _output(self, field: Field, argument: n.Argument, text: str) -> tuple[Place, Code]:
+        assert argument.value is not None  # noqa: S101  # the caller has left out others
+        code = ranged(text, field.type)
+        if argument.negated:
+            code = Code(f"(not {text})", t.BOOL)
+        target = self._translator.place(argument.value, field.type)
+        self._translator.note_write(target)
+        return target, settled(self._translator.fitted(code, target.type))
+
+    def _argument(self, field: Field, value: n.Expression, *, copied: bool) -> str:
+        """Source of what a parameter gets."""
+        if field.direction is Direction.IN_OUT:
+            return self._reference(field, value)
+        code = settled(self._translator.fitted(self._translator.value(value, field.type), field.type))
+        aggregate = isinstance(field.type, t.StructureType | t.ArrayType)
+        if aggregate and isinstance(field.type, t.ArrayType) and not field.type.dimensions:
+            return code.text
+        return f"cloned({code.text})" if aggregate and copied else code.text
+
+    def _reference(self, field: Field, value: n.Expression) -> str:
+        place = self._translator.place(value, field.type)
+        if place.bits is not None:
+            raise SimulationError(f"a part of {place.path} cannot be passed to {field.name}, which is VAR_IN_OUT")
+        self._library.written.add(place.root)
+        if isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
+            return f"Pointer({place.cells}, {place.index})"
+        return place.text
+
+    # -- arguments
+
+    def _sorted(
+        self, layout: Any, parameters: Sequence[Field], arguments: Sequence[n.Argument]
+    ) -> tuple[list[_Given], list[_Given], n.Expression | None, n.Expression | None]:
+        """Inputs and outputs with the variables that they are of, EN and ENO."""
+        inputs: list[_Given] = []
+        outputs: list[_Given] = []
+        enable = enabled = None
+        position = 0
+        for argument in arguments:
+            if argument.name is None:
+                if position >= len(parameters):
+                    raise SimulationError(f"{layout.name} is called with too many arguments")
+                inputs.append((parameters[position], argument))
+                position += 1
+                continue
+            name = argument.name.identifier
+            field = layout.find(name)
+            if field is None and name.upper() == "EN":
+                enable = argument.value
+            elif field is None and name.upper() == "ENO":
+                enabled = argument.value
+            elif field is None:
+                raise SimulationError(f"{layout.name} has no parameter {name}")
+            elif argument.value is not None:
+                (outputs if argument.output else inputs).append((field, argument))
+        return inputs, outputs, enable, enabled
+
+    # -- as statements
+
+    def statement(self, node: n.Expression) -> None:
+        """Write a call that stands as a statement."""
+        node = n.bare(node)
+        arguments = node.arguments if isinstance(node, n.Call) else ()
+        callee = n.bare(node.callee) if isinstance(node, n.Call) else node
+        if self._acting(callee, arguments):
+            return
+        call = node if isinstance(node, n.Call) else n.Call(node)
+        enable = next((a for a in arguments if a.name is not None and a.name.identifier.upper() == "EN"), None)
+        writer = self._translator.writer
+        if enable is not None and enable.value is not None:
+            rest = tuple(a for a in arguments if a is not enable)
+            condition = self._translator.value(enable.value, t.BOOL)
+            with writer.block(f"if {condition.text}:"):
+                self.statement(n.Call(call.callee, rest))
+            return
+        writer.write(self.value(call, None).text)
+
+    def _acting(self, callee: n.Expression, arguments: tuple[n.Argument, ...]) -> bool:
+        """Write the call of an action, an instance or a program; False: it is none."""
+        if isinstance(callee, n.Name) and self._scope.unit is not None:
+            action = self._scope.unit.action(callee.identifier)
+            if action is not None and self._scope.lookup(callee.identifier) is None:
+                self._translator.writer.write(f"{self._library.linker.name(action)}({self._own_frame})")
+                return True
+        if isinstance(callee, n.Member):
+            base = self._translator.meaning(callee.base)
+            if isinstance(base, Unit) and base.is_program:
+                base = self._library.program(base)
+            if isinstance(base, Place) and self._act_of(
+                self._translator.followed(base, None), callee.name.identifier, arguments
+            ):
+                return True
+        meaning = self._translator.meaning(callee, called=True)
+        if isinstance(meaning, Unit) and meaning.is_program:
+            meaning = self._library.program(meaning)
+        if isinstance(meaning, Place):
+            meaning = self._translator.followed(meaning, None)
+            if isinstance(meaning.type, t.OpaqueType):
+                raise self._unknown(meaning.type.name)
+            self._instance(meaning, arguments)
+            return True
+        return False
+
+    def _act_of(self, place: Place, name: str, arguments: tuple[n.Argument, ...]) -> bool:
+        """Write ``instance.action()`` or what S7 calls on timers and counters: ``timer.TON(..)``."""
+        if isinstance(place.type, t.OpaqueType):
+            raise self._unknown(f"{place.type.name}.{name}")
+        if not isinstance(place.type, t.StructureType):
+            return False
+        unit = self._unit_of(place.type)
+        action = unit.action(name) if unit is not None else None
+        if action is not None:
+            self._library.written.add(place.root)
+            self._translator.writer.write(f"{self._library.linker.name(action)}({place.text})")
+            return True
+        block = self._library.block_of(place.type.layout)
+        run = block.methods.get(name.upper()) if block is not None else None
+        if run is None:
+            return False
+        self._call(place, place.type.layout, self._library.linker.name(run), arguments)
+        return True
+
+    def _instance(self, place: Place, arguments: tuple[n.Argument, ...]) -> None:
+        type_ = place.type
+        if not isinstance(type_, t.StructureType):
+            raise SimulationError(f"{place.path} is a {type_.name}, which cannot be called")
+        unit = self._unit_of(type_)
+        block = self._library.block_of(type_.layout)
+        if unit is not None:
+            run: Any = unit.run
+        elif block is not None and block.run is not None:
+            run = block.run
+        else:
+            raise SimulationError(f"{place.path} is a {type_.name}, which cannot be called")
+        self._call(place, type_.layout, self._library.linker.name(run), arguments)
+
+    def _call(self, place: Place, layout: Any, run: str, arguments: tuple[n.Argument, ...]) -> None:
+        writer = self._translator.writer
+        parameters = [f for f in layout.fields if f.direction in (Direction.INPUT, Direction.IN_OUT) and not f.hidden]
+        inputs, outputs, enable, enabled = self._sorted(layout, parameters, arguments)
+        self._library.written.add(place.root)
+        if enable is not None:
+            condition = self._translator.value(enable, t.BOOL).text
+            held = writer.temporary()
+            writer.write(f"{held} = {condition}")
+            if enabled is not None:
+                target = self._translator.place(enabled, t.BOOL)
+                self._translator.note_write(target)
+                writer.write(f"{target.text} = {held}")
+            with writer.block(f"if {held}:"):
+                self._call_now(place, run, inputs, outputs)
+            return
+        self._call_now(place, run, inputs, outputs)
+
+    def _call_now(self, place: Place, run: str, inputs: list[_Given], outputs: list[_Given]) -> None:
+        writer = self._translator.writer
+        held = writer.temporary()
+        writer.write(f"{held} = {place.text}")
+        if inputs:
+            cells = writer.temporary()
+            writer.write(f"{cells} = {held}.v")
+            for field, argument in inputs:
+                assert argument.value is not None  # noqa: S101  # others were left out
+                text = self._argument(field, argument.value, copied=False)
+                aggregate = isinstance(field.type, t.StructureType | t.ArrayType)
+                if aggregate and field.direction is not Direction.IN_OUT:
+                    writer.write(f"assign({cells}[{field.slot}], {text})")
+                else:
+                    writer.write(f"{cells}[{field.slot}] = {text}")
+        writer.write(f"{run}({held})")
+        for field, argument in outputs:
+            target, code = self._output(field, argument, f"{held}.v[{field.slot}]")
+            self._translator.write(target, code)
+
+    # -- what is called
+
+    @property
+    def _own_frame(self) -> str:
+        return "this" if self._scope.around is not None else "f"
+
+    def _own_method(self, name: n.Name) -> MethodUnit | None:
+        return self._scope.unit.method(name.identifier) if self._scope.unit is not None else None
+
+    def _unit_of(self, type_: t.Type) -> Unit | None:
+        return self._library.unit_of_layout(type_.layout) if isinstance(type_, t.StructureType) else None

@@ -1,0 +1,298 @@
+"""An instance of a POU that runs: scans, variables by path, snapshots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from plcopen_sfc.errors import Location, ModelError, SimulationError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, leaves
+from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.places import Place, Unknown
+from plcopen_sfc.semantics.programs.runtime import UNREAD, bits_set, coerced
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.controller import Controller
+    from plcopen_sfc.semantics.programs.library import CompiledChart
+    from plcopen_sfc.semantics.programs.units import Unit
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable that a user can look at: its path, type and direction. `preset`: its declaration gives it a value."""
+
+    path: str
+    type: t.Type
+    direction: Direction
+    preset: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    cells: list[Any]
+    index: int
+    type: t.Type
+    bits: tuple[int, int] | None = None
+
+
+class Instance:
+    """A program or function block that is executed scan by scan."""
+
+    def __init__(self, controller: Controller, unit: Unit, frame: Frame) -> None:
+        self.controller = controller
+        self.unit = unit
+        self.frame = frame
+        self.scans = 0
+        """Scans that were executed so far."""
+        self._library = controller.library
+        self._processor = controller.library.processor
+        self._cells: dict[str, _Cell] = {}
+        self._run = unit.run
+        self._free: list[tuple[list[Any], int, Any]] = []
+        self._free_slots: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
+        self._known = -1
+        self._find_free()
+
+    # -- scans
+
+    def scan(self) -> None:
+        """Execute the body once. Raises `SimulationError`, which tells the scan, the POU and the line."""
+        self.scans += 1
+        self._processor.left = self.controller.max_steps
+        if self._library.read_input is not None:
+            self._find_free()
+            for cells, index, _ in self._free:
+                cells[index] = UNREAD
+        try:
+            if self.unit.is_function:
+                self._renew()
+            self._run(self.frame)
+        except SimulationError as error:
+            self._say_where(error, error.__traceback__)
+            raise
+        except ZeroDivisionError as error:
+            raise self._said("division by zero", error) from None
+        except RecursionError as error:
+            raise self._said("functions call each other too deeply (recursion)", error) from None
+        except (OverflowError, ValueError) as error:
+            raise self._said(f"a value is out of range: {error}", error) from None
+        except AttributeError as error:
+            if error.obj is not None:
+                raise
+            raise self._said("a reference or VAR_IN_OUT that leads to nothing is used", error) from None
+
+    def _renew(self) -> None:
+        fresh = self.unit.layout.new().v
+        for field in self.unit.parameters:
+            fresh[field.slot] = self.frame.v[field.slot]
+        self.frame.v[:] = fresh
+
+    def _say_where(self, error: SimulationError, traceback: Any) -> None:
+        if error.scan is None:
+            error.scan = self.scans
+        if error.location.path is None:
+            error.location = self._library.linker.place(traceback) or Location(path=self.unit.pou.name)
+
+    def _said(self, message: str, error: Exception) -> SimulationError:
+        said = SimulationError(message)
+        self._say_where(said, error.__traceback__)
+        return said
+
+    def _find_free(self) -> None:
+        """The cells of free inputs; more may have become known, or some written."""
+        library = self._library
+        if library.read_input is None or self._known == library.version:
+            return
+        self._known = library.version
+        for known, slot, value in self._free:
+            if known[slot] is UNREAD:
+                known[slot] = value
+        self._free = []
+        own: set[int] = set()
+        outer: set[int] = set()
+        prefix = f"{library.linker.name(self.unit.layout)}."
+        for key, (_, field) in library.inputs.items():
+            if not library.is_free(key):
+                continue
+            parts = key.split(".")
+            if parts[0] == "g":
+                cells: Any = library.frame.v
+            elif key.startswith(prefix):
+                cells = self.frame.v
+            else:
+                continue
+            if len(parts) == 2:
+                (outer if parts[0] == "g" else own).add(int(parts[1]))
+            for part in parts[1:-1]:
+                inner = cells[int(part)]
+                cells = inner.v if isinstance(inner, Frame) else inner
+            index = int(parts[-1])
+            value = cells[index] if cells[index] is not UNREAD else None
+            self._free.append(
+                (cells, index, t.default(field.type) if isinstance(field.type, t.ElementaryType) else value)
+            )
+        self._free_slots = (frozenset(own), frozenset(outer))
+
+    # -- variables
+
+    def __getitem__(self, path: str) -> Any:
+        cell = self._cell(path)
+        value = cell.cells[cell.index]
+        if cell.bits is not None:
+            start, width = cell.bits
+            part = value >> start & (1 << width) - 1
+            return bool(part) if width == 1 else part
+        return t.default(cell.type) if value is UNREAD and isinstance(cell.type, t.ElementaryType) else value
+
+    def __setitem__(self, path: str, value: Any) -> None:
+        cell = self._cell(path)
+        if not isinstance(cell.type, t.ElementaryType):
+            raise ModelError(f"{path} is a {cell.type.name}: only values of elementary types can be given")
+        given = coerced(value, cell.type)
+        if cell.bits is not None:
+            given = bits_set(cell.cells[cell.index], *cell.bits, int(given))
+        cell.cells[cell.index] = given
+
+    def __contains__(self, path: object) -> bool:
+        try:
+            self._cell(str(path))
+        except (ModelError, SimulationError):
+            return False
+        return True
+
+    def cell(self, path: str) -> tuple[list[Any], int]:
+        """A list and the index in it where the value of a variable is, for quick access. Raises `ModelError`."""
+        cell = self._cell(path)
+        if cell.bits is not None:
+            raise ModelError(f"{path} is a part of a variable")
+        return cell.cells, cell.index
+
+    def type_of(self, path: str) -> t.Type:
+        """The type of a variable. Raises `ModelError`."""
+        return self._cell(path).type
+
+    def reader(self, paths: Sequence[str]) -> Callable[[], tuple[Any, ...]]:
+        """A function that gives the values of some variables."""
+        if any(self._cell(path).bits is not None for path in paths):
+            return lambda: tuple(self[path] for path in paths)
+        cells = [self.cell(path) for path in paths]
+        return lambda: tuple([values[index] for values, index in cells])
+
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables that a user sees, by path: those of the instance, then global ones that are used."""
+        found: dict[str, Variable] = {}
+        for path, field in self._leaves():
+            direction = field.direction if "." not in path else Direction.LOCAL
+            found.setdefault(path, Variable(path, field.type, direction, field.preset))
+        for field in self._library.globals.fields:
+            value = self._library.frame.v[field.slot]
+            if value is self.frame:
+                continue
+            if isinstance(value, Frame):
+                for path, inner, _, _ in leaves(value, f"{field.name}."):
+                    found.setdefault(path, Variable(path, inner.type, Direction.EXTERNAL, inner.preset))
+            else:
+                found.setdefault(field.name, Variable(field.name, field.type, field.direction, field.preset))
+        return found
+
+    def _leaves(self) -> Iterator[tuple[str, Field]]:
+        for path, field, _, _ in leaves(self.frame):
+            yield path, field
+
+    def charts(self) -> list[tuple[str, CompiledChart, Frame]]:
+        """The charts of the instance and of instances in it: path, chart, and the frame that it works on."""
+        return list(self._charts(self.frame, ""))
+
+    def _charts(self, frame: Frame, path: str) -> Iterator[tuple[str, CompiledChart, Frame]]:
+        unit = self._library.unit_of_layout(frame.layout)
+        while unit is not None:
+            for name, chart in unit.charts:
+                yield f"{path}{name.partition('.')[2]}".rstrip("."), chart, frame
+            unit = unit.base
+        for field in frame.layout.fields:
+            inner = frame.v[field.slot]
+            if isinstance(inner, Frame) and not field.hidden and field.direction is not Direction.IN_OUT:
+                yield from self._charts(inner, f"{path}{field.name}.")
+
+    def _cell(self, path: str) -> _Cell:
+        key = path.casefold()
+        found = self._cells.get(key)
+        if found is None:
+            found = self._cells[key] = self._find(path)
+        return found
+
+    def _find(self, path: str) -> _Cell:
+        parsed = parse_expression(path, self._library.dialect)
+        if parsed.problems:
+            field = self._library.globals.find(path) or self.unit.layout.find(path)
+            if field is None:
+                raise ModelError(f"{path!r} is no path of a variable: {parsed.problems[0].message}")
+            own = self.unit.layout.find(path) is field
+            return _Cell(self.frame.v if own else self._library.frame.v, field.slot, field.type)
+        try:
+            place = self._place(parsed.tree)
+        except SimulationError as error:
+            raise ModelError(error.message, hint=error.hint) from None
+        if len(self._library.globals.fields) > len(self._library.frame.v):
+            self._library.grow()
+        try:
+            cells, index = self._evaluated(place)
+        except (SimulationError, AttributeError, TypeError) as error:
+            raise ModelError(f"{path} cannot be reached: {error}") from None
+        return _Cell(cells, index, place.type, place.bits)
+
+    def _place(self, tree: n.Expression) -> Place:
+        translator = self.unit.scope.translator(Writer())
+        found = translator.meaning(tree)
+        if isinstance(found, Unknown):
+            field = self._library.globals.find(found.path)
+            if field is None:
+                raise SimulationError(f"there is no variable {found.path}", hint=self._similar(found.path))
+            return self._library.place(field, found.path)
+        return translator.place(tree)
+
+    def _similar(self, name: str) -> str:
+        from difflib import get_close_matches  # noqa: PLC0415  # only for a message
+
+        near = get_close_matches(name, [*self.variables()], 3)
+        return f"close to it: {', '.join(near)}" if near else ""
+
+    def _evaluated(self, place: Place) -> tuple[list[Any], int]:
+        writer = Writer()
+        writer.write("v = f.v")
+        writer.write(f"return {place.cells}, {place.index}")
+        linker = self._library.linker
+        function = linker.routine("f", writer, self.unit.pou.name)
+        linker.link(self._library.is_free)
+        cells, index = function(self.frame)
+        return cells, index
+
+    # -- snapshots
+
+    def snapshot(self, limit: int | None = None) -> Hashable:
+        """All that a later scan can see: of the instance and of global variables, but not the values of free inputs.
+
+        Times are relative to `controller.now`, so that equal situations at different times have equal snapshots; those
+        that go on growing are not stored beyond `limit` nanoseconds.
+        """
+        self._find_free()
+        keeper, now = self.controller.keeper, self._processor.now
+        own, outer = self._free_slots
+        stored = keeper.store(self._library.frame, now, limit, outer)
+        if self.unit.is_program:
+            return stored
+        return (stored, keeper.store(self.frame, now, limit, own))
+
+    def restore(self, snapshot: Any) -> None:
+        """Put back what `snapshot` gave; times go on from `controller.now`."""
+        keeper, now = self.controller.keeper, self._processor.now
+        own, outer = self._free_slots
+        if self.unit.is_program:
+            keeper.load(self._library.frame, snapshot, now, outer)
+            return
+        keeper.load(self._library.frame, snapshot[0], now, outer)
+        keeper.load(self.frame, snapshot[1], now, own)

@@ -1,0 +1,317 @@
+"""All POUs, types and global variables of a project, each translated when something first needs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
+from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variables_in
+from plcopen_sfc.model import types as m
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import PouInstance, Project, Resource, Tag
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.programs import runtime
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.addresses import Image
+from plcopen_sfc.semantics.programs.code import Code, Converter
+from plcopen_sfc.semantics.programs.declared_types import Initials, TypeReader
+from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
+from plcopen_sfc.semantics.programs.linking import Linker, Writer
+from plcopen_sfc.semantics.programs.places import Place, Space
+from plcopen_sfc.semantics.programs.scopes import Scope
+from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
+from plcopen_sfc.semantics.programs.units import Unit
+
+
+class CompiledChart(Protocol):
+    """A chart as a chart compiler makes it."""
+
+    def translate(self) -> None:
+        """Translate conditions and actions: all POUs are declared now."""
+
+    def initialise(self, frame: Frame) -> None:
+        """Bring a new frame of the POU into the initial situation."""
+
+    def execute(self, frame: Frame) -> None:
+        """One call of the body."""
+
+
+ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]
+
+_LIBRARIES = frozenset({"standard", "tc2_standard", "tc2_system", "util", "standard64"})
+_RUNTIME = """
+    assign bit_set bits_set cloned divided endless fail half_away half_even narrow out_of_bounds power preset put
+    remainder single truncated wrapped Frame Pointer
+""".split()
+
+
+class Library:
+    """What a controller runs. Edits of the project make it wrong."""
+
+    def __init__(
+        self,
+        project: Project,
+        functions: Mapping[str, Callable[..., Any]],
+        chart_compiler: ChartCompiler | None,
+        read_input: Callable[[str], Any] | None,
+    ) -> None:
+        self.project = project
+        self.dialect = project.dialect
+        self.is_codesys = self.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+        self.functions = {name.casefold(): function for name, function in functions.items()}
+        self.chart_compiler = chart_compiler
+        self.read_input = read_input
+        self.names = Scopes(project)
+        self.processor = runtime.Processor()
+        self.linker = Linker()
+        self.converter = Converter(self.dialect, self.linker)
+        self.blocks = BlockTypes(self.dialect, self.processor)
+        self.initials = Initials(self)
+        self.types = TypeReader(self)
+        self.globals = Layout("global variables")
+        self.frame = Frame(self.globals, [])
+        self.scope = Scope(self, "", self.globals)
+        self.image = Image(self)
+        self.undeclared: dict[str, t.Type] = {}
+        self.missing: dict[str, str] = {}
+        self.problems: list[SimulationError] = []
+        self.type_values: dict[tuple[t.Type, str], m.Value] = {}
+        self.written: set[str] = set()
+        self.inputs: dict[str, tuple[str, Field]] = {}
+        self.version = 0
+        """Grows when new things were linked."""
+        self.roots: set[Unit] = set()
+        self._units: dict[int, Unit] = {}
+        self._waiting: list[Unit] = []
+        self._fields: dict[int, Place] = {}
+        self._open: set[int] = set()
+        self._implicit: dict[str, Place] = {}
+        self._values: dict[int, Code] | None = None
+        self._news: dict[Layout, Callable[..., Any]] = {}
+        namespace = self.linker.namespace
+        namespace.update({name: getattr(runtime, name) for name in _RUNTIME})
+        namespace.update({"coerced": runtime.coerced, "U": runtime.UNREAD, "p": self.processor})
+        namespace.update({"g": self.frame.v, "ask": self._ask})
+
+    def _ask(self, cells: list[Any], index: int, path: str) -> Any:
+        assert self.read_input is not None  # noqa: S101  # nothing is free else
+        value = cells[index] = self.read_input(path)
+        return value
+
+    # -- units
+
+    def unit(self, pou: Pou) -> Unit:
+        """A POU, declared and waiting to be translated."""
+        found = self._units.get(id(pou))
+        if found is None:
+            found = self._units[id(pou)] = Unit(self, pou)
+            self._waiting.append(found)
+            found.declare()
+        return found
+
+    def unit_of_layout(self, layout: Layout) -> Unit | None:
+        """The POU whose variables a layout has."""
+        return next((unit for unit in self._units.values() if unit.layout is layout), None)
+
+    def block_of(self, layout: Layout) -> BlockType | None:
+        """The standard function block whose variables a layout has."""
+        return self.blocks.of_layout(layout)
+
+    @property
+    def known_libraries(self) -> frozenset[str]:
+        """Names that stand before a dot and mean a library of the tool."""
+        return _LIBRARIES
+
+    def implicit_type(self, path: str) -> t.Type | None:
+        """The type of an external that nobody declares, if it is known already."""
+        found = self._implicit.get(path.casefold())
+        return found.type if found is not None else None
+
+    def finish(self) -> None:
+        """Translate all that waits, and link it."""
+        done: list[Unit] = []
+        while self._waiting:
+            unit = self._waiting.pop(0)
+            unit.translate()
+            done.append(unit)
+        for unit in done:
+            unit.finish()
+        self.grow()
+
+    def grow(self) -> None:
+        """Link what is new, and give new global variables their first values."""
+        start = len(self.frame.v)
+        fields = self.globals.fields[start:]
+        writer = Writer()
+        for field in fields:
+            writer.write(f"g.append({field.initial})")
+        added = self.linker.routine("", writer, "global variables") if fields else None
+        self.version += 1
+        self.linker.link(self.is_free)
+        if added is not None:
+            added()
+
+    def is_free(self, key: str) -> bool:
+        """Whether nothing gives the variable of this key a value."""
+        if self.read_input is None or key not in self.inputs:
+            return False
+        parts = key.split(".")
+        if parts[0] != "g" and not any(self.linker.name(unit.layout) == parts[0] for unit in self.roots):
+            return False
+        return not any(".".join(parts[:end]) in self.written for end in range(1, len(parts) + 1))
+
+    def new_name(self, layout: Layout) -> str:
+        """The name of the function that makes frames of a layout."""
+        found = self._news.get(layout)
+        if found is None:
+            found = self._news[layout] = self.linker.reserve("new")
+            layout.new = found
+            layout.new_name = self.linker.name(found)
+            if layout.is_instance and not any(unit.layout is layout for unit in self._units.values()):
+                self.initials.link(layout)  # a standard block
+        return layout.new_name
+
+    def maker(self, layout: Layout, writer: Writer) -> None:
+        """`writer` has the body of the function that makes frames of `layout`."""
+        self.new_name(layout)
+        self.linker.routine("", writer, layout.name, self._news[layout])
+
+    # -- global names
+
+    def meaning(self, declaration: Declaration, scope: Scope) -> Any:
+        """What a global declaration is: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
+        holder: Any = declaration.holder
+        kind = declaration.kind
+        if kind is Kind.POU:
+            return self.unit(holder)
+        if kind is Kind.DATA_TYPE:
+            return self.types.of_declaration(declaration, scope)
+        if kind is Kind.ENUM_VALUE:
+            return self._enumeration_value(declaration)
+        if kind is Kind.GLOBAL_LIST:
+            level = Level()
+            for section in declaration.holders:
+                for inner in variables_in(section):  # type: ignore[arg-type]  # only sections are lists
+                    level.add(inner)
+            return Space(level, declaration.path)
+        if kind is Kind.NAMESPACE:
+            return Space(self.names.place(namespace_place(self.project, holder)), declaration.path)
+        return self.variable(declaration)
+
+    def variable(self, declaration: Declaration) -> Place:
+        """The place of a global variable, a tag, a data block or a program instance."""
+        holder: Any = declaration.holder
+        found = self._fields.get(id(holder))
+        if found is None:
+            if id(holder) in self._open:
+                raise SimulationError(f"the value of {declaration.path} depends on itself")
+            self._open.add(id(holder))
+            try:
+                found = self._fields[id(holder)] = self._make(declaration, holder)
+            finally:
+                self._open.discard(id(holder))
+        return found
+
+    def _make(self, declaration: Declaration, holder: Any) -> Place:
+        path = declaration.path
+        if isinstance(holder, m.Variable):
+            type_ = self.types.read(holder.type, self.scope)
+            if holder.address and isinstance(type_, t.ElementaryType) and "*" not in holder.address:
+                return self.image.place(holder.address, type_, path, holder.initial)
+            return self.add(path, type_, holder.initial, constant=self._is_constant(holder))
+        if isinstance(holder, Tag):
+            type_ = self.types.named(holder.type, self.scope)
+            if holder.address and isinstance(type_, t.ElementaryType):
+                return self.image.place(holder.address, type_, path, None)
+            return self.add(path, type_, None)
+        if isinstance(holder, DataBlock):
+            return self.add(path, self._of_block(holder), None)
+        if isinstance(holder, PouInstance):
+            return self.add(path, self.types.named(holder.type_name, self.scope), None)
+        raise SimulationError(f"{declaration} is no variable")
+
+    def _is_constant(self, variable: m.Variable) -> bool:
+        if self._constants is None:
+            sections = [*self.project.global_variables]
+            for resource in self._resources():
+                sections += resource.global_variables
+            for configuration in self.project.configurations:
+                sections += configuration.global_variables
+            self._constants = {id(v) for s in sections if s.constant for v in s.variables}
+            self._constants |= {id(v) for table in self.project.tag_tables for v in table.constants}
+        return id(variable) in self._constants
+
+    _constants: set[int] | None = None
+
+    def _resources(self) -> list[Resource]:
+        inner = [resource for configuration in self.project.configurations for resource in configuration.resources]
+        return [*self.project.applications, *inner]
+
+    def _of_block(self, block: DataBlock) -> t.Type:
+        if block.type_name:
+            found = self.types.named(block.type_name, self.scope)
+            if isinstance(found, t.StructureType):
+                return found
+        layout = Layout(block.name)
+        for section in block.interface.sections if block.interface is not None else ():
+            for variable in section.variables:
+                made = layout.add(variable.name, self.types.read(variable.type, self.scope))
+                self.initials.give(made, variable.initial, self.scope)
+        self.initials.link(layout)
+        return t.StructureType(block.name, layout)
+
+    def add(self, path: str, type_: t.Type, initial: m.Value | None, *, constant: bool = False) -> Place:
+        """A new global variable."""
+        probe = Field(path, -1, type_, Direction.CONSTANT if constant else Direction.EXTERNAL)
+        self.initials.give(probe, initial, self.scope)
+        made = self.globals.add(path, type_, probe.direction)
+        made.initial, made.value, made.preset = probe.initial, probe.value, probe.preset
+        return self.place(made, path)
+
+    def place(self, field: Field, path: str) -> Place:
+        """The place of a global variable."""
+        key = f"g.{field.slot}"
+        return Place("g", str(field.slot), field.type, path, key, key, field=field, input=not field.preset)
+
+    def implicit(self, path: str, type_: t.Type) -> Place:
+        """Something that nobody declares: an external variable."""
+        key = path.casefold()
+        found = self._implicit.get(key)
+        if found is None:
+            self.undeclared[path] = type_
+            found = self._implicit[key] = self.add(path, type_, None)
+        return found
+
+    def _enumeration_value(self, declaration: Declaration) -> Code:
+        if self._values is None:
+            self._values = {}
+            for holder in self.project.data_types:
+                if isinstance(holder.type, m.EnumType):
+                    self._know(
+                        holder.type,
+                        self.types.of_declaration(Declaration(Kind.DATA_TYPE, holder.name, (holder,)), self.scope),
+                    )
+        code = self._values.get(id(declaration.holder))
+        if code is None:
+            raise SimulationError(f"{declaration.path} is a value of an enumeration that has no name")
+        return code
+
+    def _know(self, model: m.EnumType, type_: t.Type) -> None:
+        assert self._values is not None and isinstance(type_, t.ElementaryType)  # noqa: S101, PT018
+        for value in model.values:
+            number = type_.names[value.name.casefold()]
+            self._values[id(value)] = Code(repr(number), type_, number, number, number, constant=True)
+
+    def program(self, unit: Unit) -> Place:
+        """The only instance of a program."""
+        found = self._fields.get(id(unit))
+        if found is None:
+            found = self._fields[id(unit)] = self.add(unit.pou.name, t.StructureType(unit.pou.name, unit.layout), None)
+        return found
+
+    def scope_of_type(self, holder: m.DataTypeDeclaration) -> Scope | None:
+        """The scope in which a data type is declared."""
+        return Scope(self, holder.name, self.globals, place=holder.place) if holder.place else self.scope

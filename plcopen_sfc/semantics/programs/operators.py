@@ -1,0 +1,416 @@
+"""Translation of operators: which type the result has, and where it wraps (ed. 3, 7.3.2)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Operator
+from plcopen_sfc.semantics.programs import runtime
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.code import Code, constant, settled, wrapping
+from plcopen_sfc.semantics.programs.places import Unknown
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.expressions import Translator
+
+_COMPARISONS = {
+    Operator.EQUAL: "==",
+    Operator.UNEQUAL: "!=",
+    Operator.LESS: "<",
+    Operator.GREATER: ">",
+    Operator.LESS_OR_EQUAL: "<=",
+    Operator.GREATER_OR_EQUAL: ">=",
+}
+_LOGIC = {
+    Operator.AND: ("and", "&"),
+    Operator.AND_THEN: ("and", "&"),
+    Operator.OR: ("or", "|"),
+    Operator.OR_ELSE: ("or", "|"),
+    Operator.XOR: ("!=", "^"),
+}
+_ARITHMETIC = {Operator.ADD: "+", Operator.SUBTRACT: "-", Operator.MULTIPLY: "*"}
+_ORDER = "SINT USINT BYTE INT UINT WORD DINT UDINT DWORD LINT ULINT LWORD".split()
+_LAZY = (Operator.AND_THEN, Operator.OR_ELSE)
+
+
+class Operators:
+    """Translates operations."""
+
+    def __init__(self, translator: Translator) -> None:
+        self._translator = translator
+        self._converter = translator.library.converter
+
+    def value(self, node: n.Unary | n.Operation, expected: t.Type | None) -> Code:
+        """The value of an operation."""
+        if isinstance(node, n.Unary):
+            return self._unary(node, expected)
+        if node.operator in _LOGIC:
+            return self.logic(node.operator, self._operands(node, _wanted_bits(expected)))
+        if node.operator in _COMPARISONS:
+            return self.comparison(node.operator, *self._operands(node, None))
+        codes = self._operands(node, expected)
+        result = codes[0]
+        for code in codes[1:]:
+            result = self.arithmetic(node.operator, result, code)
+        return result
+
+    def _operands(self, node: n.Operation, expected: t.Type | None) -> list[Code]:
+        """The operands. What nobody declares takes the type of the first that has one."""
+        if expected is None or not isinstance(expected, t.ElementaryType):
+            types = [self.known_type(operand) for operand in node.operands]
+            expected = next((type_ for type_ in types if type_ is not None), t.DINT)
+        return [self._translator.value(operand, expected) for operand in node.operands]
+
+    def known_type(self, node: n.Expression) -> t.Type | None:
+        """The type of an operand; None for what nobody declares."""
+        node = n.bare(node)
+        if isinstance(node, n.Name | n.Member | n.Index):
+            found = self._translator.meaning(node)
+            if isinstance(found, Unknown):
+                return self._translator.library.implicit_type(found.path)
+            return getattr(found, "type", None)
+        if isinstance(node, n.Literal):
+            code = self._translator.value(node)
+            return t.DINT if code.loose and code.type in (t.INT, t.DINT) else code.type
+        return None
+
+    # -- one operand
+
+    def _unary(self, node: n.Unary, expected: t.Type | None) -> Code:
+        if node.operator is Operator.NOT:
+            return self.inverted(self._translator.value(node.operand, _wanted_bits(expected)))
+        code = self._translator.value(node.operand, expected if expected is not t.BOOL else None)
+        if node.operator is Operator.PLUS:
+            return code
+        type_ = code.type
+        if not isinstance(type_, t.ElementaryType) or type_.family in (t.Family.BOOL, t.Family.STRING):
+            raise SimulationError(f"a {type_.name} has no sign")
+        if code.constant:
+            low = -code.value if isinstance(code.value, int) else 0
+            return replace(constant(-code.value, type_, loose=code.loose), low=low, high=low)
+        return replace(code, text=f"(-{code.text})", low=-code.high, high=-code.low)
+
+    def inverted(self, code: Code) -> Code:
+        """NOT."""
+        type_ = code.type
+        if not isinstance(type_, t.ElementaryType):
+            raise SimulationError(f"NOT of a {type_.name}")
+        if type_.family is t.Family.BOOL:
+            if code.constant:
+                return Code(repr(not code.value), t.BOOL, 0, 1, not code.value, constant=True)
+            return replace(code, text=f"(not {code.text})")
+        if type_.family in (t.Family.INTEGER, t.Family.BITS):
+            code = settled(code)
+            if code.constant:
+                return settled(constant(~code.value, type_, loose=code.loose))
+            if type_.least < 0:
+                return replace(code, text=f"(~{code.text})", low=~code.high, high=~code.low)
+            return replace(code, text=f"({code.text} ^ {type_.greatest})", low=0, high=type_.greatest)
+        if type_.family is t.Family.SPECIAL:
+            return replace(code, text=f"(not {code.text})", type=t.BOOL)
+        raise SimulationError(f"NOT of a {type_.name}")
+
+    # -- logic
+
+    def logic(self, operator: Operator, codes: list[Code]) -> Code:
+        """AND, OR, XOR of BOOLs and bit strings. What calls nothing is evaluated as far as the result needs it."""
+        word, sign = _LOGIC[operator]
+        acts = any(code.acts for code in codes)
+        if all(_is_truth(code) for code in codes):
+            if operator is Operator.XOR:
+                text = codes[0].text
+                for code in codes[1:]:
+                    text = f"({text} != {code.text})"
+                return Code(text, t.BOOL, 0, 1, acts=acts)
+            if operator not in _LAZY and any(code.acts for code in codes[1:]):
+                word = sign
+            return Code(f"({f' {word} '.join(code.text for code in codes)})", t.BOOL, 0, 1, acts=acts)
+        result = codes[0]
+        for code in codes[1:]:
+            type_ = self.common(result, code)
+            if type_.family is t.Family.BOOL or not type_.is_ranged:
+                raise SimulationError(f"{operator} of {result.type.name} and {code.type.name}")
+            left, right = (settled(self._converter.converted(c, type_)) for c in (result, code))
+            if left.constant and right.constant:
+                number = {"&": left.value & right.value, "|": left.value | right.value, "^": left.value ^ right.value}
+                result = constant(number[sign], type_, loose=result.loose and code.loose)
+            else:
+                low, high = (0, type_.greatest) if type_.least >= 0 else (type_.least, type_.greatest)
+                result = Code(f"({left.text} {sign} {right.text})", type_, low, high, acts=acts)
+        return result
+
+    # -- comparisons
+
+    def comparison(self, operator: Operator, left: Code, right: Code) -> Code:
+        """A comparison of two values."""
+        sign = _COMPARISONS[operator]
+        if isinstance(left.type, t.ReferenceType) or isinstance(right.type, t.ReferenceType):
+            if operator not in (Operator.EQUAL, Operator.UNEQUAL):
+                raise SimulationError("references have no order")
+            return Code(f"({left.text} {sign} {right.text})", t.BOOL, 0, 1, acts=left.acts or right.acts)
+        left, right = self._comparable(left, right)
+        left, right = settled(left), settled(right)
+        text = f"({left.text} {sign} {right.text})"
+        if left.constant and right.constant:
+            table = {
+                "==": left.value == right.value,
+                "!=": left.value != right.value,
+                "<": left.value < right.value,
+                ">": left.value > right.value,
+                "<=": left.value <= right.value,
+                ">=": left.value >= right.value,
+            }
+            return Code(repr(table[sign]), t.BOOL, 0, 1, table[sign], constant=True)
+        return Code(text, t.BOOL, 0, 1, acts=left.acts or right.acts)
+
+    def _comparable(self, left: Code, right: Code) -> tuple[Code, Code]:
+        """Two values of types whose values can be compared as they are."""
+        one, other = left.type, right.type
+        if not isinstance(one, t.ElementaryType) or not isinstance(other, t.ElementaryType):
+            raise SimulationError(f"{one.name} and {other.name} cannot be compared")
+        if t.Family.SPECIAL in (one.family, other.family) or one.family is other.family:
+            return self._rounded(left, right)
+        if one.is_number and other.is_number:
+            return self._rounded(left, right)
+        if {one.family, other.family} <= {t.Family.BOOL, t.Family.INTEGER, t.Family.BITS}:
+            return left, right
+        type_ = self.common(left, right)
+        return self._converter.converted(left, type_), self._converter.converted(right, type_)
+
+    def _rounded(self, left: Code, right: Code) -> tuple[Code, Code]:
+        """A literal that is compared with a REAL is one."""
+        for one, other in ((left, right), (right, left)):
+            if one.type == t.REAL and other.constant and other.loose:
+                rounded = self._converter.converted(other, t.REAL)
+                return (left, rounded) if other is right else (rounded, right)
+        return left, right
+
+    # -- arithmetic
+
+    def arithmetic(self, operator: Operator, left: Code, right: Code) -> Code:
+        """Sum, difference, product, quotient, remainder or power of two values."""
+        one, other = left.type, right.type
+        if not isinstance(one, t.ElementaryType) or not isinstance(other, t.ElementaryType):
+            raise SimulationError(f"{operator} of {one.name} and {other.name}")
+        if operator is Operator.POWER:
+            return self._power(left, right)
+        timed = [type_ for type_ in (one, other) if type_.is_ranged and not type_.is_number]
+        if timed:
+            return self._timed(operator, left, right)
+        type_ = self.common(left, right)
+        if type_.family in (t.Family.STRING, t.Family.BOOL, t.Family.SPECIAL):
+            if type_.family is t.Family.STRING or type_.family is t.Family.BOOL:
+                raise SimulationError(f"{operator} of {one.name} and {other.name}")
+            return Code(f"({left.text} {_ARITHMETIC.get(operator, '/')} {right.text})", t.ANY, acts=True)
+        left, right = (
+            self._converter.converted(left, type_) if left.type != type_ else left,
+            (self._converter.converted(right, type_) if right.type != type_ else right),
+        )
+        if type_.family is t.Family.REAL:
+            return self._real(operator, left, right, type_)
+        return self._integer(operator, left, right, type_)
+
+    def _real(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
+        if operator is Operator.MODULO:
+            raise SimulationError("MOD of real numbers")
+        sign = _ARITHMETIC.get(operator, "/")
+        text = f"({left.text} {sign} {right.text})"
+        acts = left.acts or right.acts
+        if left.constant and right.constant and not (sign == "/" and right.value == 0):
+            value = {"+": left.value + right.value, "-": left.value - right.value, "*": left.value * right.value}.get(
+                sign
+            )
+            value = left.value / right.value if value is None else value
+            loose = left.loose and right.loose
+            return constant(runtime.single(value) if type_.bits == 32 and not loose else value, type_, loose=loose)
+        return Code(f"single({text})" if type_.bits == 32 else text, type_, acts=acts)
+
+    def _integer(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
+        acts, loose = left.acts or right.acts, left.loose and right.loose
+        if operator in (Operator.DIVIDE, Operator.MODULO):
+            return self._quotient(operator, settled(left), settled(right), type_)
+        if _is_big(left) or _is_big(right):
+            left, right = settled(left), settled(right)
+        sign = _ARITHMETIC[operator]
+        if sign == "+":
+            low, high = left.low + right.low, left.high + right.high
+        elif sign == "-":
+            low, high = left.low - right.high, left.high - right.low
+        else:
+            products = [a * b for a in (left.low, left.high) for b in (right.low, right.high)]
+            low, high = min(products), max(products)
+        if left.constant and right.constant:
+            if loose:
+                type_ = _wide_enough(type_, low)
+            return settled(replace(constant(low, type_, loose=loose), low=low, high=high))
+        return Code(f"({left.text} {sign} {right.text})", type_, low, high, acts=acts)
+
+    def _quotient(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
+        acts, loose = left.acts or right.acts, left.loose and right.loose
+        if right.constant and right.value == 0:
+            raise SimulationError("division by zero")
+        divides = operator is Operator.DIVIDE
+        if left.constant and right.constant:
+            found = runtime.divided(left.value, right.value) if divides else runtime.remainder(left.value, right.value)
+            return settled(constant(found, type_, loose=loose))
+        if left.low >= 0 and right.low >= 0:
+            text = f"({left.text} {'//' if divides else '%'} {right.text})"
+            return Code(text, type_, 0, left.high, acts=acts)
+        bound = max(abs(left.low), abs(left.high))
+        name = "divided" if divides else "remainder"
+        low, high = (-bound, bound) if divides else (max(type_.least, -bound), min(type_.greatest, bound))
+        return Code(f"{name}({left.text}, {right.text})", type_, low, high, acts=acts)
+
+    def _power(self, left: Code, right: Code) -> Code:
+        """``**``: real numbers (ed. 3, table 28: EXPT). Integers by a constant that is none give a real one."""
+        type_ = left.type if isinstance(left.type, t.ElementaryType) and left.type.family is t.Family.REAL else t.LREAL
+        base = self._converter.converted(left, type_)
+        exponent = right if right.type != t.BOOL else self._converter.converted(right, t.INT)
+        text = f"power({base.text}, {settled(exponent).text})"
+        acts = left.acts or right.acts
+        return Code(f"single({text})" if type_.bits == 32 else text, type_, acts=acts)
+
+    def _timed(self, operator: Operator, left: Code, right: Code) -> Code:
+        """Durations, dates and times (ed. 3, table 35)."""
+        one, other = left.type, right.type
+        assert isinstance(one, t.ElementaryType) and isinstance(other, t.ElementaryType)  # noqa: S101, PT018
+        acts = left.acts or right.acts
+        if operator in (Operator.MULTIPLY, Operator.DIVIDE):
+            return self._scaled(operator, left, right)
+        if operator not in (Operator.ADD, Operator.SUBTRACT):
+            raise SimulationError(f"{operator} of {one.name} and {other.name}")
+        if one.is_number or other.is_number:
+            timed = other if one.is_number else one
+            if timed.family is not t.Family.DURATION:
+                raise SimulationError(f"{operator} of {one.name} and {other.name}")
+            left, right = self._converter.converted(left, timed), self._converter.converted(right, timed)
+            one = other = timed
+        if one.family is other.family and one.family is not t.Family.DURATION and operator is Operator.SUBTRACT:
+            long = one.name.startswith("L")
+            result = t.LTIME if long else t.elementary("TIME", self._translator.library.dialect) or t.LTIME
+        else:
+            result = one if one.family is not t.Family.DURATION or other.family is t.Family.DURATION else other
+            if one.family is other.family is t.Family.DURATION:
+                result = max(one, other, key=lambda type_: type_.bits)
+        left, right = settled(left), settled(right)
+        sign = _ARITHMETIC[operator]
+        if sign == "+":
+            low, high = left.low + right.low, left.high + right.high
+        else:
+            low, high = left.low - right.high, left.high - right.low
+        if left.constant and right.constant:
+            return settled(replace(constant(low, result), low=low, high=high))
+        return settled_time(Code(f"({left.text} {sign} {right.text})", result, low, high, acts=acts))
+
+    def _scaled(self, operator: Operator, left: Code, right: Code) -> Code:
+        """A duration times or by a number (ed. 3, table 35: MUL_TIME, DIV_TIME)."""
+        if operator is Operator.MULTIPLY and left.type.name not in _DURATIONS:
+            left, right = right, left
+        type_, number = left.type, right.type
+        if not isinstance(type_, t.ElementaryType) or type_.family is not t.Family.DURATION:
+            raise SimulationError(f"{operator} of {left.type.name} and {right.type.name}")
+        left, right = settled(left), settled(right)
+        acts = left.acts or right.acts
+        assert isinstance(number, t.ElementaryType)  # noqa: S101  # arithmetic has looked
+        if number.family is t.Family.DURATION and operator is Operator.DIVIDE:
+            return Code(f"divided({left.text}, {right.text})", t.LINT, t.LINT.least, t.LINT.greatest, acts=acts)
+        if not number.is_number:
+            raise SimulationError(f"{operator} of {type_.name} and {number.name}")
+        sign = "*" if operator is Operator.MULTIPLY else "/"
+        if number.family is t.Family.REAL:
+            text = f"truncated({left.text} {sign} {right.text})"
+        else:
+            text = f"({left.text} * {right.text})" if sign == "*" else f"divided({left.text}, {right.text})"
+        return Code(wrapped_text(text, type_), type_, type_.least, type_.greatest, acts=acts)
+
+    # -- types
+
+    def common(self, left: Code, right: Code) -> t.ElementaryType:
+        """The type in which two values are calculated: the greater; a literal takes that of the other."""
+        one, other = left.type, right.type
+        if not isinstance(one, t.ElementaryType) or not isinstance(other, t.ElementaryType):
+            raise SimulationError(f"{one.name} and {other.name} do not go together")
+        if t.Family.SPECIAL in (one.family, other.family):
+            return t.ANY
+        if left.loose != right.loose:
+            literal, typed = (left, right) if left.loose else (right, left)
+            if not isinstance(typed.type, t.ElementaryType) or not isinstance(literal.type, t.ElementaryType):
+                raise SimulationError(f"{one.name} and {other.name} do not go together")
+            type_ = _base(typed.type)
+            whole = literal.type.family is not t.Family.REAL
+            if type_.family is t.Family.REAL or (type_.is_number and whole and _fits(literal, type_)):
+                return type_
+        one, other = _base(one), _base(other)
+        if one.family is t.Family.REAL or other.family is t.Family.REAL:
+            if not (one.is_number and other.is_number):
+                raise SimulationError(f"{one.name} and {other.name} do not go together")
+            reals = [type_ for type_ in (one, other) if type_.family is t.Family.REAL]
+            return max(reals, key=lambda type_: type_.bits)
+        if one.name in _ORDER and other.name in _ORDER:
+            return max(one, other, key=lambda type_: _ORDER.index(type_.name))
+        if one.is_ranged and not one.is_number:
+            return one
+        if other.is_ranged and not other.is_number:
+            return other
+        return one if one.family is not t.Family.BOOL else other
+
+
+def _fits(code: Code, type_: t.ElementaryType) -> bool:
+    return type_.least <= int(code.value) <= type_.greatest
+
+
+_DURATIONS = ("TIME", "LTIME", "S5TIME")
+
+
+def _base(type_: t.ElementaryType) -> t.ElementaryType:
+    """The type that a subrange or enumeration is one of."""
+    if (type_.narrowed is None and not type_.names) or not type_.is_number:
+        return type_
+    for name in _ORDER:
+        known = t.ELEMENTARY[name]
+        if (known.least, known.greatest, known.family) == (type_.least, type_.greatest, type_.family):
+            return known
+    return type_
+
+
+def _is_truth(code: Code) -> bool:
+    return isinstance(code.type, t.ElementaryType) and code.type.family in (t.Family.BOOL, t.Family.SPECIAL)
+
+
+def _wanted_bits(expected: t.Type | None) -> t.Type:
+    return expected if isinstance(expected, t.ElementaryType) and expected.family is t.Family.BITS else t.BOOL
+
+
+_BIG = 1 << 200
+
+
+def _is_big(code: Code) -> bool:
+    """Whether a value that has not been wrapped could grow without an end."""
+    return code.low < -_BIG or code.high > _BIG
+
+
+def _wide_enough(type_: t.ElementaryType, value: int) -> t.ElementaryType:
+    for name in (type_.name, "DINT", "LINT", "ULINT"):
+        known = t.ELEMENTARY[name]
+        if known.least <= value <= known.greatest:
+            return known
+    return type_
+
+
+def settled_time(code: Code) -> Code:
+    """A duration or time in the range and grain of its type."""
+    type_ = code.type
+    assert isinstance(type_, t.ElementaryType)  # noqa: S101  # times are elementary
+    if type_.least <= code.low and code.high <= type_.greatest:
+        return code
+    return replace(code, text=wrapped_text(code.text, type_), low=type_.least, high=type_.greatest)
+
+
+def wrapped_text(text: str, type_: t.ElementaryType) -> str:
+    """Source that brings an integer into the range and grain of a type."""
+    if type_.unit == 1:
+        return wrapping(text, type_)
+    return f"wrapped({text}, {type_.least}, {type_.greatest}, {type_.unit})"

@@ -1,0 +1,89 @@
+"""What names and paths mean in translated programs: variables with their place, and things that are no values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.names.declarations import Level
+from plcopen_sfc.semantics.programs.code import Code, ranged
+from plcopen_sfc.semantics.programs.layouts import Direction, Field
+from plcopen_sfc.semantics.programs.linking import free_token
+from plcopen_sfc.semantics.programs.types import ElementaryType, Type
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a variable is: `cells` and `index` are Python source of a list and an index in it.
+
+    `path` is its name for a person. `key` names the place the same everywhere (slots with dots between), "" where that
+    is not known before the program runs; `root` is the longest part of it that is. `bits` are the first bit and the
+    number of bits of a part of an integer. `input`: nothing else is known to give it a value.
+    """
+
+    cells: str
+    index: str
+    type: Type
+    path: str
+    key: str = ""
+    root: str = ""
+    bits: tuple[int, int] | None = None
+    word: ElementaryType | None = None
+    input: bool = False
+    field: Field | None = None
+    acts: bool = False
+
+    @property
+    def text(self) -> str:
+        """Source that reads the whole variable."""
+        return f"{self.cells}[{self.index}]"
+
+    def read(self) -> Code:
+        """The value."""
+        field = self.field
+        if field is not None and field.direction is Direction.CONSTANT and field.value is not None:
+            return Code(repr(field.value), self.type, *_bounds(field.value), field.value, constant=True)
+        if self.bits is not None:
+            start, width = self.bits
+            if width == 1:
+                return Code(f"({self.text} >> {start} & 1 == 1)", self.type, acts=self.acts)
+            return ranged(f"({self.text} >> {start} & {(1 << width) - 1})", self.type, acts=self.acts)
+        text = self.text
+        if self.input and self.key and isinstance(self.type, ElementaryType):
+            asking = f"({text} if {text} is not U else ask({self.cells}, {self.index}, {self.path!r}))"
+            text = free_token(self.key, text, asking)
+        return ranged(text, self.type, acts=self.acts)
+
+    def inner(self, cells: str, slot: int, type_: Type, name: str, field: Field | None = None) -> Place:
+        """A member of it."""
+        key = f"{self.key}.{slot}" if self.key else ""
+        path = f"{self.path}.{name}"
+        return replace(
+            self, cells=cells, index=str(slot), type=type_, path=path, key=key, root=key or self.root, field=field
+        )
+
+
+def _bounds(value: object) -> tuple[int, int]:
+    return (value, value) if isinstance(value, int) and not isinstance(value, bool) else (0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Space:
+    """A thing with members that is no value: a list of global variables, an application, a library."""
+
+    level: Level
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """Something that the project does not declare. Used as a value, it is an implicit external."""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """A variable whose declaration the simulator cannot use."""
+
+    error: SimulationError

@@ -1,0 +1,205 @@
+"""What translated programs call while they run."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from typing import Any
+
+from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import ElementaryType, Family
+
+
+class Processor:
+    """The clock of a controller and how much it may still do in the scan.
+
+    `now`: nanoseconds since the start. `left`: turns of loops and calls of functions before a scan counts as endless.
+    """
+
+    __slots__ = ("left", "now")
+
+    def __init__(self) -> None:
+        self.now = 0
+        self.left = 0
+
+
+class Pointer:
+    """Where a variable is: a list and an index in it. Equal pointers lead to the same variable."""
+
+    __slots__ = ("cells", "index")
+
+    def __init__(self, cells: list[Any], index: int) -> None:
+        self.cells = cells
+        self.index = index
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Pointer) and self.cells is other.cells and self.index == other.index
+
+    def __hash__(self) -> int:
+        return hash((id(self.cells), self.index))
+
+
+class Unread:
+    """Stands in the place of a free input that the scan has not asked for yet."""
+
+
+UNREAD = Unread()
+
+
+def endless() -> None:
+    """A scan has done more than it may."""
+    raise SimulationError(
+        "the scan does not end: a loop, or functions that call each other, go on and on",
+        hint="Controller(max_steps=..) allows more",
+    )
+
+
+def fail(error: SimulationError) -> Any:
+    """Something that could not be translated was reached."""
+    fresh = type(error).__new__(type(error))
+    fresh.__dict__.update(error.__dict__)
+    fresh.args = error.args
+    raise fresh
+
+
+def divided(dividend: int, divisor: int) -> int:
+    """Integer division, towards zero (ed. 3, table 29)."""
+    quotient = dividend // divisor
+    return quotient + 1 if quotient < 0 and quotient * divisor != dividend else quotient
+
+
+def remainder(dividend: int, divisor: int) -> int:
+    """MOD: it has the sign of the dividend (ed. 3, table 29)."""
+    return dividend - divisor * divided(dividend, divisor)
+
+
+def power(base: float, exponent: float) -> float:
+    """EXPT (ed. 3, table 29)."""
+    try:
+        result = math.pow(base, exponent)
+    except (OverflowError, ValueError):
+        raise SimulationError(f"{base} ** {exponent} is no real number") from None
+    return result
+
+
+def wrapped(value: int, least: int, greatest: int, unit: int) -> int:
+    """A value in the range of its type, in whole units."""
+    if unit > 1:
+        value = divided(value, unit) * unit
+    if least <= value <= greatest:
+        return value
+    return (value - least) % (greatest - least + unit) + least
+
+
+def single(value: float) -> float:
+    """A number rounded to single precision."""
+    return ctypes.c_float(value).value
+
+
+def half_even(value: float) -> int:
+    """A real number as an integer, halves to the even one (ed. 3, 6.6.2.5.3 after IEC 60559)."""
+    return round(value) if math.isfinite(value) else _not_finite(value)
+
+
+def half_away(value: float) -> int:
+    """A real number as an integer, halves away from zero (CODESYS, REAL_TO_INT)."""
+    if not math.isfinite(value):
+        return _not_finite(value)
+    whole = math.floor(abs(value) + 0.5)
+    if whole - abs(value) > 0.5:  # 0.49999999999999994 + 0.5 is 1.0
+        whole -= 1
+    return whole if value >= 0 else -whole
+
+
+def truncated(value: float) -> int:
+    """A real number as an integer, towards zero."""
+    return math.trunc(value) if math.isfinite(value) else _not_finite(value)
+
+
+def _not_finite(value: float) -> int:
+    raise SimulationError(f"{value} has no integer")
+
+
+def out_of_bounds(index: int, lower: int, upper: int) -> int:
+    """An index that an array does not have."""
+    raise SimulationError(f"the index {index} is outside of {lower}..{upper}")
+
+
+def narrow(value: int, least: int, greatest: int) -> int:
+    """A value of a subrange (ed. 3, 6.4.4.4: it is an error if it is outside)."""
+    if least <= value <= greatest:
+        return value
+    raise SimulationError(f"the value {value} is outside of the subrange {least}..{greatest}")
+
+
+def assign(target: Frame | list[Any], source: Frame | list[Any]) -> None:
+    """Copy a structure or an array into another, which stays the same object."""
+    to = target.v if isinstance(target, Frame) else target
+    values = source.v if isinstance(source, Frame) else source
+    if len(to) != len(values):
+        raise SimulationError("structures or arrays of different sizes are assigned")
+    for index, value in enumerate(values):
+        if type(value) is Frame or type(value) is list:
+            assign(to[index], value)
+        else:
+            to[index] = value
+
+
+def cloned(value: Any) -> Any:
+    """A copy of a structure or an array."""
+    if type(value) is Frame:
+        return Frame(value.layout, [cloned(item) for item in value.v])
+    if type(value) is list:
+        return [cloned(item) for item in value]
+    return value
+
+
+def preset(frame: Frame, *values: tuple[int, Any]) -> Frame:
+    """A new frame with other values in some of its slots."""
+    for slot, value in values:
+        frame.v[slot] = value
+    return frame
+
+
+def put(cells: list[Any], index: int, value: Any) -> Any:
+    """An assignment as an expression."""
+    cells[index] = value
+    return value
+
+
+def bit_set(word: int, bit: int, value: bool) -> int:
+    """A word with one bit changed."""
+    return word | 1 << bit if value else word & ~(1 << bit)
+
+
+def bits_set(word: int, start: int, width: int, value: int) -> int:
+    """A word with some of its bits changed."""
+    mask = (1 << width) - 1
+    return word & ~(mask << start) | (value & mask) << start
+
+
+def coerced(value: Any, type_: ElementaryType) -> Any:
+    """A value that comes from outside as one of `type_`; a `SimulationError` where it is none."""
+    family = type_.family
+    if family is Family.SPECIAL or type(value) is Unread:
+        return value
+    if family is Family.STRING:
+        if not isinstance(value, str):
+            raise SimulationError(f"{value!r} is no {type_.name}")
+        return value[: type_.length] if type_.length else value
+    if isinstance(value, str) and value.casefold() in type_.names:
+        return type_.names[value.casefold()]
+    if not isinstance(value, bool | int | float):
+        raise SimulationError(f"{value!r} is no {type_.name}")
+    if family is Family.BOOL:
+        return bool(value)
+    if family is Family.REAL:
+        return single(value) if type_.bits == 32 else float(value)
+    if isinstance(value, float):
+        if not value.is_integer():
+            raise SimulationError(f"{value!r} is no {type_.name}")
+        value = int(value)
+    if type_.narrowed is not None:
+        return narrow(int(value), *type_.narrowed)
+    return wrapped(int(value), type_.least, type_.greatest, type_.unit)

@@ -1,0 +1,336 @@
+"""Translation of statements (ed. 3, 7.3.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.nodes import AssignmentKind, Operator, Statement
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.calls import Calls
+from plcopen_sfc.semantics.programs.code import Code, settled, truth
+from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.places import Place
+
+_MANY_LABELS = 6
+_CALCULATING = {
+    AssignmentKind.ADD: Operator.ADD,
+    AssignmentKind.SUBTRACT: Operator.SUBTRACT,
+    AssignmentKind.MULTIPLY: Operator.MULTIPLY,
+    AssignmentKind.DIVIDE: Operator.DIVIDE,
+}
+
+
+class StatementTranslator:
+    """Writes the statements of a body. What cannot be translated becomes an error where it is reached."""
+
+    def __init__(self, translator: Translator, path: str, text: str | None = None) -> None:
+        self._translator = translator
+        self._writer = translator.writer
+        self._library = translator.library
+        self._calls = Calls(translator)
+        self._path = path
+        self._lines = Lines(text) if text is not None else None
+        self._labels: dict[str, int] = {}
+        self._loops: list[str] = []
+        self._returns = "return"
+
+    def body(self, statements: Sequence[Statement], *, returns: str = "return") -> None:
+        """A whole body: labels may stand between its statements. `returns` is what RETURN becomes."""
+        self._returns = returns
+        labels = [s.label.identifier.casefold() for s in statements if isinstance(s, n.Label)]
+        if not labels:
+            self.all(statements)
+            return
+        self._labels = {label: index + 1 for index, label in enumerate(labels)}
+        parts: list[list[Statement]] = [[]]
+        for statement in statements:
+            if isinstance(statement, n.Label):
+                parts.append([])
+            else:
+                parts[-1].append(statement)
+        self._writer.write("_to = 0")
+        with self._writer.block("while True:"):
+            self._count_turn()
+            for index, part in enumerate(parts):
+                with self._writer.block(f"if _to <= {index}:"):
+                    self.all(part)
+            self._writer.write("break")
+
+    def all(self, statements: Sequence[Statement]) -> None:
+        """Statements behind each other."""
+        for statement in statements:
+            self.one(statement)
+
+    def one(self, statement: Statement) -> None:
+        """One statement."""
+        if self._lines is not None and statement.span is not None:
+            self._writer.origin = self._lines.place(statement.span[0])[0]
+        mark = self._writer.mark()
+        try:
+            self._translate(statement)
+        except SimulationError as error:
+            self._writer.rollback(mark)
+            self._fail(error)
+
+    def _fail(self, error: SimulationError) -> None:
+        """What cannot be translated is an error where it is reached."""
+        if error.location.path is None:
+            error.location = Location(path=self._path, line=self._writer.origin if self._lines is not None else None)
+        self._library.problems.append(error)
+        self._writer.write(f"fail({self._library.linker.name(error, 'e')})")
+
+    def _translate(self, statement: Statement) -> None:
+        match statement:
+            case n.Assignment():
+                self._assignment(statement)
+            case n.CallStatement(call=call):
+                self._calls.statement(call)
+            case n.If(branches=branches, otherwise=otherwise):
+                self._if(branches, otherwise)
+            case n.Case():
+                self._case(statement)
+            case n.For():
+                self._for(statement)
+            case n.While(condition=condition, statements=statements):
+                with self._writer.block("while True:"):
+                    self._count_turn()
+                    with self._writer.block(f"if not {self._truth(condition).text}:"):
+                        self._writer.write("break")
+                    self._inside("", statements)
+            case n.Repeat(statements=statements, condition=condition):
+                self._repeat(statements, condition)
+            case n.Region(statements=statements):
+                self.all(statements)
+            case n.Exit() | n.Continue():
+                self._leave_loop(statement)
+            case n.Return(value=value):
+                if value is not None:
+                    raise SimulationError("RETURN with a value is not known to the simulator")
+                self._writer.write(self._returns)
+            case n.Goto(label=label):
+                self._goto(label.identifier)
+            case n.Empty():
+                pass
+            case n.Label():
+                raise SimulationError("a label inside of other statements is not known to the simulator")
+            case n.Try():
+                raise SimulationError("__TRY is not known to the simulator")
+            case _:
+                raise SimulationError("this is no statement")
+
+    def _truth(self, node: n.Expression) -> Code:
+        return truth(self._translator.value(node, t.BOOL))
+
+    # -- assignments
+
+    def _assignment(self, node: n.Assignment) -> None:
+        translator = self._translator
+        if node.kind is AssignmentKind.REFERENCE:
+            self._refer(node)
+            return
+        if node.kind is AssignmentKind.ATTEMPT:
+            raise SimulationError("?= is not known to the simulator")
+        if node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
+            with self._writer.block(f"if {self._truth(node.value).text}:"):
+                place = translator.place(node.target, t.BOOL)
+                translator.note_write(place)
+                translator.write(place, Code(repr(node.kind is AssignmentKind.SET), t.BOOL))
+            return
+        value = node.value
+        if node.kind in _CALCULATING:
+            value = n.Operation(_CALCULATING[node.kind], (node.target, n.Parenthesized(value)))
+        known = translator.meaning(node.target)
+        if isinstance(known, Place):
+            wanted: t.Type | None = known.type
+        else:
+            wanted = translator.guessed(value)
+        place = translator.place(node.target, wanted)
+        if isinstance(known, Place) and isinstance(known.type, t.ReferenceType) and known.type.automatic:
+            place = translator.followed(known, None)
+        translator.note_write(place)
+        code = settled(translator.fitted(translator.value(value, place.type), place.type))
+        self._check_copy(place, code)
+        translator.write(place, code)
+
+    def _check_copy(self, place: Place, code: Code) -> None:
+        """Structures are copied to structures of their type only, arrays to those of their size."""
+        one, other = place.type, code.type
+        if isinstance(one, t.StructureType | t.ArrayType) or isinstance(other, t.StructureType | t.ArrayType):
+            same = False
+            if isinstance(one, t.StructureType) and isinstance(other, t.StructureType):
+                same = one.layout is other.layout
+            if isinstance(one, t.ArrayType) and isinstance(other, t.ArrayType):
+                same = one.base == other.base and one.size == other.size
+            if not same and other is not t.ANY:
+                raise SimulationError(f"{other.name} is assigned to {place.path}, which is {one.name}")
+
+    def _refer(self, node: n.Assignment) -> None:
+        """``reference REF= variable``."""
+        held = self._translator.meaning(node.target)
+        if not isinstance(held, Place) or not isinstance(held.type, t.ReferenceType):
+            raise SimulationError(f"{print_node(node.target)} is no reference")
+        if isinstance(node.value, n.Literal):
+            self._writer.write(f"{held.text} = None")
+            return
+        target = self._translator.place(node.value)
+        self._library.written.update((held.root, target.root))
+        self._writer.write(f"{held.text} = Pointer({target.cells}, {target.index})")
+
+    # -- branches
+
+    def _if(self, branches: Sequence[n.Branch], otherwise: Sequence[Statement] | None) -> None:
+        """IF. What a condition needs before it is part of the expression, so ELSIF stays a chain."""
+        for index, branch in enumerate(branches):
+            word = "elif" if index else "if"
+            with self._writer.block(f"{word} {self._truth(branch.condition).text}:"):
+                self.all(branch.statements)
+        if otherwise:
+            with self._writer.block("else:"):
+                self.all(otherwise)
+
+    def _case(self, node: n.Case) -> None:
+        selector = settled(self._translator.value(node.selector, t.DINT))
+        held = self._writer.temporary()
+        self._writer.write(f"{held} = {selector.text}")
+        branches = []
+        for branch in node.branches:
+            labels = [self._label(label, selector.type) for label in branch.labels]
+            branches.append((labels, branch.statements))
+        single = all(low == high for labels, _ in branches for low, high in labels)
+        if single and len(branches) > _MANY_LABELS:
+            self._search(held, branches, node.otherwise)
+            return
+        word = "if"
+        for labels, statements in branches:
+            with self._writer.block(f"{word} {_matches(held, labels)}:"):
+                self.all(statements)
+            word = "elif"
+        if node.otherwise:
+            with self._writer.block("else:" if branches else "if True:"):
+                self.all(node.otherwise)
+
+    def _label(self, label: n.Expression | n.Range, type_: t.Type) -> tuple[int, int]:
+        ends = (label.lower, label.upper) if isinstance(label, n.Range) else (label, label)
+        values = []
+        for end in ends:
+            code = self._translator.value(end, type_)
+            if not code.constant or not isinstance(code.value, int):
+                raise SimulationError(f"{print_node(end)} is a label of CASE, but no constant")
+            values.append(int(code.value))
+        return values[0], values[1]
+
+    def _search(
+        self,
+        held: str,
+        branches: list[tuple[list[tuple[int, int]], tuple[Statement, ...]]],
+        otherwise: Sequence[Statement] | None,
+    ) -> None:
+        """Many labels: the number of the branch is looked up, and found by halving."""
+        table: dict[int, int] = {}
+        for index, (labels, _) in enumerate(branches):
+            for label, _ in labels:
+                table.setdefault(label, index)  # the first one that has the label is taken
+        name = self._library.linker.name(table, "case")
+        self._writer.write(f"{held} = {name}.get({held}, -1)")
+        self._halve(held, [statements for _, statements in branches], 0)
+        if otherwise:
+            with self._writer.block(f"if {held} < 0:"):
+                self.all(otherwise)
+
+    def _halve(self, held: str, branches: list[tuple[Statement, ...]], first: int) -> None:
+        if len(branches) == 1:
+            with self._writer.block(f"if {held} == {first}:"):
+                self.all(branches[0])
+            return
+        middle = len(branches) // 2
+        with self._writer.block(f"if {held} < {first + middle}:"):
+            self._halve(held, branches[:middle], first)
+        with self._writer.block("else:"):
+            self._halve(held, branches[middle:], first + middle)
+
+    # -- loops
+
+    def _count_turn(self) -> None:
+        self._writer.write("p.left -= 1")
+        self._writer.write("if p.left < 0: endless()")
+
+    def _inside(self, on_continue: str, statements: Sequence[Statement]) -> None:
+        self._loops.append(on_continue)
+        self.all(statements)
+        self._loops.pop()
+
+    def _leave_loop(self, node: n.Exit | n.Continue) -> None:
+        if not self._loops:
+            raise SimulationError("EXIT and CONTINUE belong into a loop")
+        if isinstance(node, n.Exit):
+            self._writer.write("break")
+            return
+        for line in filter(None, self._loops[-1].split("\n")):
+            self._writer.write(line)
+        self._writer.write("continue")
+
+    def _for(self, node: n.For) -> None:
+        translator = self._translator
+        place = translator.place(node.variable, t.DINT)
+        translator.note_write(place)
+        type_ = place.type
+        if not isinstance(type_, t.ElementaryType) or not type_.is_number or place.bits is not None:
+            raise SimulationError(f"{place.path} is a {type_.name}, which does not count")
+        start, end = (
+            settled(translator.fitted(translator.value(node_, type_), type_)) for node_ in (node.start, node.end)
+        )
+        step = settled(translator.value(node.step, type_)) if node.step is not None else None
+        last, by = self._writer.temporary(), self._writer.temporary()
+        self._writer.write(f"{last} = {end.text}")
+        if step is not None and not step.constant:
+            self._writer.write(f"{by} = {step.text}")
+        variable = place.text
+        self._writer.write(f"{variable} = {start.text}")
+        if step is None or step.constant:
+            amount = step.value if step is not None else 1
+            if amount == 0:
+                raise SimulationError("FOR goes on by 0: it would not end")
+            condition = f"{variable} <= {last}" if amount > 0 else f"{variable} >= {last}"
+            by_text, bounds = repr(amount), (amount, amount)
+        else:
+            condition = f"({variable} <= {last} if {by} > 0 else {variable} >= {last})"
+            by_text, bounds = by, (step.low, step.high)
+        moved = Code(f"({variable} + {by_text})", type_, type_.least + bounds[0], type_.greatest + bounds[1])
+        # the variable is not kept in its bounds by the loop itself: the turn after the last one may leave a subrange
+        following = f"{variable} = {settled(moved).text}"
+        with self._writer.block(f"while {condition}:"):
+            self._count_turn()
+            self._inside(following, node.statements)
+            self._writer.write(following)
+
+    def _repeat(self, statements: Sequence[Statement], condition: n.Expression) -> None:
+        again = self._writer.temporary()
+        self._writer.write(f"{again} = False")
+        with self._writer.block("while True:"):
+            # CONTINUE goes to the condition, which therefore stands at the beginning of the next turn
+            with self._writer.block(f"if {again}:"), self._writer.block(f"if {self._truth(condition).text}:"):
+                self._writer.write("break")
+            self._writer.write(f"{again} = True")
+            self._count_turn()
+            self._inside("", statements)
+
+    def _goto(self, label: str) -> None:
+        index = self._labels.get(label.casefold())
+        if index is None:
+            raise SimulationError(f"the label {label} is not among the outermost statements of the body")
+        if self._loops:
+            raise SimulationError("a jump out of a loop is not known to the simulator")
+        self._writer.write(f"_to = {index}")
+        self._writer.write("continue")
+
+
+def _matches(held: str, labels: list[tuple[int, int]]) -> str:
+    singles = [low for low, high in labels if low == high]
+    tests = [f"{held} == {singles[0]}"] if len(singles) == 1 else []
+    tests += [f"{held} in ({', '.join(map(str, singles))})"] if len(singles) > 1 else []
+    tests += [f"{low} <= {held} <= {high}" for low, high in labels if low != high]
+    return " or ".join(tests)

@@ -1,0 +1,213 @@
+"""The types of values while a program runs, and how Python holds them (IEC 61131-3 ed. 3, 6.4).
+
+BOOL is a `bool`; integers and bit strings are an `int` in the range of their type; REAL and LREAL a `float`, REAL
+rounded to single precision; durations an `int` of nanoseconds, dates and times of day an `int` of nanoseconds since
+1970-01-01 or midnight; strings and characters a `str`; arrays a flat `list`; structures and instances a `Frame`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st.literals import TIME_RANGES
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.layouts import Layout
+
+
+class Family(Enum):
+    """What values of an elementary type are."""
+
+    BOOL = "bool"
+    INTEGER = "integer"
+    BITS = "bit string"
+    REAL = "real"
+    DURATION = "duration"
+    DATE = "date"
+    TIME_OF_DAY = "time of day"
+    DATE_AND_TIME = "date and time"
+    STRING = "string"
+    SPECIAL = "special"
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """Base of all types. `name` is as a person would write it."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ElementaryType(Type):
+    """An elementary type, a subrange or an enumeration of one.
+
+    `least` and `greatest` are the range of the type that values wrap in, `unit` the grain of durations and times in
+    nanoseconds; `bits` the width. `length` is that of strings, in characters. `narrowed` are the bounds of a subrange;
+    `names` the values of an enumeration by their names in lower case.
+    """
+
+    family: Family
+    bits: int = 0
+    least: int = 0
+    greatest: int = 0
+    unit: int = 1
+    length: int = 0
+    narrowed: tuple[int, int] | None = None
+    names: Mapping[str, int] = field(default_factory=dict, compare=False)
+
+    @property
+    def is_ranged(self) -> bool:
+        """Whether values are integers that wrap."""
+        return self.family not in (Family.BOOL, Family.REAL, Family.STRING, Family.SPECIAL)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether one can calculate with it as with a number."""
+        return self.family in (Family.INTEGER, Family.BITS, Family.REAL)
+
+
+@dataclass(frozen=True, slots=True)
+class ArrayType(Type):
+    """``ARRAY``: bounds of each dimension, both included. `dimensions` is empty for one of any length."""
+
+    base: Type
+    dimensions: tuple[tuple[int, int], ...]
+
+    @property
+    def size(self) -> int:
+        """How many elements it has."""
+        size = 1
+        for lower, upper in self.dimensions:
+            size *= max(upper - lower + 1, 0)
+        return size
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StructureType(Type):
+    """A structure, a function block or a program: what has members by name."""
+
+    layout: Layout
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceType(Type):
+    """A reference or pointer to `base`: a `Pointer` or None. `automatic`: it is followed without a sign (CODESYS)."""
+
+    base: Type
+    automatic: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class OpaqueType(Type):
+    """A type that the project does not declare. Members of its variables are implicit externals."""
+
+
+def _integers() -> dict[str, ElementaryType]:
+    types = {}
+    for bits, names in (
+        (8, "SINT USINT BYTE"),
+        (16, "INT UINT WORD"),
+        (32, "DINT UDINT DWORD"),
+        (64, "LINT ULINT LWORD"),
+    ):
+        signed, unsigned, string = names.split()
+        half, whole = 1 << bits - 1, 1 << bits
+        types[signed] = ElementaryType(signed, Family.INTEGER, bits, -half, half - 1)
+        types[unsigned] = ElementaryType(unsigned, Family.INTEGER, bits, 0, whole - 1)
+        types[string] = ElementaryType(string, Family.BITS, bits, 0, whole - 1)
+    return types
+
+
+_HALF = 1 << 63
+_MILLISECOND = 1_000_000
+_DAY = 86_400_000_000_000
+BOOL = ElementaryType("BOOL", Family.BOOL, 1, 0, 1)
+REAL = ElementaryType("REAL", Family.REAL, 32)
+LREAL = ElementaryType("LREAL", Family.REAL, 64)
+LTIME = ElementaryType("LTIME", Family.DURATION, 64, -_HALF, _HALF - 1)
+INSTANT = ElementaryType("instant", Family.SPECIAL)
+"""Absolute nanoseconds of the controller's clock, or None. In a snapshot it is relative to the present."""
+ELAPSED = ElementaryType("TIME", Family.DURATION, 64, -_HALF, _HALF - 1, unit=1, length=1)
+"""A TIME that may go on growing: a snapshot may clamp it."""
+ANY = ElementaryType("ANY", Family.SPECIAL)
+"""The type of what a supplied function returns: whatever it is."""
+
+ELEMENTARY: dict[str, ElementaryType] = _integers() | {
+    "BOOL": BOOL,
+    "BIT": BOOL,
+    "REAL": REAL,
+    "LREAL": LREAL,
+    "TIME": ElementaryType("TIME", Family.DURATION, 64, -_HALF, _HALF - 1),
+    "LTIME": LTIME,
+    "S5TIME": ElementaryType("S5TIME", Family.DURATION, 16, 0, 9_990_000_000_000, unit=10 * _MILLISECOND),
+    "DATE": ElementaryType("DATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
+    "LDATE": ElementaryType("LDATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
+    "TOD": ElementaryType("TOD", Family.TIME_OF_DAY, 32, 0, _DAY - 1, unit=_MILLISECOND),
+    "LTOD": ElementaryType("LTOD", Family.TIME_OF_DAY, 64, 0, _DAY - 1),
+    "DT": ElementaryType("DT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
+    "LDT": ElementaryType("LDT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
+    "DTL": ElementaryType("DTL", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
+    "CHAR": ElementaryType("CHAR", Family.STRING, 8, length=1),
+    "WCHAR": ElementaryType("WCHAR", Family.STRING, 16, length=1),
+    "STRING": ElementaryType("STRING", Family.STRING, 8, length=254),
+    "WSTRING": ElementaryType("WSTRING", Family.STRING, 16, length=254),
+    "TIMER": ElementaryType("TIMER", Family.INTEGER, 16, 0, 0xFFFF),
+    "COUNTER": ElementaryType("COUNTER", Family.BITS, 16, 0, 0xFFFF),
+    "XINT": ElementaryType("XINT", Family.INTEGER, 64, -_HALF, _HALF - 1),
+    "UXINT": ElementaryType("UXINT", Family.INTEGER, 64, 0, 2 * _HALF - 1),
+    "XWORD": ElementaryType("XWORD", Family.BITS, 64, 0, 2 * _HALF - 1),
+}
+"""The elementary types of IEC 61131-3; TIME there has 64 bits of nanoseconds."""
+ELEMENTARY |= {
+    "TIME_OF_DAY": ELEMENTARY["TOD"],
+    "LTIME_OF_DAY": ELEMENTARY["LTOD"],
+    "DATE_AND_TIME": ELEMENTARY["DT"],
+    "LDATE_AND_TIME": ELEMENTARY["LDT"],
+}
+INT, DINT, LINT = ELEMENTARY["INT"], ELEMENTARY["DINT"], ELEMENTARY["LINT"]
+
+_DEFAULT_LENGTHS = {Dialect.CODESYS: 80, Dialect.TWINCAT: 80}
+_NARROW_TIMES = {
+    dialect: ElementaryType("TIME", Family.DURATION, 32, *TIME_RANGES[dialect, "TIME"], unit=_MILLISECOND)
+    for dialect in (Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL)
+}
+
+
+def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ElementaryType | None:
+    """The elementary type of this name in a dialect; None if there is none.
+
+    TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else.
+    A STRING without a length has 80 characters in CODESYS, 254 in S7; the same is taken for IEC 61131-3, which leaves
+    it open.
+    """
+    key = name.upper()
+    if key == "TIME" and dialect in _NARROW_TIMES:
+        return _NARROW_TIMES[dialect]
+    if key in ("STRING", "WSTRING"):
+        return string(key, _DEFAULT_LENGTHS.get(dialect, 254))
+    return ELEMENTARY.get(key)
+
+
+def string(name: str, length: int) -> ElementaryType:
+    """STRING or WSTRING of a length."""
+    return ElementaryType(name, Family.STRING, ELEMENTARY[name].bits, length=length)
+
+
+def default(type_: ElementaryType) -> bool | int | float | str | None:
+    """The value of a variable of an elementary type that has no other (ed. 3, table 10)."""
+    if type_.family is Family.BOOL:
+        return False
+    if type_.family is Family.REAL:
+        return 0.0
+    if type_.family is Family.STRING:
+        return ""
+    if type_.family is Family.SPECIAL:
+        return None
+    least, greatest = type_.narrowed or (min(type_.least, 0), max(type_.greatest, 0))
+    if type_.names:
+        return next(iter(type_.names.values()))
+    return 0 if least <= 0 <= greatest else least
