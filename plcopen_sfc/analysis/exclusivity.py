@@ -1,0 +1,146 @@
+"""Whether conditions exclude each other, are always or never true, or are covered by others.
+
+Boolean operations are decided exactly, and so are comparisons of variables with constants and with each other; of
+anything else (arithmetic, calls) only as much is known as that equal expressions have equal values. Numbers are
+numbers: a REAL that is none (NaN) is not thought of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TypeAlias
+
+from plcopen_sfc.analysis.answers import Answer
+from plcopen_sfc.analysis.formulas import Formula, Knowledge, Reading, Situation, disjunction, negation
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.model.pou import NamedTransition
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+
+AnyCondition: TypeAlias = str | NetworkExpression | n.Node
+"""A condition as text, as a tree, or as `condition_of` gives it."""
+
+
+@dataclass(frozen=True)
+class Exclusivity:
+    """Whether two conditions exclude each other; true where Python asks only if they do.
+
+    NO: `witness` is a situation in which both are true. UNKNOWN: `reason` says why.
+    """
+
+    answer: Answer
+    witness: Situation = field(default_factory=dict)
+    reason: str = ""
+
+    def __bool__(self) -> bool:
+        return bool(self.answer)
+
+
+class Truth(StrEnum):
+    """When a condition is true. VARIES: it can be true and it can be false."""
+
+    ALWAYS = "always"
+    NEVER = "never"
+    VARIES = "varies"
+    UNKNOWN = "unknown"
+
+
+def condition_of(
+    chart: SfcNetwork,
+    transition: Transition,
+    dialect: Dialect = Dialect.IEC,
+    *,
+    transitions: Iterable[NamedTransition] = (),
+) -> NetworkExpression:
+    """The condition of a transition, however it is given. `transitions` are those of the POU (`Pou.transitions`)."""
+    return condition_expression(chart, transition, dialect, transitions=transitions)
+
+
+def exclusive(
+    a: AnyCondition, b: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None
+) -> Exclusivity:
+    """Whether two conditions can never be true at the same time. `knowledge`: what is known of the variables in them.
+
+    Without knowledge a name is what its use shows: Boolean, a number, a duration. See `project_knowledge`.
+    """
+    read = [_read(condition, dialect) for condition in (a, b)]
+    problem = next((r for r in read if isinstance(r, str)), None)
+    if problem is not None:
+        return Exclusivity(Answer.UNKNOWN, reason=problem)
+    formula = Formula(dialect, knowledge)
+    possible, witness, reason = formula.check(formula.terms([r for r in read if isinstance(r, Reading)]))
+    return Exclusivity(_not(possible), witness, reason)
+
+
+def truth(condition: AnyCondition, *, dialect: Dialect = Dialect.IEC, knowledge: Knowledge | None = None) -> Truth:
+    """Whether a condition is always true, never, or sometimes."""
+    read = _read(condition, dialect)
+    if isinstance(read, str):
+        return Truth.UNKNOWN
+    formula = Formula(dialect, knowledge)
+    terms = formula.terms([read])
+    can_be_true, _, _ = formula.check(terms)
+    if can_be_true is False:
+        return Truth.NEVER
+    can_be_false, _, _ = formula.check([negation(terms[0])])
+    if can_be_false is False:
+        return Truth.ALWAYS
+    return Truth.VARIES if can_be_true and can_be_false else Truth.UNKNOWN
+
+
+def covered(
+    condition: AnyCondition,
+    others: Sequence[AnyCondition],
+    *,
+    dialect: Dialect = Dialect.IEC,
+    knowledge: Knowledge | None = None,
+) -> Answer:
+    """Whether one of `others` is true whenever `condition` is: behind them by priority, its transition never fires."""
+    read = [_read(each, dialect) for each in (condition, *others)]
+    if any(isinstance(r, str) for r in read):
+        return Answer.UNKNOWN
+    formula = Formula(dialect, knowledge)
+    first, *rest = formula.terms([r for r in read if isinstance(r, Reading)])
+    possible, _, _ = formula.check([first, negation(disjunction(rest))])
+    return _not(possible)
+
+
+def _not(possible: bool | None) -> Answer:
+    if possible is None:
+        return Answer.UNKNOWN
+    return Answer.NO if possible else Answer.YES
+
+
+def _read(condition: AnyCondition, dialect: Dialect) -> Reading | str:
+    """A condition ready to be decided, or why it is not."""
+    if isinstance(condition, str):
+        parsed = parse_condition(condition, dialect)
+        if parsed.problems:
+            return f"{condition!r}: {parsed.problems[0].message}"
+        return Reading(parsed.tree)
+    if not isinstance(condition, NetworkExpression):
+        return Reading(condition)  # type: ignore[arg-type]  # nodes that are no expressions are atoms
+    if condition.tree is None or not condition.complete:
+        return condition.problems[0].message if condition.problems else "the condition cannot be read"
+    return Reading(condition.tree, _written(condition))
+
+
+def _written(condition: NetworkExpression) -> frozenset[str]:
+    """The variables that are written, and the instances that are called, before the condition has its value."""
+    found = {helper.name.casefold() for helper in condition.helpers}
+    for statement in condition.before:
+        for node in walk(statement):
+            if isinstance(node, n.Assignment | n.AssignmentExpression):
+                found |= _names(node.target)
+            elif isinstance(node, n.Call):
+                found |= _names(node.callee)
+                found |= {name for a in node.arguments if a.output and a.value for name in _names(a.value)}
+    return frozenset(found)
+
+
+def _names(tree: n.Node) -> set[str]:
+    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}

@@ -1,0 +1,424 @@
+"""Conditions as formulas that z3 decides.
+
+A formula knows Boolean operations, comparisons of values with constants and with each other, and nothing else. What it
+does not know (arithmetic, calls) is an atom of its own: equal text, equal value. Such an atom may take any value in the
+formula, so what z3 finds impossible is impossible; what it finds possible is then only a guess, and `Formula.doubts`
+says why.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from datetime import date
+from enum import StrEnum
+from fractions import Fraction
+from functools import reduce
+from threading import local
+from typing import Any
+
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value, write_literal
+from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.languages.standard_blocks import standard_block
+
+
+class ValueKind(StrEnum):
+    """What values a variable has, as far as comparisons care. Times and dates are integers; see `LiteralKind`."""
+
+    BOOL = "BOOL"
+    INTEGER = "integer"
+    REAL = "real"
+    DURATION = "duration"
+    DATE = "date"
+    TIME_OF_DAY = "time of day"
+    DATE_AND_TIME = "date and time"
+    SYMBOL = "symbol"
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """The values that a variable can have: its kind, and for numbers the least and the greatest value where known.
+
+    `symbols` are all values of an enumeration, as `LiteralValue.value` has them.
+    """
+
+    kind: ValueKind
+    least: int | None = None
+    greatest: int | None = None
+    symbols: tuple[str, ...] = ()
+
+
+Knowledge = Callable[[Expression], Domain | LiteralValue | None]
+"""What is known of a name in a condition: the values it can have, its constant value, or nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A condition to be decided: its expression, and the names that may have another value in the other conditions.
+
+    `own` are the variables that are written while the condition is evaluated, with case folded.
+    """
+
+    tree: Expression
+    own: frozenset[str] = frozenset()
+
+
+_COMPARING: dict[Operator, Callable[[Any, Any], Any]] = {
+    Operator.EQUAL: lambda a, b: a == b,
+    Operator.UNEQUAL: lambda a, b: a != b,
+    Operator.LESS: lambda a, b: a < b,
+    Operator.GREATER: lambda a, b: a > b,
+    Operator.LESS_OR_EQUAL: lambda a, b: a <= b,
+    Operator.GREATER_OR_EQUAL: lambda a, b: a >= b,
+}
+_JOINING = {
+    Operator.AND: "And",
+    Operator.AND_THEN: "And",
+    Operator.OR: "Or",
+    Operator.OR_ELSE: "Or",
+}
+_KINDS = {
+    LiteralKind.BOOL: ValueKind.BOOL,
+    LiteralKind.INTEGER: ValueKind.INTEGER,
+    LiteralKind.REAL: ValueKind.REAL,
+    LiteralKind.DURATION: ValueKind.DURATION,
+    LiteralKind.DATE: ValueKind.DATE,
+    LiteralKind.TIME_OF_DAY: ValueKind.TIME_OF_DAY,
+    LiteralKind.DATE_AND_TIME: ValueKind.DATE_AND_TIME,
+    LiteralKind.STRING: ValueKind.SYMBOL,
+    LiteralKind.ENUMERATED: ValueKind.SYMBOL,
+}
+_LITERALS = {
+    ValueKind.DURATION: LiteralKind.DURATION,
+    ValueKind.DATE: LiteralKind.DATE,
+    ValueKind.TIME_OF_DAY: LiteralKind.TIME_OF_DAY,
+    ValueKind.DATE_AND_TIME: LiteralKind.DATE_AND_TIME,
+}
+_NUMBERS = (ValueKind.INTEGER, ValueKind.REAL)
+
+
+@dataclass
+class _Atom:
+    """Something that takes a value: `term` in z3. `typed`: its kind is known, not only guessed from its use."""
+
+    text: str
+    kind: ValueKind
+    term: Any
+    typed: bool
+
+
+@dataclass
+class Formula:
+    """Conditions in one formula, each a z3 term. `doubts`: why what z3 finds possible may still be impossible."""
+
+    dialect: Dialect
+    knowledge: Knowledge | None
+    doubts: list[str] = field(default_factory=list)
+    _atoms: dict[str, _Atom] = field(default_factory=dict)
+    _bounds: list[Any] = field(default_factory=list)
+    _codes: dict[str, int] = field(default_factory=dict)
+    _symbols: list[str] = field(default_factory=list)
+    _boolean: set[str] = field(default_factory=set)
+    _own: frozenset[str] = frozenset()
+    _side: int = 0
+
+    def terms(self, readings: list[Reading]) -> list[Any]:
+        """The z3 terms of conditions."""
+        trees = [normal_form(reading.tree) for reading in readings]
+        for tree in trees:
+            self._find_booleans(tree)
+        terms: list[Any] = []
+        for self._side, (tree, reading) in enumerate(zip(trees, readings, strict=True)):
+            self._own = reading.own
+            terms.append(self._truth(tree))
+        self._doubt_parts()
+        return terms
+
+    def check(self, terms: list[Any]) -> tuple[bool | None, dict[str, str], str]:
+        """Whether all terms can be true together, in which situation, and why that is unknown (None)."""
+        z3, context = _z3()
+        solver = z3.Solver(ctx=context)
+        solver.set("rlimit", _EFFORT)
+        solver.add(*terms, *self._bounds)
+        found = solver.check()
+        if found == z3.unsat:
+            return False, {}, ""
+        if found != z3.sat:
+            return None, {}, f"it takes too long to decide ({solver.reason_unknown()})"
+        if self.doubts:
+            return None, {}, self.doubts[0]
+        guessed = [a for a in self._atoms.values() if a.kind in _NUMBERS and not a.typed]
+        solver.add(*(z3.IsInt(a.term) for a in guessed if a.term.is_real()))
+        if solver.check() != z3.sat:
+            names = ", ".join(a.text for a in guessed)
+            return None, {}, f"it depends on whether {names} can be a fraction"
+        return True, self._situation(solver.model()), ""
+
+    def _situation(self, model: Any) -> dict[str, str]:
+        situation: dict[str, str] = {}
+        for atom in self._atoms.values():
+            value = model.eval(atom.term, model_completion=True)
+            if atom.kind is ValueKind.BOOL:
+                situation[atom.text] = "TRUE" if str(value) == "True" else "FALSE"
+            elif atom.kind is ValueKind.SYMBOL:
+                known = range(len(self._symbols))
+                situation[atom.text] = self._symbols[value.as_long()] if value.as_long() in known else "another value"
+            elif atom.kind in _NUMBERS:
+                number = value.as_fraction() if value.is_real() else Fraction(value.as_long())
+                whole = number.denominator == 1
+                situation[atom.text] = str(number.numerator) if whole else repr(float(number))
+            else:
+                situation[atom.text] = self._literal(atom.kind, value.as_long())
+        return situation
+
+    def _literal(self, kind: ValueKind, number: int) -> str:
+        value = date.fromordinal(number) if kind is ValueKind.DATE and 0 < number <= date.max.toordinal() else number
+        try:
+            return write_literal(LiteralValue(_LITERALS[kind], value), self.dialect)
+        except ModelError:  # no literal can say it: a time between the milliseconds of CODESYS
+            return f"{number} ns"
+
+    # -- Boolean terms
+
+    def _truth(self, tree: Expression) -> Any:
+        z3, context = _z3()
+        match tree:
+            case n.Parenthesized(inner):
+                return self._truth(inner)
+            case n.Unary(Operator.NOT, operand):
+                return z3.Not(self._truth(operand))
+            case n.Operation(operator, operands) if operator in _JOINING:
+                return getattr(z3, _JOINING[operator])(*map(self._truth, operands))
+            case n.Operation(Operator.XOR, operands):
+                return reduce(z3.Xor, map(self._truth, operands))
+            case n.Operation(operator, (left, right)) if operator in _COMPARING:
+                return self._comparison(tree, operator, left, right)
+        constant = self._constant(tree)
+        if constant is not None:
+            if constant.kind is LiteralKind.BOOL or constant.value in (0, 1):
+                return z3.BoolVal(bool(constant.value), ctx=context)
+            return self._unknown(tree, "is no Boolean value")
+        if isinstance(tree, n.Unreadable):
+            return self._unknown(tree, "cannot be read")
+        return self._atom(tree, ValueKind.BOOL).term
+
+    def _comparison(self, tree: n.Operation, operator: Operator, left: Expression, right: Expression) -> Any:
+        kinds = [self._kind(side) for side in (left, right)]
+        kind = kinds[0] or kinds[1]
+        if kind is None:
+            # two names of which nothing is known: that they are numbers is no more than a guess
+            self._doubt(f"the type of {print_node(left)} and {print_node(right)} is not known")
+            kind = ValueKind.REAL
+        if ValueKind.BOOL in kinds:
+            if operator in (Operator.EQUAL, Operator.UNEQUAL):
+                return _COMPARING[operator](self._truth(left), self._truth(right))
+            return self._unknown(tree, "compares Boolean values by size")
+        numbers = all(k is None or k in _NUMBERS for k in kinds)
+        if None not in kinds and kinds[0] is not kinds[1] and not numbers:
+            return self._unknown(tree, "compares values of different types")
+        if kind is ValueKind.SYMBOL and operator not in (Operator.EQUAL, Operator.UNEQUAL):
+            return self._unknown(tree, "compares texts or names by size")
+        return _COMPARING[operator](self._value(left, kind), self._value(right, kind))
+
+    # -- values
+
+    def _kind(self, tree: Expression) -> ValueKind | None:
+        """The kind of a value; None: unknown."""
+        tree = n.bare(tree)
+        constant = self._constant(tree)
+        if constant is not None:
+            return _KINDS.get(constant.kind)
+        domain = self._domain(tree)
+        if domain is not None:
+            return domain.kind
+        match tree:
+            case n.Unary(Operator.NOT) | n.Operation(Operator.AND_THEN | Operator.OR_ELSE):
+                return ValueKind.BOOL
+            case n.Operation(operator) if operator in _COMPARING:
+                return ValueKind.BOOL
+            case n.Operation(Operator.AND | Operator.OR | Operator.XOR, operands):
+                # of BOOL or of bit strings, whichever its operands are
+                kinds = [self._kind(operand) for operand in operands]
+                return next((kind for kind in kinds if kind is not None), None)
+        if self._key(tree) in self._boolean:
+            return ValueKind.BOOL
+        atom = self._atoms.get(self._key(tree))
+        return atom.kind if atom is not None else None
+
+    def _value(self, tree: Expression, kind: ValueKind) -> Any:
+        z3, context = _z3()
+        tree = n.bare(tree)
+        constant = self._constant(tree)
+        if constant is None:
+            return self._atom(tree, kind).term
+        value = constant.value
+        if isinstance(value, str):
+            return z3.IntVal(self._code(constant), ctx=context)
+        if isinstance(value, date):
+            return z3.IntVal(value.toordinal(), ctx=context)
+        if isinstance(value, float):
+            return z3.RealVal(Fraction(value), ctx=context)
+        return z3.IntVal(int(value), ctx=context)
+
+    def _constant(self, tree: Expression) -> LiteralValue | None:
+        tree = n.bare(tree)
+        match tree:
+            case n.Literal():
+                try:
+                    literal = literal_value(tree, self.dialect)
+                except ModelError:
+                    return None
+                return None if literal.value in (math.inf, -math.inf) else literal
+            case n.Unary((Operator.NEGATE | Operator.PLUS) as sign, operand):
+                inner = self._constant(operand)
+                if inner is None or not isinstance(inner.value, int | float):
+                    return None
+                return LiteralValue(inner.kind, -inner.value if sign is Operator.NEGATE else inner.value)
+            case n.Name() | n.Member():
+                known = self.knowledge(tree) if self.knowledge is not None else None
+                return known if isinstance(known, LiteralValue) else None
+        return None
+
+    def _domain(self, tree: Expression) -> Domain | None:
+        if self.knowledge is None or not isinstance(tree, n.Name | n.Member | n.Index | n.Address):
+            return None
+        known = self.knowledge(tree)
+        return known if isinstance(known, Domain) else None
+
+    def _code(self, symbol: LiteralValue) -> int:
+        """A number for a text or the name of an enumeration's value: equal ones get the same."""
+        named = symbol.kind is LiteralKind.ENUMERATED
+        key = str(symbol.value).casefold() if named else f"'{symbol.value}'"
+        if key not in self._codes:
+            self._codes[key] = len(self._symbols)
+            self._symbols.append(str(symbol.value) if named else write_literal(symbol, self.dialect))
+        return self._codes[key]
+
+    # -- atoms
+
+    def _atom(self, tree: Expression, kind: ValueKind) -> _Atom:
+        z3, context = _z3()
+        key = self._key(tree)
+        found = self._atoms.get(key)
+        if found is not None and (found.kind is kind or (found.kind in _NUMBERS and kind in _NUMBERS)):
+            return found
+        domain = self._domain(tree)
+        kind = domain.kind if domain is not None else kind
+        text = print_node(tree)
+        if found is not None:
+            key += f" as {kind}"
+            self._doubt(f"{text} is used as {found.kind} and as {kind}")
+        if kind is ValueKind.BOOL:
+            term = z3.Bool(key, ctx=context)
+        elif kind in _NUMBERS and (domain is None or kind is ValueKind.REAL):
+            term = z3.Real(key, ctx=context)
+        else:
+            term = z3.Int(key, ctx=context)
+        if domain is not None:
+            self._bounds += [term >= bound for bound in [domain.least] if bound is not None]
+            self._bounds += [term <= bound for bound in [domain.greatest] if bound is not None]
+            if domain.symbols:
+                codes = [self._code(LiteralValue(LiteralKind.ENUMERATED, symbol)) for symbol in domain.symbols]
+                self._bounds.append(z3.Or(*(term == code for code in codes)))
+        if not _is_variable(tree):
+            self._doubt(f"the value of {text} is not known")
+        elif text.casefold() in self._own or _root(tree) in self._own:
+            self._doubt(f"{text} is written while the condition is evaluated")
+        made = self._atoms[key] = _Atom(text, kind, term, domain is not None)
+        return made
+
+    def _key(self, tree: Expression) -> str:
+        """Equal keys, equal values. What is called may answer differently each time, but for standard functions."""
+        text = print_node(tree).casefold()
+        calls = [node for node in walk(tree) if isinstance(node, n.Call)]
+        if any(not _is_standard(call) for call in calls):
+            return f"{text} at {id(tree)}"
+        names = {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
+        return f"{text} in condition {self._side}" if names & self._own else text
+
+    def _unknown(self, tree: Expression, why: str) -> Any:
+        z3, context = _z3()
+        self._doubt(f"{print_node(tree)} {why}")
+        return z3.FreshBool(ctx=context)
+
+    def _find_booleans(self, tree: Expression) -> None:
+        """Note what must be Boolean by its place: then it is where it is compared, too."""
+        match tree:
+            case n.Parenthesized(inner) | n.Unary(Operator.NOT, inner):
+                self._find_booleans(inner)
+            case n.Operation(operator, operands) if operator in _JOINING or operator is Operator.XOR:
+                for operand in operands:
+                    self._find_booleans(operand)
+            case n.Name() | n.Member() | n.Index() | n.Address():
+                self._boolean.add(print_node(tree).casefold())
+
+    def _doubt_parts(self) -> None:
+        """A word and one of its bits, a structure and its member do not have values independent of each other."""
+        for key, atom in self._atoms.items():
+            for other in self._atoms:
+                if other.startswith((f"{key}.", f"{key}[")):
+                    self._doubt(f"{atom.text} and {self._atoms[other].text} depend on each other")
+
+    def _doubt(self, reason: str) -> None:
+        if reason not in self.doubts:
+            self.doubts.append(reason)
+
+
+_EFFORT = 20_000_000
+"""z3's own measure of work, the same on every machine: some seconds. Conditions of real charts need a thousandth."""
+
+_CONTEXTS = local()
+
+
+def _z3() -> tuple[Any, Any]:
+    """The module, loaded when it is first needed, and a context for this thread."""
+    import z3  # noqa: PLC0415  # takes a tenth of a second
+
+    if not hasattr(_CONTEXTS, "context"):
+        _CONTEXTS.context = z3.Context()
+    return z3, _CONTEXTS.context
+
+
+def _is_variable(tree: Expression) -> bool:
+    match tree:
+        case n.Name() | n.Address():
+            return True
+        case n.Member(base):
+            return _is_variable(base)
+        case n.Index(base, indices):
+            return _is_variable(base) and all(isinstance(n.bare(i), n.Literal) for i in indices)
+    return False
+
+
+def _root(tree: Expression) -> str:
+    while isinstance(tree, n.Member | n.Index):
+        tree = tree.base
+    return tree.identifier.casefold() if isinstance(tree, n.Name) else ""
+
+
+def _is_standard(call: n.Call) -> bool:
+    if not isinstance(call.callee, n.Name):
+        return False
+    block = standard_block(call.callee.identifier)
+    return block is not None and not block.stateful
+
+
+def negation(term: Any) -> Any:
+    """The opposite of a z3 term."""
+    return _z3()[0].Not(term)
+
+
+def disjunction(terms: list[Any]) -> Any:
+    """That at least one of the z3 terms is true."""
+    z3, context = _z3()
+    return z3.Or(*terms) if terms else z3.BoolVal(False, ctx=context)
+
+
+Situation = Mapping[str, str]
+"""Values of variables, as literals of structured text."""
