@@ -102,18 +102,23 @@ _IEC_QUALIFIERS = frozenset(
         Qualifier.SD,
         Qualifier.DS,
         Qualifier.SL,
-        Qualifier.DL,
     }
 )
-_GRAPH_QUALIFIERS = frozenset(Qualifier) - (
-    _IEC_QUALIFIERS - {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.D, Qualifier.L}
-)
+_GRAPH_QUALIFIERS = frozenset(Qualifier) - {
+    Qualifier.R0,
+    Qualifier.P,
+    Qualifier.P0,
+    Qualifier.P1,
+    Qualifier.SD,
+    Qualifier.DS,
+    Qualifier.SL,
+    Qualifier.DL,
+}
 _MATIEC_QUALIFIERS = _IEC_QUALIFIERS - {
     Qualifier.P0,
     Qualifier.P1,
     Qualifier.DS,
     Qualifier.SL,
-    Qualifier.DL,
     Qualifier.R0,
 }
 
@@ -194,7 +199,8 @@ class Profile:
 
     qualifiers: frozenset[Qualifier] = _IEC_QUALIFIERS
     """The qualifiers that exist. Any other is an `UnknownBehaviourError` when the chart is prepared, as nobody can tell
-    what it does. matiec generates no compilable code for P0, P1 and DS, and SL never starts its action."""
+    what it does: TC6 lists DL, which no standard defines. matiec generates no compilable code for P0, P1 and DS, and SL
+    never starts its action."""
 
     minimum_times: bool = False
     """Whether a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
@@ -226,8 +232,10 @@ class Profile:
     graph_parameters: bool = False
     """Whether INIT_SQ, OFF_SQ, ACK_EF, S_SEL, S_ON, S_OFF, T_PUSH and the operating modes act on the chart. GRAPH."""
 
-    grafcet_actions: bool = True
-    """Whether the action kinds of 60848 (continuous, stored ..) and its forcing orders are known."""
+    grafcet_terms: bool = False
+    """Whether conditions may have the edges and times of 60848, 4.6: ``↑a``, ``3s/X5``. In program text ``a/3s`` could
+    be a division. The kinds of actions, forcing orders and enclosing steps of 60848 are known to every profile that
+    tests transitions first, for they cannot be mistaken for anything else."""
 
 
 _CODESYS = Profile(
@@ -269,6 +277,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
             rivals=Rivals.ALL,
             final_scan=False,
             step_variables=StepVariables.GRAFCET,
+            grafcet_terms=True,
         ),
         "matiec": Profile(
             name="matiec",

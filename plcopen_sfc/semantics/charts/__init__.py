@@ -1,0 +1,37 @@
+"""The interpreter of charts: what happens in a scan, under any profile.
+
+`compile_chart` is the chart compiler of a `Controller`. docs/semantics.md tells what a chart does in a scan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.model import SfcNetwork
+from plcopen_sfc.semantics.charts.chart import ChartProgram
+from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.profile import Profile
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs import Scope
+
+__all__ = ["ChartProgram", "GraphProgram", "compile_chart", "compiler"]
+
+
+def compile_chart(chart: SfcNetwork, scope: Scope, path: str) -> ChartProgram | GraphProgram:
+    """A chart that the body `path` of a POU holds, under the profile of the controller.
+
+    Declares the variables of its steps and its flags in `scope`.
+    """
+    return compiler(scope.library.profile)(chart, scope, path)
+
+
+def compiler(profile: Profile) -> Callable[[SfcNetwork, Scope, str], ChartProgram | GraphProgram]:
+    """A chart compiler for one profile."""
+
+    def compile_(chart: SfcNetwork, scope: Scope, path: str) -> ChartProgram | GraphProgram:
+        kind = GraphProgram if profile.graph_parameters else ChartProgram
+        return kind(chart, scope, path, profile)
+
+    return compile_

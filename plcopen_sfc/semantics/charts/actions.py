@@ -1,0 +1,262 @@
+"""Actions of a chart: what is executed or written in a scan, and in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError
+from plcopen_sfc.model import ActionAssociation, Qualifier
+from plcopen_sfc.semantics.charts.control import (
+    ON,
+    PULSE,
+    Association,
+    Control,
+    PlainControl,
+    Reserve,
+    StandardControl,
+    StepwiseControl,
+)
+from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run, Write
+from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile, ScanOrder
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import ELEMENTARY, LINT, ElementaryType, default
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs import Scope
+
+_OUT = ON | PULSE
+
+
+@dataclass(frozen=True, slots=True)
+class Owner:
+    """A step or macro-step with associations: its name for people, its bits, and the slot of its start."""
+
+    path: str
+    steps: int
+    since: int
+    inverted: bool
+
+
+@dataclass(slots=True, eq=False)
+class Action:
+    """An action: a body to run or a Boolean variable to write, and the control that decides on it.
+
+    `name` orders actions of CODESYS. `bit` is its place in the set of actions with a memory, `out` the slot with what
+    its control said in the scan before, `memory` are all private slots with what they hold at the start.
+    """
+
+    name: str
+    bit: int
+    out: int
+    memory: list[tuple[int, Any]]
+    control: Control
+    associations: list[Association]
+    model: list[tuple[Owner, ActionAssociation]]
+    run: Run | None = None
+    write: Write | None = None
+
+    def may_act(self, situation: int) -> bool:
+        """Whether an association could act in a situation."""
+        return any((situation & a.steps == 0) is a.inverted for a in self.associations)
+
+
+@dataclass(slots=True)
+class _Draft:
+    name: str
+    model: list[tuple[Owner, ActionAssociation]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class _Work:
+    """What a scan has to do: the actions that it must ask, and the variables of all others."""
+
+    actions: tuple[Action, ...]
+    idle: tuple[Write, ...]
+
+
+class Actions:
+    """All actions of a chart that follow the qualifiers of IEC 61131-3."""
+
+    def __init__(
+        self, owned: Sequence[tuple[Owner, ActionAssociation]], scope: Scope, path: str, profile: Profile
+    ) -> None:
+        self._scope = scope
+        self._path = path
+        self._profile = profile
+        self._always = profile.boolean_targets is BooleanTargets.ALWAYS
+        self._busy = scope.declare(f"{path}: busy actions", LINT, hidden=True)
+        self._work: dict[tuple[int, int], _Work] = {}
+        drafts = _gather(owned)
+        if profile.alphabetic_actions:
+            drafts.sort(key=lambda draft: draft.name.casefold())
+        self._actions = tuple(self._action(index, draft) for index, draft in enumerate(drafts))
+
+    def _action(self, index: int, draft: _Draft) -> Action:
+        associations = [_association(owner, model) for owner, model in draft.model]
+
+        memory: list[tuple[int, Any]] = []
+
+        def reserve(name: str, type_: ElementaryType) -> int:
+            slot = self._scope.declare(f"{self._path}: {draft.name}.{index}.{name}", type_, hidden=True)
+            memory.append((slot, default(type_)))
+            return slot
+
+        control = _control(associations, reserve, self._profile)
+        out = reserve("out", ELEMENTARY["USINT"])
+        return Action(draft.name, 1 << index, out, memory, control, associations, draft.model)
+
+    def translate(self) -> None:
+        """Prepare bodies, targets, times and conditions. Raises `UnknownBehaviourError`."""
+        for action in self._actions:
+            for (owner, model), association in zip(action.model, action.associations, strict=True):
+                self._translate(owner, model, association)
+            model = action.model[0][1]
+            where = f"{self._path} / {action.model[0][0].path}"
+            if action.name == "":
+                if model.body is not None:
+                    action.run = self._scope.body(model.body, where)
+            elif model.target is not None and model.value is not None:
+                action.run = self._scope.statements(f"{model.target} := {model.value};", where)
+            elif model.target is not None:
+                action.run = self._scope.action(model.target)
+                if action.run is None:
+                    action.write = self._scope.setter(model.target)
+
+    def _translate(self, owner: Owner, model: ActionAssociation, association: Association) -> None:
+        where = f"{self._path} / {owner.path}"
+        if model.condition is not None:
+            association.condition = self._scope.condition(model.condition, where)
+        if model.duration:
+            association.duration = self._scope.expression(model.duration, where, ELEMENTARY["TIME"])
+        elif model.qualifier.needs_duration:
+            association.duration = missing_time(
+                f"{model.target or 'an action'} has no time for {model.qualifier}", where
+            )
+
+    def act(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> None:
+        """Ask the controls, then execute: first what has ended, then what is active.
+
+        `situation`, `seen` and `entered` are as in `Control.step`.
+        """
+        v = frame.v
+        work = self._work.get((situation, v[self._busy]))
+        if work is None:
+            work = self._plan(situation, v[self._busy])
+        ended: list[Action] = []
+        active: list[Action] = []
+        busy = 0
+        for action in work.actions:
+            bits = action.control.step(frame, now, situation, seen, entered)
+            before = v[action.out]
+            out = v[action.out] = bits & _OUT
+            if out:
+                active.append(action)
+            elif before and (action.run is None or (self._profile.final_scan and before & ON)):
+                ended.append(action)
+            if bits:
+                busy |= action.bit
+        v[self._busy] = busy
+        for write in work.idle:
+            write(frame, False)
+        for action in ended:
+            if action.run is not None:
+                action.run(frame)
+            elif action.write is not None:
+                action.write(frame, False)
+        for action in active:
+            if action.run is not None:
+                action.run(frame)
+            elif action.write is not None:
+                action.write(frame, True)
+
+    def _plan(self, situation: int, busy: int) -> _Work:
+        asked = tuple(a for a in self._actions if a.bit & busy or a.may_act(situation))
+        idle: tuple[Write, ...] = ()
+        if self._always:
+            idle = tuple(a.write for a in self._actions if a not in asked and a.write is not None)
+        if len(self._work) >= MOST_PLANS:
+            self._work.clear()
+        work = self._work[situation, busy] = _Work(asked, idle)
+        return work
+
+    def end(self, frame: Frame) -> None:
+        """End everything, what is stored too, without executing anything: Boolean variables become FALSE."""
+        v = frame.v
+        for action in self._actions:
+            if v[action.out] or v[self._busy] & action.bit:
+                for slot, value in action.memory:
+                    v[slot] = value
+                if action.write is not None:
+                    action.write(frame, False)
+        v[self._busy] = 0
+
+
+def _gather(owned: Sequence[tuple[Owner, ActionAssociation]]) -> list[_Draft]:
+    """The actions of a chart: associations with the same target are one, every body in place is one of its own."""
+    by_name: dict[str, _Draft] = {}
+    found: list[_Draft] = []
+    for owner, model in owned:
+        if model.target is not None:
+            key = f"{model.target} := {model.value}" if model.value is not None else model.target
+            draft = by_name.get(key.casefold())
+            if draft is None:
+                draft = by_name[key.casefold()] = _Draft(model.target)
+                found.append(draft)
+            draft.model.append((owner, model))
+        if model.body is not None:
+            found.append(_Draft("", [(owner, model)]))
+    return found
+
+
+def _control(associations: Sequence[Association], reserve: Reserve, profile: Profile) -> Control:
+    if profile.action_control is ActionControl.PER_STEP:
+        return StepwiseControl(associations, reserve)
+    if all(a.qualifier in (Qualifier.N, Qualifier.NONE) for a in associations):
+        return PlainControl(associations)
+    return StandardControl(associations, reserve, cancels=profile.reset_cancels_delays)
+
+
+def _association(owner: Owner, model: ActionAssociation) -> Association:
+    inverted = owner.inverted is not model.negated
+    condition = _not_yet if model.condition is not None else None
+    return Association(model.qualifier, owner.steps, inverted, condition, _no_time, owner.since)
+
+
+def _not_yet(_: Frame) -> bool:
+    raise AssertionError("a condition is asked before it is translated")
+
+
+def _no_time(_: Frame) -> int:
+    return 0
+
+
+def missing_time(message: str, where: str) -> Callable[[Frame], int]:
+    """What stands for a time that the chart does not have."""
+
+    def fail(_: Frame) -> int:
+        raise SimulationError(message, location=Location(path=where), hint="Give it one, as in T#2s.")
+
+    return fail
+
+
+def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile: Profile, path: str) -> None:
+    """Refuse what the profile does not know. Raises `UnknownBehaviourError`."""
+    for owner, model in owned:
+        where = Location(path=f"{path} / {owner.path}")
+        what = model.target or "a body"
+        if model.qualifier not in profile.qualifiers:
+            raise UnknownBehaviourError(
+                f"the profile {profile.name} does not say what the qualifier {model.qualifier} of {what} does",
+                location=where,
+            )
+        if (model.kind is not None or model.forcing is not None) and profile.order is ScanOrder.ACTIONS_FIRST:
+            raise UnknownBehaviourError(
+                f"{what} is an action of GRAFCET, which the profile {profile.name} does not have", location=where
+            )
+        if model.event is not None or model.interlock:
+            raise UnknownBehaviourError(
+                f"{what} depends on an event or interlock of S7-GRAPH, which the profile {profile.name} does not have",
+                location=where,
+            )

@@ -1,0 +1,330 @@
+"""A chart, ready to run: what happens in one scan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
+from plcopen_sfc.model import ActionAssociation, SfcFlag, SfcNetwork
+from plcopen_sfc.semantics.charts.actions import Actions, Owner, check_associations
+from plcopen_sfc.semantics.charts.analyzation import analysis
+from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
+from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
+from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice
+from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
+from plcopen_sfc.semantics.charts.step_actions import StepActions
+from plcopen_sfc.semantics.charts.steps import Steps, tick
+from plcopen_sfc.semantics.net import Net, NetTransition, indexes
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, LINT
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs import Scope
+
+Condition = Callable[[Frame], bool]
+
+
+class Change(NamedTuple):
+    """What became of the situation in a scan: steps left, steps entered, and all that were active in between."""
+
+    left: int
+    entered: int
+    seen: int
+
+
+class ChartProgram:
+    """A chart of a POU under a profile. One object serves all instances; what they are in is in their frames."""
+
+    def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
+        self.net = Net.of(chart)
+        self.path = path
+        self._chart = chart
+        self._scope = scope
+        self._profile = profile
+        self._clock = scope.clock
+        self._situation = scope.declare(f"{path}: situation", LINT, hidden=True)
+        self._shown = scope.declare(f"{path}: situation shown", LINT, hidden=True)
+        self._started = scope.declare(f"{path}: started", BOOL, hidden=True)
+        self._steps = Steps(self.net, scope, path, profile)
+        self._owned = self._associations()
+        self._grafcet: Grafcet | None = None
+        self._refused: UnknownBehaviourError | None = None
+        try:
+            check_associations(self._owned, profile, path)
+            if has_grafcet(self.net, self._owned, profile):
+                self._grafcet = Grafcet(self.net, self._owned, scope, path, profile)
+        except UnknownBehaviourError as error:
+            self._refused = error
+        plain = [(owner, model) for owner, model in self._owned if model.kind is None and model.forcing is None]
+        self._actions = Actions(plain, scope, path, profile)
+        self._flags = Flags(chart, scope, path, profile)
+        self._has_flags = bool(self._flags.used)
+        self._step_actions = StepActions(self.net)
+        self._choose = choice(profile)
+        self._until_stable = profile.evolution is Evolution.UNTIL_STABLE
+        self._transitions_first = profile.order is ScanOrder.TRANSITIONS_FIRST
+        self._plans = Plans(self._plan)
+        self._moves: tuple[Move, ...] = ()
+        self._waits: dict[int, Condition] = {}
+        self._watches: dict[int, Watch] = {}
+        self._logic: Run | None = None
+
+    def _associations(self) -> list[tuple[Owner, ActionAssociation]]:
+        owners = [
+            (Owner(s.path, s.bit, self._steps.since[s.index], s.step.negated), s.step.actions) for s in self.net.steps
+        ]
+        for macro in self.net.macros:
+            since = next(n.since for n in self._steps.names if n.steps == macro.steps)
+            owners.append((Owner(macro.path, macro.steps, since, macro.step.negated), macro.step.actions))
+        return [(owner, model) for owner, models in owners for model in models if not model.exclude]
+
+    # -- preparing
+
+    def translate(self) -> None:
+        """Prepare conditions and bodies. What the profile does not know is an error of the first scan."""
+        if self._refused is not None:
+            return
+        self._actions.translate()
+        if self._grafcet is not None:
+            self._grafcet.translate()
+        self._flags.translate()
+        if self._profile.step_actions:
+            self._step_actions.translate(self._scope, self.path)
+        if self._chart.logic:
+            self._logic = self._scope.chart_logic(self._chart, self.path)
+        self._moves = tuple(self._move(transition) for transition in self.net.transitions)
+        for step in self.net.steps:
+            where = f"{self.path} / {step.path}"
+            if self._profile.minimum_times and step.step.min_time:
+                self._waits[step.index] = self._wait(step.index, step.step.min_time, where)
+            if self._profile.maximum_times and step.step.max_time and SfcFlag.ERROR in self._flags.used:
+                time = self._scope.expression(step.step.max_time, where, ELEMENTARY["TIME"])
+                reasons = analysis(self.net, step.index, self._scope, where)
+                self._watches[step.index] = Watch(step.step.name, self._steps.since[step.index], time, reasons)
+
+    def _move(self, transition: NetTransition) -> Move:
+        model = transition.transition
+        where = f"{self.path} / {transition.path}"
+        stated = self._grafcet.condition(transition.index) if self._grafcet is not None else model.condition
+        if stated is None:
+            condition = _missing_condition(where)
+        else:
+            condition = self._scope.condition(stated, where, chart=transition.chart)
+        numbered = model.priority is not None
+        return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
+
+    def _wait(self, index: int, text: str, where: str) -> Condition:
+        time = self._scope.expression(text, where, ELEMENTARY["TIME"])
+        since = self._steps.since[index]
+        clock = self._clock
+
+        def waited(frame: Frame) -> bool:
+            return bool(clock.now - frame.v[since] >= time(frame))
+
+        return waited
+
+    def _plan(self, situation: int) -> Plan:
+        enabled = [self._moves[index] for index in self.net.enabled(situation)]
+        moves = tuple(self._timed(move, move.condition) for move in enabled)
+        forced = tuple(self._timed(move, _always) for move in enabled)
+        active = list(indexes(situation))
+        watches = tuple(self._watches[index] for index in active if index in self._watches)
+        current = self.net.steps[active[-1]].step.name if active else ""
+        timed = self._steps.timed(situation)
+        return Plan(moves, forced, timed, self._step_actions.of(situation), watches, current)
+
+    def _timed(self, move: Move, condition: Condition) -> Move:
+        """The transition with the minimum times of its sources."""
+        waits = [self._waits[index] for index in indexes(move.sources) if index in self._waits]
+        if not waits:
+            return move._replace(condition=condition)
+        return move._replace(condition=lambda frame: all(waited(frame) for waited in waits) and condition(frame))
+
+    # -- looking
+
+    def marking(self, frame: Frame) -> int:
+        """The active steps as programs see them, as bits of `net`."""
+        shown: int = frame.v[self._shown]
+        return shown
+
+    def active(self, frame: Frame) -> tuple[str, ...]:
+        """The paths of the active steps."""
+        return self.net.names(self.marking(frame))
+
+    # -- running
+
+    def initialise(self, frame: Frame) -> None:
+        """A new instance: nothing is active before its first scan."""
+        v = frame.v
+        v[self._situation] = self.net.initial
+        v[self._shown] = 0
+        v[self._started] = False
+
+    def execute(self, frame: Frame) -> None:
+        """One scan."""
+        if self._refused is not None:
+            raise self._refused
+        now = self._clock.now
+        if self._has_flags and not self._obey(frame, now):
+            return
+        if self._logic is not None:
+            self._logic(frame)
+        if self._transitions_first:
+            fired = self._transitions_then_actions(frame, now)
+        else:
+            fired = self._actions_then_transitions(frame, now)
+        if self._has_flags:
+            self._flags.put(SfcFlag.TRANS, frame, fired)
+
+    def _actions_then_transitions(self, frame: Frame, now: int) -> bool:
+        v = frame.v
+        situation = v[self._situation]
+        before = v[self._shown]
+        entered = situation & ~before
+        if not v[self._started]:
+            v[self._started] = True
+            self._steps.change(frame, before, situation, situation, now)
+            v[self._shown] = situation
+            before = 0
+            entered = situation if self._profile.initial_steps_entered else 0
+        elif situation != before:
+            self._steps.change(frame, before, situation, entered, now)
+            v[self._shown] = situation
+        plan = self._plans.of(situation)
+        tick(frame, plan.timed, now)
+        self._execute(frame, now, plan, Change(before & ~situation, entered, situation))
+        cleared = self._clear(frame, plan, situation)
+        if not cleared.transitions:
+            return False
+        v[self._situation] = situation & ~cleared.left | cleared.entered
+        return True
+
+    def _transitions_then_actions(self, frame: Frame, now: int) -> bool:
+        v = frame.v
+        first = not v[self._started]
+        situation = v[self._situation]
+        before = v[self._shown]
+        seen = 0
+        if first:
+            v[self._started] = True
+            if self._grafcet is not None:
+                situation = self._grafcet.start(frame, situation)
+            self._steps.change(frame, before, situation, situation, now)
+            before = 0 if self._profile.initial_steps_entered else situation
+            if self._grafcet is not None:
+                self._grafcet.store(frame, before, situation)
+            seen = situation & ~before if self._until_stable else 0
+        tick(frame, self._plans.of(situation).timed, now)
+        fired = False
+        fresh = situation if first else 0
+        if not (first and self._profile.initial_situation_held):
+            for _ in range(self._profile.max_evolutions):
+                if self._grafcet is not None:
+                    self._grafcet.begin(frame, now, situation, fresh)
+                cleared = self._clear(frame, self._plans.of(situation), situation)
+                if not cleared.transitions:
+                    break
+                fired = True
+                previous = situation
+                situation = self._move_on(frame, now, situation, cleared)
+                fresh = situation & (cleared.entered | ~previous)
+                seen |= situation
+                if not self._until_stable:
+                    break
+            else:
+                raise self._unstable(situation)
+        v[self._situation] = v[self._shown] = situation
+        plan = self._plans.of(situation)
+        self._execute(frame, now, plan, Change(before & ~situation, situation & ~before, seen | situation))
+        return fired
+
+    def _clear(self, frame: Frame, plan: Plan, situation: int) -> Cleared:
+        """The transitions that are cleared in one evolution."""
+        moves = plan.moves
+        if self._has_flags:
+            if self._flags.is_on(SfcFlag.RESET, frame):
+                return NOTHING
+            tip = self._flags.tip(frame)
+            if tip is Tip.LOCKED:
+                return NOTHING
+            if tip is Tip.FORCED:
+                moves = plan.forced
+        if self._grafcet is not None:
+            return self._choose(frame, self._grafcet.free(moves, situation))
+        return self._choose(frame, moves)
+
+    def _move_on(self, frame: Frame, now: int, situation: int, cleared: Cleared) -> int:
+        """The next situation. A step that is left and entered at once stays active, and its time starts anew."""
+        after: int = situation & ~cleared.left | cleared.entered
+        if self._grafcet is not None:
+            after = self._grafcet.rule(situation, after, cleared)
+        entered = after & (cleared.entered & cleared.left | ~situation)
+        self._steps.change(frame, situation, after, entered, now)
+        if self._grafcet is not None:
+            self._grafcet.store(frame, situation, after)
+        return after
+
+    def _execute(self, frame: Frame, now: int, plan: Plan, change: Change) -> None:
+        """The actions of a situation."""
+        left, entered, seen = change
+        situation = frame.v[self._shown]
+        if self._has_flags:
+            self._flags.put(SfcFlag.CURRENT_STEP, frame, plan.current)
+        if left or entered:
+            self._step_actions.leave_and_enter(frame, left, entered)
+        if plan.watches and self._flags.can_time_out(frame):
+            self._watch(frame, now, plan)
+        for run in plan.main:
+            run(frame)
+        self._actions.act(frame, now, situation, seen, entered)
+        if self._grafcet is not None:
+            self._grafcet.act(frame, now, situation)
+
+    def _watch(self, frame: Frame, now: int, plan: Plan) -> None:
+        """Report the first step that is active longer than it may."""
+        for watch in plan.watches:
+            if now - frame.v[watch.since] > watch.time(frame):
+                self._flags.time_out(frame, watch.step, watch.reasons(frame))
+                return
+
+    def _obey(self, frame: Frame, now: int) -> bool:
+        """Do what the flags want. False: nothing else happens in this scan."""
+        v = frame.v
+        order, new = self._flags.order(frame)
+        if order is Order.STOP:
+            return False
+        if order is Order.RUN:
+            if new:
+                self._steps.restart(frame, v[self._shown], now)
+            return True
+        ends = self._profile.init_ends_actions if order is Order.INIT else self._profile.reset_ends_actions
+        if new:
+            if ends:
+                self._actions.end(frame)
+            self._steps.change(frame, v[self._shown], self.net.initial, self.net.initial, now)
+            v[self._shown] = v[self._situation] = self.net.initial
+            v[self._started] = False
+        if order is Order.INIT:
+            self._steps.restart(frame, self.net.initial, now)
+            return False
+        return True
+
+    def _unstable(self, situation: int) -> UnstableChartError:
+        return UnstableChartError(
+            f"after {self._profile.max_evolutions} evolutions with the same inputs transitions are still cleared",
+            location=Location(path=self.path),
+            hint="Active steps at the end: " + ", ".join(self.net.names(situation)),
+        )
+
+
+def _always(_: Frame) -> bool:
+    return True
+
+
+def _missing_condition(where: str) -> Condition:
+    def fail(_: Frame) -> bool:
+        raise SimulationError("the transition has no condition", location=Location(path=where))
+
+    return fail

@@ -1,0 +1,359 @@
+"""Action control: in which scans an action is executed (IEC 61131-3 ed. 3, 6.7.4.6).
+
+There is one control for each action, whatever number of steps is associated with it: every input is the OR over all
+associations with that qualifier, as in the function block ACTION_CONTROL of the standard::
+
+    q := N OR S_FF OR (L AND NOT L_TMR) OR D_TMR OR R_TRIG(P) OR SD_TMR OR DS_FF OR (SL_FF AND NOT SL_TMR)
+    Q := q AND NOT R;   R also resets S_FF, SD_FF, DS_FF and SL_FF, and with them their timers
+
+P1 and P0 are pulses at the rising and falling edge of their input, without a final scan. Times are those of the
+association that is active; a timer that goes on without one keeps the last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from plcopen_sfc.model import Qualifier
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType
+
+ON = 1
+"""The output Q of an action control."""
+BUSY = 2
+"""The control has a memory: it must be asked again although its steps may be inactive."""
+PULSE = 4
+"""P1 or P0: the action is executed in this scan only."""
+
+Reserve = Callable[[str, ElementaryType], int]
+"""Gives a private slot of a frame for a purpose and a type."""
+
+
+@dataclass(slots=True)
+class Association:
+    """An action association, ready to run: `steps` are the bits of its step (of all steps inside a macro-step).
+
+    `inverted`: it acts while the step is not active. `condition` must hold besides. `duration` gives nanoseconds.
+    `since` are the slots with the times at which the steps became active, by their bits.
+    """
+
+    qualifier: Qualifier
+    steps: int
+    inverted: bool
+    condition: Callable[[Frame], bool] | None
+    duration: Callable[[Frame], int]
+    since: int
+
+    def is_on(self, situation: int, frame: Frame) -> bool:
+        """Whether it acts in this situation."""
+        if (situation & self.steps == 0) is not self.inverted:
+            return False
+        return self.condition is None or self.condition(frame)
+
+
+class Control(Protocol):
+    """Decides in every scan on one action."""
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:
+        """ON, BUSY and PULSE for this scan.
+
+        `situation` are the active steps, `seen` those that were active in any situation of this scan, `entered` those
+        that became active in it.
+        """
+
+
+class Input:
+    """One input of a control: the OR over the associations with its qualifier."""
+
+    __slots__ = ("_associations", "_others", "_steps")
+
+    def __init__(self, associations: Sequence[Association]) -> None:
+        self._associations = tuple(associations)
+        plain = [a for a in associations if not a.inverted and a.condition is None]
+        self._steps = 0
+        for association in plain:
+            self._steps |= association.steps
+        self._others = tuple(a for a in associations if a not in plain)
+
+    def is_on(self, situation: int, frame: Frame) -> bool:
+        """Whether any association acts."""
+        if situation & self._steps:
+            return True
+        return any(a.is_on(situation, frame) for a in self._others) if self._others else False
+
+    def duration(self, situation: int, frame: Frame) -> int:
+        """The time of the first association that acts, in nanoseconds."""
+        for association in self._associations:
+            if association.is_on(situation, frame):
+                return association.duration(frame)
+        return 0
+
+
+class PlainControl:
+    """The control of an action that is only associated with N: no memory."""
+
+    __slots__ = ("_input",)
+
+    def __init__(self, associations: Sequence[Association]) -> None:
+        self._input = Input(associations)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:  # noqa: ARG002
+        """See `Control.step`."""
+        return ON if self._input.is_on(situation, frame) else 0
+
+
+class _Part:
+    """The share of one qualifier in a control."""
+
+    __slots__ = ("input",)
+
+    def __init__(self, associations: Sequence[Association]) -> None:
+        self.input = Input(associations)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:
+        """As `Control.step`; `reset` is the input R."""
+        raise NotImplementedError
+
+
+class _NonStored(_Part):
+    __slots__ = ()
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        return ON if self.input.is_on(situation, frame) else 0
+
+
+class _Stored(_Part):
+    __slots__ = ("_stored",)
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+        super().__init__(associations)
+        self._stored = reserve("S_FF", BOOL)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        v[self._stored] = stored = not reset and (v[self._stored] or self.input.is_on(seen, frame))
+        return ON | BUSY if stored else 0
+
+
+class _Limited(_Part):
+    __slots__ = ("_start",)
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+        super().__init__(associations)
+        self._start = reserve("L_TMR", INSTANT)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        if not self.input.is_on(situation, frame):
+            v[self._start] = None
+            return 0
+        if v[self._start] is None:
+            v[self._start] = now
+        return ON | BUSY if now - v[self._start] < self.input.duration(situation, frame) else BUSY
+
+
+class _Delayed(_Part):
+    __slots__ = ("_start",)
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+        super().__init__(associations)
+        self._start = reserve("D_TMR", INSTANT)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        if not self.input.is_on(situation, frame):
+            v[self._start] = None
+            return 0
+        if v[self._start] is None:
+            v[self._start] = now
+        return ON | BUSY if now - v[self._start] >= self.input.duration(situation, frame) else BUSY
+
+
+class _Pulse(_Part):
+    """P, and with `signal` PULSE instead of ON: P1."""
+
+    __slots__ = ("_before", "_signal")
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve, signal: int, name: str) -> None:
+        super().__init__(associations)
+        self._before = reserve(name, BOOL)
+        self._signal = signal
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        rising = not v[self._before] and self.input.is_on(seen, frame)
+        v[self._before] = still = self.input.is_on(situation, frame)
+        return (self._signal if rising else 0) | (BUSY if still else 0)
+
+
+class _FallingPulse(_Part):
+    __slots__ = ("_before",)
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+        super().__init__(associations)
+        self._before = reserve("P0_TRIG", BOOL)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        before = v[self._before] or self.input.is_on(seen, frame)
+        v[self._before] = still = self.input.is_on(situation, frame)
+        if still:
+            return BUSY
+        return PULSE if before else 0
+
+
+class _StoredDelayed(_Part):
+    __slots__ = ("_cancels", "_start", "_time")
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
+        super().__init__(associations)
+        self._start = reserve("SD_TMR", INSTANT)
+        self._time = reserve("SD_TMR.PT", ELAPSED)
+        self._cancels = cancels
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        if self.input.is_on(seen, frame):
+            v[self._time] = self.input.duration(seen, frame)
+            if v[self._start] is None:
+                v[self._start] = now
+        if v[self._start] is None:
+            return 0
+        done = now - v[self._start] >= v[self._time]
+        if reset and (done or self._cancels):
+            v[self._start] = None
+            return 0
+        return ON | BUSY if done else BUSY
+
+
+class _DelayedStored(_Part):
+    __slots__ = ("_start", "_stored")
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+        super().__init__(associations)
+        self._start = reserve("DS_TMR", INSTANT)
+        self._stored = reserve("DS_FF", BOOL)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        done = False
+        if self.input.is_on(situation, frame):
+            if v[self._start] is None:
+                v[self._start] = now
+            done = now - v[self._start] >= self.input.duration(situation, frame)
+        else:
+            v[self._start] = None
+        v[self._stored] = stored = not reset and (v[self._stored] or done)
+        return (ON | BUSY if stored else 0) | (0 if v[self._start] is None else BUSY)
+
+
+class _StoredLimited(_Part):
+    __slots__ = ("_cancels", "_start", "_time")
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
+        super().__init__(associations)
+        self._start = reserve("SL_TMR", INSTANT)
+        self._time = reserve("SL_TMR.PT", ELAPSED)
+        self._cancels = cancels
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        if self.input.is_on(seen, frame):
+            v[self._time] = self.input.duration(seen, frame)
+            if v[self._start] is None:
+                v[self._start] = now
+        if v[self._start] is None:
+            return 0
+        if reset and self._cancels:
+            v[self._start] = None
+            return 0
+        return ON | BUSY if now - v[self._start] < v[self._time] else BUSY
+
+
+class StandardControl:
+    """The ACTION_CONTROL of IEC 61131-3."""
+
+    __slots__ = ("_parts", "_reset")
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
+        def of(*qualifiers: Qualifier) -> list[Association]:
+            return [a for a in associations if a.qualifier in qualifiers]
+
+        resets = of(Qualifier.R, Qualifier.R0)
+        self._reset = Input(resets) if resets else None
+        parts: list[_Part] = []
+        if found := of(Qualifier.N, Qualifier.NONE):
+            parts.append(_NonStored(found))
+        if found := of(Qualifier.S):
+            parts.append(_Stored(found, reserve))
+        if found := of(Qualifier.L):
+            parts.append(_Limited(found, reserve))
+        if found := of(Qualifier.D):
+            parts.append(_Delayed(found, reserve))
+        if found := of(Qualifier.P):
+            parts.append(_Pulse(found, reserve, ON, "P_TRIG"))
+        if found := of(Qualifier.SD):
+            parts.append(_StoredDelayed(found, reserve, cancels=cancels))
+        if found := of(Qualifier.DS):
+            parts.append(_DelayedStored(found, reserve))
+        if found := of(Qualifier.SL):
+            parts.append(_StoredLimited(found, reserve, cancels=cancels))
+        if found := of(Qualifier.P1):
+            parts.append(_Pulse(found, reserve, PULSE, "P1_TRIG"))
+        if found := of(Qualifier.P0):
+            parts.append(_FallingPulse(found, reserve))
+        self._parts = tuple(parts)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:  # noqa: ARG002
+        """See `Control.step`."""
+        reset = self._reset is not None and self._reset.is_on(seen, frame)
+        bits = 0
+        for part in self._parts:
+            bits |= part.step(frame, now, situation, seen, reset)
+        return bits & BUSY if reset else bits
+
+
+class StepwiseControl:
+    """The control of matiec: every association acts on its own, by the elapsed time and the activation of its step.
+
+    R resets what is stored, but not what N, L, D and P do in the same scan.
+    """
+
+    __slots__ = ("_associations", "_start", "_stored", "_time")
+
+    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+        self._associations = tuple(associations)
+        self._stored = reserve("stored", BOOL)
+        self._start = reserve("set_remaining_time", INSTANT)
+        self._time = reserve("set_remaining_time.PT", ELAPSED)
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:  # noqa: ARG002
+        """See `Control.step`."""
+        v = frame.v
+        state = reset = set_ = False
+        if v[self._start] is not None and now - v[self._start] >= v[self._time]:
+            set_ = True
+            v[self._start] = None
+        for association in self._associations:
+            match association.qualifier:
+                case Qualifier.N | Qualifier.NONE:
+                    state = state or association.is_on(situation, frame)
+                case Qualifier.S:
+                    set_ = set_ or association.is_on(situation, frame)
+                case Qualifier.R:
+                    reset = reset or association.is_on(situation, frame)
+                case Qualifier.P:
+                    state = state or (association.is_on(entered, frame) and not association.inverted)
+                case Qualifier.D | Qualifier.L if association.is_on(situation, frame):
+                    elapsed = now - (v[association.since] or 0)
+                    late = elapsed >= association.duration(frame)
+                    state = state or late is (association.qualifier is Qualifier.D)
+                case Qualifier.SD if association.is_on(entered, frame):
+                    time = association.duration(frame)
+                    v[self._start], v[self._time] = (now, time) if time > 0 else (None, 0)
+        v[self._stored] = stored = not reset and (set_ or v[self._stored])
+        if reset:
+            v[self._start] = None
+        return (ON if state or stored else 0) | (BUSY if stored or v[self._start] is not None else 0)

@@ -1,0 +1,94 @@
+"""Interlocks and supervisions of S7-GRAPH steps (manual, "Conditions").
+
+An interlock that is not satisfied while the step is active is an error: the actions that depend on it rest, the
+sequence goes on. A supervision that is satisfied is a fault: the step is not left before it is gone and, where the
+block wants it, acknowledged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.semantics.charts.graph import data
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.programs.layouts import Frame
+
+if TYPE_CHECKING:
+    from plcopen_sfc.model import Step
+    from plcopen_sfc.semantics.programs import Scope
+
+Condition = Callable[[Frame], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """The steps whose interlock is satisfied, whose supervision holds them, and those with any disturbance."""
+
+    released: int
+    held: int
+    disturbed: int
+
+
+class StepConditions:
+    """The interlocks and supervisions of a sequencer."""
+
+    def __init__(self, net: Net, slots: tuple[int, ...], *, acknowledged: bool) -> None:
+        self._net = net
+        self._slots = slots
+        self._must_acknowledge = acknowledged
+        self._interlocks: dict[int, Condition] = {}
+        self._supervisions: dict[int, Condition] = {}
+
+    def translate(self, scope: Scope, path: str) -> None:
+        """Prepare the conditions."""
+        for step in self._net.steps:
+            model: Step = step.step
+            where = f"{path} / {step.path}"
+            if model.interlock is not None and model.interlock.condition is not None:
+                self._interlocks[step.index] = scope.condition(model.interlock.condition, where, chart=step.chart)
+            if model.supervision is not None and model.supervision.condition is not None:
+                self._supervisions[step.index] = scope.condition(model.supervision.condition, where, chart=step.chart)
+
+    def check(self, frame: Frame, active: int, *, acknowledge: bool) -> Checked:
+        """Evaluate the conditions of active steps; sets their events."""
+        released, held, disturbed = active, 0, 0
+        for index in indexes(active):
+            bit = 1 << index
+            values = frame.v[self._slots[index]].v
+            interlock = self._interlocks.get(index)
+            values[data.LS] = satisfied = interlock is None or bool(interlock(frame))
+            values[data.L1] = not satisfied and not values[data.LA]
+            values[data.L0] = satisfied and values[data.LA]
+            values[data.LA] = not satisfied
+            if not satisfied:
+                released &= ~bit
+            if index in self._supervisions:
+                self._supervise(frame, index, values, acknowledge=acknowledge)
+                if values[data.VA]:
+                    held |= bit
+            if values[data.LA] or values[data.VA]:
+                disturbed |= bit
+        return Checked(released, held, disturbed)
+
+    def _supervise(self, frame: Frame, index: int, values: list[object], *, acknowledge: bool) -> None:
+        fault = bool(self._supervisions[index](frame))
+        values[data.V1] = fault and not values[data.VS]
+        values[data.V0] = not fault and values[data.VS]
+        values[data.VS] = fault
+        if values[data.V1]:
+            values[data.VA] = True
+            values[data.ACKNOWLEDGED] = False
+        values[data.A1] = acknowledge and values[data.VA] and not values[data.ACKNOWLEDGED]
+        if values[data.A1]:
+            values[data.ACKNOWLEDGED] = True
+        if not fault and (values[data.ACKNOWLEDGED] or not self._must_acknowledge):
+            values[data.VA] = False
+
+    def forget(self, frame: Frame, left: int) -> None:
+        """Steps that were left have no conditions."""
+        for index in indexes(left):
+            values = frame.v[self._slots[index]].v
+            for slot in (*data.EVENTS, data.LA, data.LS, data.VA, data.VS, data.ACKNOWLEDGED):
+                values[slot] = False

@@ -1,0 +1,121 @@
+"""The parameters of an S7-GRAPH block, and the mode they put the sequencer into."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs import Scope
+
+
+class Mode(IntEnum):
+    """How transitions switch (manual, "Operating modes")."""
+
+    AUTOMATIC = 0
+    MANUAL = 1
+    INCHING = 2
+    """SW_TAP: a transition switches when it is satisfied and T_PUSH rises."""
+    AUTOMATIC_OR_STEP_BY_STEP = 3
+    """SW_TOP: a transition switches when it is satisfied, or when T_PUSH rises."""
+
+
+_MODES = {
+    "SW_AUTO": (Mode.AUTOMATIC, "AUTO_ON"),
+    "SW_MAN": (Mode.MANUAL, "MAN_ON"),
+    "SW_TAP": (Mode.INCHING, "TAP_ON"),
+    "SW_TOP": (Mode.AUTOMATIC_OR_STEP_BY_STEP, "TOP_ON"),
+}
+_COMMANDS = "OFF_SQ INIT_SQ ACK_EF REG_EF REG_S S_ON S_OFF T_PUSH S_PREV S_NEXT".split()
+_OUTPUTS = {"S_NO": "INT", "S_MORE": "BOOL", "S_ACTIVE": "BOOL", "ERR_FLT": "BOOL"}
+
+
+class Commands(NamedTuple):
+    """What is wanted in this scan. All commands are rising edges of their parameters."""
+
+    off: bool
+    init: bool
+    acknowledge: bool
+    register: bool
+    on_step: bool
+    off_step: bool
+    push: bool
+    previous: bool
+    next: bool
+    selected: int
+    mode: Mode
+
+
+class Parameters:
+    """The parameters that a block declares; those that it does not declare have no effect."""
+
+    def __init__(self, scope: Scope, path: str, *, locked: bool) -> None:
+        self._scope = scope
+        self._locked = locked
+        self._declared = {
+            name
+            for name in [*_COMMANDS, *_MODES, *_OUTPUTS, "S_SEL", *(lamp for _, lamp in _MODES.values())]
+            if scope.lookup(name) is not None
+        }
+        self._edges = {
+            name: scope.declare(f"{path}: {name} before", BOOL, hidden=True) for name in [*_COMMANDS, *_MODES]
+        }
+        self._mode = scope.declare(f"{path}: mode", ELEMENTARY["INT"], hidden=True)
+        self._get: dict[str, Callable[[Frame], Any]] = {}
+        self._set: dict[str, Callable[[Frame, Any], None]] = {}
+
+    def translate(self) -> None:
+        """Find the parameters."""
+        for name in self._declared:
+            if name in self._edges or name == "S_SEL":
+                self._get[name] = self._scope.getter(f"#{name}")
+            else:
+                self._set[name] = self._scope.setter(f"#{name}")
+
+    def commands(self, frame: Frame) -> Commands:
+        """What has changed at the inputs."""
+        rising = {name: self._rises(name, frame) for name in self._edges}
+        if not self._locked:
+            for name, (mode, _) in _MODES.items():
+                if rising[name]:
+                    frame.v[self._mode] = int(mode)
+        selected = self._get["S_SEL"](frame) if "S_SEL" in self._get else 0
+        return Commands(
+            off=rising["OFF_SQ"],
+            init=rising["INIT_SQ"],
+            acknowledge=rising["ACK_EF"],
+            register=rising["REG_EF"] or rising["REG_S"],
+            on_step=rising["S_ON"],
+            off_step=rising["S_OFF"],
+            push=rising["T_PUSH"],
+            previous=rising["S_PREV"],
+            next=rising["S_NEXT"],
+            selected=selected,
+            mode=Mode(frame.v[self._mode]),
+        )
+
+    def _rises(self, name: str, frame: Frame) -> bool:
+        get = self._get.get(name)
+        if get is None:
+            return False
+        v, slot = frame.v, self._edges[name]
+        value = bool(get(frame))
+        rises = value and not v[slot]
+        v[slot] = value
+        return rises
+
+    def report(self, frame: Frame, mode: Mode, values: dict[str, Any]) -> None:
+        """Write the outputs."""
+        for which, lamp in _MODES.values():
+            self._write(lamp, frame, which is mode)
+        for name, value in values.items():
+            self._write(name, frame, value)
+
+    def _write(self, name: str, frame: Frame, value: Any) -> None:
+        write = self._set.get(name)
+        if write is not None:
+            write(frame, value)

@@ -1,0 +1,341 @@
+"""An S7-GRAPH block, ready to run: what happens in one cycle (manual, "Processing of a sequencer").
+
+Conditions, step change, actions: the events of the steps that were left and of those that were entered are in the same
+cycle. Permanent operations are executed in every cycle, also while the sequence is off.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from plcopen_sfc.errors import UnknownBehaviourError
+from plcopen_sfc.model import ActionAssociation, ActionEvent, SfcNetwork
+from plcopen_sfc.semantics.charts.actions import Owner, check_associations
+from plcopen_sfc.semantics.charts.declaring import override
+from plcopen_sfc.semantics.charts.graph import data
+from plcopen_sfc.semantics.charts.graph.actions import GraphActions, Happening
+from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions
+from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
+from plcopen_sfc.semantics.charts.moves import Move, choice
+from plcopen_sfc.semantics.charts.plans import Run
+from plcopen_sfc.semantics.charts.steps import Steps, tick
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs import Scope
+
+_EVENT_SLOTS = {
+    ActionEvent.S1: data.S1,
+    ActionEvent.S0: data.S0,
+    ActionEvent.L1: data.L1,
+    ActionEvent.L0: data.L0,
+    ActionEvent.V1: data.V1,
+    ActionEvent.V0: data.V0,
+    ActionEvent.A1: data.A1,
+    ActionEvent.R1: data.R1,
+}
+
+
+class GraphProgram:
+    """A sequencer under a profile with the parameters of S7-GRAPH."""
+
+    def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
+        self.net = Net.of(chart)
+        self.path = path
+        self._chart = chart
+        self._scope = scope
+        self._profile = profile
+        self._clock = scope.clock
+        self._situation = scope.declare(f"{path}: situation", LINT, hidden=True)
+        self._shown = scope.declare(f"{path}: situation shown", LINT, hidden=True)
+        self._valid = scope.declare(f"{path}: valid transitions", LINT, hidden=True)
+        self._eventful = scope.declare(f"{path}: steps with events", LINT, hidden=True)
+        self._before = scope.declare(f"{path}: cycle before", INSTANT, hidden=True)
+        self._display = scope.declare(f"{path}: step displayed", LINT, hidden=True)
+        self._started = scope.declare(f"{path}: started", BOOL, hidden=True)
+        self._steps = Steps(self.net, scope, path, profile)
+        self._slots = self._steps.slots
+        structure = scope.structure("SFC_TRANSITION", data.TRANSITION)
+        self._transitions = [
+            override(scope, t.transition.name, structure) if t.transition.name else None for t in self.net.transitions
+        ]
+        settings = chart.graph_settings
+        self._skips = bool(settings is not None and settings.skip_steps)
+        self._parameters = Parameters(scope, path, locked=bool(settings is not None and settings.lock_operating_mode))
+        self._conditions = StepConditions(
+            self.net,
+            self._slots,
+            acknowledged=bool(settings is not None and settings.acknowledge_errors_required),
+        )
+        self._choose = choice(profile)
+        self._moves: tuple[Move, ...] = ()
+        self._enabled: dict[int, tuple[Move, ...]] = {}
+        self._pre: tuple[Run, ...] = ()
+        self._post: tuple[Run, ...] = ()
+        self._refused: UnknownBehaviourError | None = None
+        self._actions: GraphActions | None = None
+        owned = self._associations()
+        try:
+            if self.net.macros or self.net.hierarchy:
+                raise UnknownBehaviourError("S7-GRAPH has no macro-steps, enclosing steps and forcing orders")
+            check_associations(owned, profile, path)
+            self._actions = GraphActions(self.net, owned, scope, path)
+        except UnknownBehaviourError as error:
+            self._refused = error
+
+    def _associations(self) -> list[tuple[Owner, ActionAssociation]]:
+        return [
+            (Owner(s.path, s.bit, self._steps.since[s.index], s.step.negated), model)
+            for s in self.net.steps
+            for model in s.step.actions
+            if not model.exclude
+        ]
+
+    # -- preparing
+
+    def translate(self) -> None:
+        """Prepare conditions, bodies and parameters. What the profile does not know is an error of the first scan."""
+        if self._refused is not None or self._actions is None:
+            return
+        self._actions.translate()
+        self._parameters.translate()
+        self._conditions.translate(self._scope, self.path)
+        self._moves = tuple(
+            Move(
+                t.pre,
+                t.post,
+                t.bit,
+                self._scope.condition(t.transition.condition, f"{self.path} / {t.path}", chart=t.chart)
+                if t.transition.condition is not None
+                else _satisfied,
+                t.transition.priority is not None,
+                t.path,
+            )
+            for t in self.net.transitions
+        )
+        self._pre = self._bodies([(p.body, "before") for p in self._chart.permanent_pre])
+        self._post = self._bodies([(p.body, "after") for p in self._chart.permanent_post])
+        self._limits = tuple(
+            (self._slots[s.index], slot, self._scope.expression(text, f"{self.path} / {s.path}", ELEMENTARY["TIME"]))
+            for s in self.net.steps
+            for slot, text in ((data.T_MAX, s.step.max_time), (data.T_WARN, s.step.warning_time))
+            if text
+        )
+
+    def _bodies(self, bodies: list[tuple[Any, str]]) -> tuple[Run, ...]:
+        return tuple(
+            self._scope.body(body, f"{self.path} / permanent operations {when} the sequence")
+            for body, when in bodies
+            if body is not None
+        )
+
+    # -- looking
+
+    def marking(self, frame: Frame) -> int:
+        """The active steps as programs see them, as bits of `net`."""
+        shown: int = frame.v[self._shown]
+        return shown
+
+    def active(self, frame: Frame) -> tuple[str, ...]:
+        """The paths of the active steps."""
+        return self.net.names(self.marking(frame))
+
+    # -- running
+
+    def initialise(self, frame: Frame) -> None:
+        """A new instance: nothing is active before its first cycle."""
+        v = frame.v
+        v[self._situation] = v[self._shown] = v[self._valid] = v[self._eventful] = 0
+        v[self._started] = False
+        for step in self.net.steps:
+            v[self._slots[step.index]].v[data.SNO] = step.step.number or 0
+        for transition, slot in zip(self.net.transitions, self._transitions, strict=True):
+            if slot is not None:
+                v[slot].v[data.TNO] = transition.transition.number or 0
+
+    def execute(self, frame: Frame) -> None:
+        """One cycle."""
+        if self._refused is not None:
+            raise self._refused
+        now = self._clock.now
+        v = frame.v
+        if not v[self._started]:
+            for slot, member, limit in self._limits:
+                v[slot].v[member] = limit(frame)
+        for run in self._pre:
+            run(frame)
+        self._sequence(frame, now)
+        for run in self._post:
+            run(frame)
+
+    def _sequence(self, frame: Frame, now: int) -> None:
+        v = frame.v
+        before = v[self._shown]
+        commands = self._parameters.commands(frame)
+        self._clear_events(frame)
+        tick(frame, self._steps.timed(before), now)
+        checked = self._conditions.check(frame, before, acknowledge=commands.acknowledge)
+        self._count_undisturbed(frame, now, before, checked.disturbed)
+        situation = self._next(frame, commands, checked)
+        entered = situation & ~before
+        left = before & ~situation
+        if situation != before:
+            self._conditions.forget(frame, left)
+            self._steps.change(frame, before, situation, entered, now)
+            for index in indexes(entered):
+                values = v[self._slots[index]].v
+                values[data.S1], values[data.U] = True, 0
+            for index in indexes(left):
+                v[self._slots[index]].v[data.S0] = True
+            if entered:
+                fresh = self._conditions.check(frame, entered, acknowledge=False)
+                checked = Checked(
+                    checked.released & ~left | fresh.released,
+                    checked.held & ~left | fresh.held,
+                    checked.disturbed & ~left | fresh.disturbed,
+                )
+            else:
+                checked = Checked(checked.released & ~left, checked.held & ~left, checked.disturbed & ~left)
+        if commands.register:
+            for index in indexes(situation):
+                v[self._slots[index]].v[data.R1] = True
+        v[self._shown] = situation
+        v[self._eventful] = situation | left
+        assert self._actions is not None  # noqa: S101  # execute() has looked
+        on, off = self._actions.act(
+            frame, now, Happening(left, situation, self._events(frame, situation | left), checked.released)
+        )
+        v[self._situation] = situation & ~off | on
+        self._report(frame, commands, situation, checked)
+
+    def _next(self, frame: Frame, commands: Commands, checked: Checked) -> int:
+        """The situation of this cycle."""
+        v = frame.v
+        situation: int = v[self._situation]
+        first = not v[self._started]
+        v[self._started] = True
+        if commands.off:
+            return 0
+        if first or commands.init:
+            return self.net.initial
+        if commands.mode is Mode.MANUAL:
+            selected = next((s.bit for s in self.net.steps if s.step.number == commands.selected), 0)
+            if commands.on_step:
+                situation |= selected
+            if commands.off_step:
+                situation &= ~selected
+            self._show_transitions(frame, (), {}, 0)
+            return situation
+        enabled = self._enabled_in(situation)
+        satisfied = {move.bit: bool(move.condition(frame)) for move in enabled}
+        free = [move for move in enabled if not move.sources & checked.held]
+        switching = [move for move in free if _switches(commands, satisfied[move.bit])]
+        left, entered, bits = self._choose(frame, [move._replace(condition=_satisfied) for move in switching])
+        if self._skips and entered:
+            entered = self._skip(frame, situation & ~left, entered)
+        self._show_transitions(frame, enabled, satisfied, bits)
+        return situation & ~left | entered
+
+    def _skip(self, frame: Frame, situation: int, entered: int) -> int:
+        """Steps whose next transition is satisfied already do not become active."""
+        passed = 0
+        waiting = list(indexes(entered))
+        result = 0
+        while waiting:
+            index = waiting.pop()
+            bit = 1 << index
+            onward = None
+            if not bit & (passed | situation):
+                passed |= bit
+                onward = next((m for m in self._enabled_in(bit) if m.sources == bit and m.condition(frame)), None)
+            if onward is None:
+                result |= bit
+            else:
+                waiting.extend(indexes(onward.targets))
+        return result
+
+    def _enabled_in(self, situation: int) -> tuple[Move, ...]:
+        found = self._enabled.get(situation)
+        if found is None:
+            found = self._enabled[situation] = tuple(self._moves[i] for i in self.net.enabled(situation))
+        return found
+
+    def _show_transitions(
+        self, frame: Frame, enabled: tuple[Move, ...], satisfied: dict[int, bool], switched: int
+    ) -> None:
+        v = frame.v
+        for index in indexes(v[self._valid]):
+            slot = self._transitions[index]
+            if slot is not None:
+                values = v[slot].v
+                values[data.TV] = values[data.TT] = values[data.TS] = False
+        valid = 0
+        for move in enabled:
+            valid |= move.bit
+            slot = self._transitions[move.bit.bit_length() - 1]
+            if slot is not None:
+                values = v[slot].v
+                values[data.TV], values[data.TT] = True, satisfied[move.bit]
+                values[data.TS] = bool(switched & move.bit)
+        v[self._valid] = valid
+
+    def _clear_events(self, frame: Frame) -> None:
+        v = frame.v
+        for index in indexes(v[self._eventful]):
+            values = v[self._slots[index]].v
+            for slot in data.EVENTS:
+                values[slot] = False
+
+    def _events(self, frame: Frame, steps: int) -> dict[ActionEvent, int]:
+        found: dict[ActionEvent, int] = {}
+        for index in indexes(steps):
+            values = frame.v[self._slots[index]].v
+            for event, slot in _EVENT_SLOTS.items():
+                if values[slot]:
+                    found[event] = found.get(event, 0) | 1 << index
+        return found
+
+    def _count_undisturbed(self, frame: Frame, now: int, active: int, disturbed: int) -> None:
+        v = frame.v
+        passed = now - v[self._before] if v[self._before] is not None else 0
+        v[self._before] = now
+        for index in indexes(active & ~disturbed):
+            v[self._slots[index]].v[data.U] += passed
+
+    def _report(self, frame: Frame, commands: Commands, situation: int, checked: Checked) -> None:
+        """The outputs: the step displayed is the one selected, else the first active one."""
+        v = frame.v
+        numbers = sorted(self.net.steps[i].step.number or 0 for i in indexes(situation))
+        shown = v[self._display]
+        if commands.mode is Mode.MANUAL and commands.selected:
+            shown = commands.selected
+        elif shown not in numbers:
+            shown = numbers[0] if numbers else 0
+        elif commands.next or commands.previous:
+            shown = numbers[(numbers.index(shown) + (1 if commands.next else -1)) % len(numbers)]
+        v[self._display] = shown
+        values = {
+            "S_NO": shown,
+            "S_MORE": len(numbers) > 1,
+            "S_ACTIVE": shown in numbers,
+            "ERR_FLT": checked.disturbed != 0,
+        }
+        self._parameters.report(frame, commands.mode, values)
+
+
+def _satisfied(_: Frame) -> bool:
+    """What an empty network of a transition says: its coil is on the power rail."""
+    return True
+
+
+def _switches(commands: Commands, satisfied: bool) -> bool:
+    match commands.mode:
+        case Mode.INCHING:
+            return satisfied and commands.push
+        case Mode.AUTOMATIC_OR_STEP_BY_STEP:
+            return satisfied or commands.push
+        case _:
+            return satisfied

@@ -1,0 +1,98 @@
+"""One evolution: which of the enabled transitions are cleared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from plcopen_sfc.errors import RivalsError
+from plcopen_sfc.semantics.net import Rivals
+from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.programs.layouts import Frame
+
+
+class Move(NamedTuple):
+    """A transition, ready to run: bits of its sources and targets, its own bit, and its condition.
+
+    `numbered`: it has a priority number.
+    """
+
+    sources: int
+    targets: int
+    bit: int
+    condition: Callable[[Frame], bool]
+    numbered: bool
+    path: str
+
+
+class Cleared(NamedTuple):
+    """What one evolution does: the steps left and entered, and the transitions cleared."""
+
+    left: int
+    entered: int
+    transitions: int
+
+
+NOTHING = Cleared(0, 0, 0)
+
+Choice = Callable[[Frame, Sequence[Move]], Cleared]
+"""Which of the enabled transitions are cleared, all of them on the same situation."""
+
+
+def choice(profile: Profile) -> Choice:
+    """How a profile treats rivals."""
+    if profile.rivals is Rivals.PRIORITY:
+        return _first
+    if profile.rivals is Rivals.ERROR:
+        return _exclusive
+    return _numbered_first if profile.numbered_first else _all
+
+
+def _first(frame: Frame, moves: Sequence[Move]) -> Cleared:
+    left = entered = transitions = 0
+    for sources, targets, bit, condition, _, _ in moves:
+        if not sources & left and condition(frame):
+            left |= sources
+            entered |= targets
+            transitions |= bit
+    return Cleared(left, entered, transitions) if transitions else NOTHING
+
+
+def _all(frame: Frame, moves: Sequence[Move]) -> Cleared:
+    left = entered = transitions = 0
+    for sources, targets, bit, condition, _, _ in moves:
+        if condition(frame):
+            left |= sources
+            entered |= targets
+            transitions |= bit
+    return Cleared(left, entered, transitions)
+
+
+def _numbered_first(frame: Frame, moves: Sequence[Move]) -> Cleared:
+    left = entered = transitions = locked = 0
+    for sources, targets, bit, condition, numbered, _ in moves:
+        if not sources & locked and condition(frame):
+            left |= sources
+            entered |= targets
+            transitions |= bit
+            if numbered:
+                locked |= sources
+    return Cleared(left, entered, transitions)
+
+
+def _exclusive(frame: Frame, moves: Sequence[Move]) -> Cleared:
+    left = entered = transitions = 0
+    taken: list[Move] = []
+    for move in moves:
+        if move.condition(frame):
+            rival = next((other for other in taken if other.sources & move.sources), None)
+            if rival is not None:
+                raise RivalsError(
+                    f"the transitions {rival.path} and {move.path} leave the same step at the same time",
+                    transitions=(rival.path, move.path),
+                )
+            taken.append(move)
+            left |= move.sources
+            entered |= move.targets
+            transitions |= move.bit
+    return Cleared(left, entered, transitions)

@@ -1,0 +1,135 @@
+"""The variables of steps: since when each one is active, and what programs see of it (``Step1.X``, ``Step1.T``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from plcopen_sfc.semantics.charts.declaring import override
+from plcopen_sfc.semantics.charts.graph import data
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Profile, StepVariables
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, StructureType
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs import Scope
+
+_STRUCTURE = "SFC_STEP"
+X, T = 0, 1
+"""Slots of the structure of a step."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepName:
+    """A name that programs use for a step: of one step, of a macro-step, or of steps of one name in several expansions.
+
+    Several count as active while one of them is.
+
+    `steps` are the bits, `slot` is where its structure is (its BOOL where `flag`), `since` where its start is.
+    """
+
+    name: str
+    steps: int
+    slot: int
+    since: int
+    flag: bool
+
+
+class Steps:
+    """The steps of a chart in a frame."""
+
+    def __init__(self, net: Net, scope: Scope, path: str, profile: Profile) -> None:
+        self.net = net
+        self._path = path
+        self.since = tuple(scope.declare(f"{path} {step.path}.since", INSTANT, hidden=True) for step in net.steps)
+        named: dict[str, tuple[str, int]] = {}
+        for step in net.steps:
+            name, bits = named.get(step.step.name.casefold(), (step.step.name, 0))
+            named[name.casefold()] = (name, bits | step.bit)
+        for macro in net.macros:
+            name, bits = named.get(macro.step.name.casefold(), (macro.step.name, 0))
+            named[name.casefold()] = (name, bits | macro.steps)
+        simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in net.steps)
+        members: Mapping[str, ElementaryType] = {"X": BOOL, "T": ELAPSED}
+        if profile.step_variables is StepVariables.GRAPH:
+            members = data.STEP
+        structure = None if simple else scope.structure(_STRUCTURE, members)
+        self.names = tuple(self._declare(scope, name, bits, structure) for name, bits in named.values())
+        if profile.step_variables is StepVariables.GRAFCET:
+            self.names += self._numbered(scope)
+        self._by_step: list[list[StepName]] = [[] for _ in net.steps]
+        for variable in self.names:
+            for index in indexes(variable.steps):
+                self._by_step[index].append(variable)
+
+    def _declare(self, scope: Scope, name: str, bits: int, structure: StructureType | None) -> StepName:
+        """The variable of a step. Another chart of the POU may have one of the same name; TIA Portal declares steps."""
+        start = self._start_of(scope, name, bits)
+        there = scope.lookup(name)
+        if there is not None and there.type == BOOL:
+            return StepName(name, bits, there.slot, start, flag=True)
+        if there is not None and isinstance(there.type, StructureType) and there.type.name == _STRUCTURE:
+            return StepName(name, bits, there.slot, start, flag=False)
+        return StepName(name, bits, override(scope, name, structure or BOOL), start, flag=structure is None)
+
+    def _start_of(self, scope: Scope, name: str, bits: int) -> int:
+        if bits & (bits - 1) == 0:
+            return self.since[bits.bit_length() - 1]
+        return scope.declare(f"{self._path} {name}.since", INSTANT, hidden=True)
+
+    def _numbered(self, scope: Scope) -> tuple[StepName, ...]:
+        """``X12`` for step 12 (IEC 60848:2013, 4.3)."""
+        found: dict[str, StepName] = {}
+        for step in self.net.steps:
+            for text in (step.step.name, str(step.step.number)):
+                name = f"X{text}"
+                if text.isalnum() and name.casefold() not in found and scope.lookup(name) is None:
+                    slot = scope.declare(name, BOOL)
+                    found[name.casefold()] = StepName(name, step.bit, slot, self.since[step.index], flag=True)
+        return tuple(found.values())
+
+    @property
+    def slots(self) -> tuple[int, ...]:
+        """The slots of the structures of the steps, in the order of the net."""
+        return tuple(next(n.slot for n in self.names if n.steps & step.bit and not n.flag) for step in self.net.steps)
+
+    def change(self, frame: Frame, before: int, situation: int, entered: int, now: int) -> None:
+        """Another situation. `entered`: the steps whose time starts anew."""
+        v = frame.v
+        since = self.since
+        for index in indexes(before & ~situation):
+            v[since[index]] = None
+        for index in indexes(entered & situation):
+            v[since[index]] = now
+        for index in indexes((before ^ situation) | (entered & situation)):
+            for name in self._by_step[index]:
+                active = situation & name.steps != 0
+                if name.flag:
+                    v[name.slot] = active
+                    continue
+                values = v[name.slot].v
+                if name.steps & (name.steps - 1):
+                    if active and not values[X]:
+                        v[name.since] = now
+                    elif not active:
+                        v[name.since] = None
+                values[X] = active
+                if active:
+                    values[T] = now - v[name.since]
+
+    def timed(self, situation: int) -> tuple[tuple[int, int], ...]:
+        """Where the times of active steps are, and where their starts."""
+        return tuple((n.slot, n.since) for n in self.names if situation & n.steps and not n.flag)
+
+    def restart(self, frame: Frame, situation: int, now: int) -> None:
+        """Let the times of all active steps begin anew."""
+        self.change(frame, situation, situation, situation, now)
+
+
+def tick(frame: Frame, timed: tuple[tuple[int, int], ...], now: int) -> None:
+    """Bring the times of active steps up to date."""
+    v = frame.v
+    for slot, since in timed:
+        v[slot].v[T] = now - v[since]
