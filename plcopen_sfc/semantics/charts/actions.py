@@ -87,7 +87,7 @@ class Actions:
         self._profile = profile
         self._always = profile.boolean_targets is BooleanTargets.ALWAYS
         self._busy = scope.declare(f"{path}: busy actions", LINT, hidden=True)
-        self._work: dict[tuple[int, int], _Work] = {}
+        self._work: dict[tuple[int, int, int], _Work] = {}
         drafts = _gather(owned)
         if profile.alphabetic_actions:
             drafts.sort(key=lambda draft: draft.name.casefold())
@@ -141,9 +141,9 @@ class Actions:
         `situation`, `seen` and `entered` are as in `Control.step`.
         """
         v = frame.v
-        work = self._work.get((situation, v[self._busy]))
+        work = self._work.get((situation, seen, v[self._busy]))
         if work is None:
-            work = self._plan(situation, v[self._busy])
+            work = self._plan(situation, seen, v[self._busy])
         ended: list[Action] = []
         active: list[Action] = []
         busy = 0
@@ -171,14 +171,14 @@ class Actions:
             elif action.write is not None:
                 action.write(frame, True)
 
-    def _plan(self, situation: int, busy: int) -> _Work:
-        asked = tuple(a for a in self._actions if a.bit & busy or a.may_act(situation))
+    def _plan(self, situation: int, seen: int, busy: int) -> _Work:
+        asked = tuple(a for a in self._actions if a.bit & busy or a.may_act(situation) or a.may_act(seen))
         idle: tuple[Write, ...] = ()
         if self._always:
             idle = tuple(a.write for a in self._actions if a not in asked and a.write is not None)
         if len(self._work) >= MOST_PLANS:
             self._work.clear()
-        work = self._work[situation, busy] = _Work(asked, idle)
+        work = self._work[situation, seen, busy] = _Work(asked, idle)
         return work
 
     def end(self, frame: Frame) -> None:

@@ -93,10 +93,13 @@ def _split(variables: str) -> list[tuple[str, str]]:
 
 
 def chain(*steps: str, conditions: str = "", ring: bool = True) -> SfcNetwork:
-    """Steps in a row, the first one initial, with conditions in between; `ring`: the last leads to the first."""
+    """Steps in a row, the first one initial, with conditions in between; `ring`: the last leads to the first.
+
+    `conditions` are divided by blanks, or by semicolons.
+    """
     chart = SfcNetwork()
     made = [chart.add_step(name, initial=index == 0) for index, name in enumerate(steps)]
-    words = conditions.split() or [f"c{index + 1}" for index in range(len(steps))]
+    words = (conditions.split(";") if ";" in conditions else conditions.split()) or [f"c{index + 1}" for index in range(len(steps))]
     pairs = list(zip(made, [*made[1:], made[0]], strict=True))
     for (source, target), condition in zip(pairs if ring else pairs[:-1], words, strict=False):
         chart.add_transition(source, target, condition)
