@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
@@ -17,6 +18,7 @@ from benchmarks import structured_text
 from plcopen_sfc.formats.registry import recognise
 from plcopen_sfc.formats.xml.schema_files import schema_path
 from plcopen_sfc.model import Project
+from plcopen_sfc.model.project import FolderOrigin
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 OFFICIAL = {
@@ -36,10 +38,36 @@ def load(path: Path) -> Project:
 
 
 def load_all(path: Path) -> Project:
-    """`load`, and read every chart."""
+    """`load`, and read every object and chart."""
     project = sfc.load(path)
     project.read_all()
     return project
+
+
+def parse_folder(path: Path) -> int:
+    """The trees of lxml of all documents below a folder, one after the other."""
+    return sum(len(etree.parse(each).getroot()) for each in sorted(path.rglob("*.xml")))
+
+
+def copy_folder(path: Path) -> Project:
+    """A project read from a copy of a folder beside it, into which it can be saved."""
+    copy = path.with_name(f"{path.name} copy")
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(path, copy)
+    return sfc.load(copy)
+
+
+def save_home(project: Project) -> list[str]:
+    """`save` into the folder that the project was read from."""
+    origin = project._origin
+    return sfc.save(project, origin.path).written if isinstance(origin, FolderOrigin) else []
+
+
+def rename_and_save_home(project: Project) -> list[str]:
+    """`save_home` after one step of one chart got another name: a document of all is written."""
+    chart = next(pou.sfc for pou in project.pous if pou.name.startswith("FB_Drill") and pou.sfc is not None)
+    chart.rename_step(chart.steps[0].name or "", "Renamed")
+    return save_home(project)
 
 
 def steps_of(project: Project) -> int:
@@ -174,6 +202,9 @@ JOBS: dict[str, tuple[Callable[[Path], Any], Callable[[Any], Any]]] = {
     "save_all": (load_all, save),
     "rename": (load, rename_and_save),
     "rename_all": (load_all, rename_and_save),
+    "lxml_folder": (_itself, parse_folder),
+    "save_home": (copy_folder, save_home),
+    "rename_home": (copy_folder, rename_and_save_home),
     "libxml2": (compile_schema, validate_libxml2),
     "validate": (_itself, validate),
     "st": (structured_text.read, structured_text.parse),

@@ -27,11 +27,18 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from benchmarks import jobs, structured_text
+from benchmarks.exports import FIXTURES, generate_export
 from benchmarks.generate import generate
 from benchmarks.measure import Times, process_times, race
 
 LARGEST = "PLCOpenXML_Scenario_24.xml"
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)
+TIA_DOCUMENTS = {
+    "Export__plcBlock_GRAPH_FB_R134a_GRAPH.xml": "GRAPH block",
+    "Export__plcBlock_LAD_FB_R134a_BU_Valves.xml": "LAD block",
+    "Export__plcBlock_DB_DB_R134a_1_StepData.xml": "data block",
+}
+BLOCKS = (250, 500, 1000, 2000)
 ST_SIZES = (1.0, 2.0, 4.0, 8.0)
 SAMPLE = 30_000
 """How many bytes blark is given of a source: it takes minutes for a megabyte."""
@@ -195,6 +202,60 @@ class Bench:
             row.limit, row.growth = limit, True
             self.rows.append(row)
 
+    def documents(self) -> None:
+        """The largest real documents of TIA Portal, one in GRAPH, one in LAD and a data block."""
+        corpus = corpus_folder()
+        warm = FIXTURES / "FB_Drill.xml"
+        for name, what in TIA_DOCUMENTS.items():
+            path = next(iter(sorted(corpus.rglob(name))), None)
+            if path is None:
+                self.notes.append(f"no {what} of TIA Portal measured: {name} is not there")
+                continue
+            label = f"{what}, {path.stat().st_size / 1e6:.2f} MB"
+            self.tell(label)
+            times = race(["lxml", "load", "load_all", "save", "tostring"], path, warm)
+            self.rows += [
+                compare(label, "load", "lxml.etree.parse", (times["load"], times["lxml"]), 6),
+                compare(label, "load, read all", "lxml.etree.parse", (times["load_all"], times["lxml"])),
+                compare(label, "save, unedited", "lxml.etree.tostring", (times["save"], times["tostring"]), 3),
+            ]
+
+    def exports(self, sizes: Sequence[int]) -> None:
+        """Folders of ever more documents of TIA Portal: time and memory for each."""
+        contestants = {
+            "lxml_folder": ("lxml.etree.parse, one by one", None),
+            "load": ("load", LINEAR),
+            "load_all": ("load, read all", LINEAR),
+            "save_home": ("save, unedited", LINEAR),
+            "rename_home": ("rename a step, save", LINEAR),
+        }
+        points: dict[str, list[tuple[float, float]]] = {name: [] for name in contestants}
+        warm = self.folder / "warm-export"
+        generate_export(warm, 8)
+        for size in sizes:
+            path = self.folder / f"export-{size}"
+            megabytes = generate_export(path, size) / 1e6
+            label = f"folder of {size} blocks, {megabytes:.1f} MB"
+            self.tell(label)
+            times = race(list(contestants), path, warm, rounds=2)
+            for name, each in times.items():
+                points[name].append((size, each.best))
+            if size == sizes[-1]:
+                lxml = times["lxml_folder"]
+                for name, (what, _) in list(contestants.items())[1:]:
+                    self.rows.append(compare(label, what, "lxml.etree.parse", (times[name], lxml)))
+                for name in ("load", "load_all"):
+                    memory = times[name].megabytes
+                    what = f"peak memory, {contestants[name][0]}"
+                    ratio = memory / megabytes
+                    self.rows.append(Row(label, what, "bytes of the files", memory, megabytes, "MB", ratio))
+        for name, (what, limit) in contestants.items():
+            (small, first), (large, last) = points[name][0], points[name][-1]
+            file = f"folders of {small:.0f} to {large:.0f} blocks"
+            row = Row(file, f"growth of {what}", "smallest", last / large, first / small, "s", exponent(points[name]))
+            row.limit, row.growth = limit, True
+            self.rows.append(row)
+
     def starting(self) -> None:
         """How long the command line takes to start."""
         self.tell("start of the command line")
@@ -307,10 +368,14 @@ def environment() -> dict[str, str]:
     return found
 
 
+def corpus_folder() -> Path:
+    """Where the real files are, if they are."""
+    return Path(os.environ.get("PLCOPEN_SFC_CORPUS") or jobs.SHARED / "corpus")
+
+
 def largest_corpus_file() -> Path | None:
     """The largest real file, where there is a corpus."""
-    corpus = Path(os.environ.get("PLCOPEN_SFC_CORPUS") or jobs.SHARED / "corpus")
-    return next(iter(sorted(corpus.rglob(LARGEST))), None)
+    return next(iter(sorted(corpus_folder().rglob(LARGEST))), None)
 
 
 def table(rows: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -375,7 +440,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure plcopen_sfc against lxml, libxml2, xsdata and blark.")
     parser.add_argument("--size", type=float, default=10, metavar="MB", help="size of the generated files (default 10)")
     parser.add_argument("--corpus", type=Path, metavar="FILE", help=f"a real file (default: {LARGEST} of the corpus)")
-    parser.add_argument("--only", choices=("files", "growth", "start", "st"), help="only this part")
+    parser.add_argument("--only", choices=("files", "growth", "start", "st", "tia"), help="only this part")
     parser.add_argument("--quick", action="store_true", help="growth up to 10 MB only")
     parser.add_argument("--json", action="store_true", help="data instead of tables")
     options = parser.parse_args()
@@ -397,6 +462,9 @@ def main() -> None:
             bench.growing([size for size in SIZES if size <= 10 or not options.quick])
         if options.only in (None, "start"):
             bench.starting()
+        if options.only in (None, "tia"):
+            bench.documents()
+            bench.exports([blocks for blocks in BLOCKS if blocks <= 1000 or not options.quick])
         if options.only in (None, "st"):
             bench.programs()
     about = environment()
