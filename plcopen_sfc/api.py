@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.documents import encode, read_document, refuse_losses
+from plcopen_sfc.documents import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.errors import UnknownFormatError
 from plcopen_sfc.files import read_bytes, write_atomic
 from plcopen_sfc.formats.base import Format
-from plcopen_sfc.formats.registry import FORMATS, format_named
+from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
 from plcopen_sfc.model.project import FolderOrigin, Project
 from plcopen_sfc.report import ConversionReport
 
@@ -48,23 +48,31 @@ def save(
     *,
     format: str | None = None,
     flavour: str = "",
+    tia: str = "",
     strict: bool = False,
     fresh: bool = False,
+    normalize: bool = False,
 ) -> ConversionReport:
     """Save a project to a path or a binary file; returns what became of each item.
 
     Saved in the format it was loaded from, the file is what was read with just the edits in it. `format` converts to
-    another (see `plcopen-sfc formats`), `flavour` writes for a family of readers (``beremiz``), `fresh` writes from the
-    model alone. With `strict` a conversion that would drop or approximate anything raises `LossError` and writes
-    nothing. A path is written to a temporary file and renamed: the old file stays whole whatever happens.
+    another (see `plcopen-sfc formats`), `flavour` writes for a family of readers (``beremiz``), `tia` for a version of
+    TIA Portal (``V16``; the format is ``simaticml`` then), `fresh` writes from the model alone. With `normalize` what
+    the tool ignores is left out, such as the time of an export: files can be compared then. With `strict` a
+    conversion that would drop or approximate anything raises `LossError` and writes nothing. A path is written to a
+    temporary file and renamed: the old file stays whole whatever happens.
+
+    Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for.
     """
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
-    name = format or _format_for(project, Path(path) if path is not None else None)
+    name = _name(project, format, tia, Path(path) if path is not None else None)
     if path is not None and _is_folder(path, project, name):
         from plcopen_sfc.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
 
-        return save_folder(project, path, name, flavour=flavour, strict=strict, fresh=fresh)
+        return save_folder(project, path, name, flavour=flavour, strict=strict, fresh=fresh, normalize=normalize)
     data, report = encode(project, name, flavour=flavour, fresh=fresh)
+    if normalize:
+        data = normalized(data, name)
     if strict:
         refuse_losses(report)
     if isinstance(target, str | os.PathLike):
@@ -75,9 +83,19 @@ def save(
     return report
 
 
-def dumps(project: Project, *, format: str | None = None, flavour: str = "", fresh: bool = False) -> bytes:
+def dumps(
+    project: Project,
+    *,
+    format: str | None = None,
+    flavour: str = "",
+    tia: str = "",
+    fresh: bool = False,
+    normalize: bool = False,
+) -> bytes:
     """The bytes that `save` would write."""
-    return encode(project, format or _format_for(project, None), flavour=flavour, fresh=fresh)[0]
+    name = _name(project, format, tia, None)
+    data = encode(project, name, flavour=flavour, fresh=fresh)[0]
+    return normalized(data, name) if normalize else data
 
 
 def convert(
@@ -88,6 +106,13 @@ def convert(
 ) -> tuple[bytes, ConversionReport]:
     """The bytes of `project` in another format, and the report."""
     return encode(project, format, flavour=flavour, fresh=False)
+
+
+def _name(project: Project, format: str | None, tia: str, path: Path | None) -> str:
+    """The name of the format to write."""
+    if tia:
+        return for_tia(format or TIA_FORMAT, tia)
+    return format or _format_for(project, path)
 
 
 def _format_for(project: Project, path: Path | None) -> str:

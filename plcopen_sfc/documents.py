@@ -68,6 +68,16 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
     return data, report
 
 
+def normalized(data: bytes, name: str) -> bytes:
+    """A file in the format `name` without what its tool ignores. Raises `UnknownFormatError`: there is nothing."""
+    kind = format_named(name)[0]
+    normalize = getattr(kind.codec(), "normalize", None)
+    if normalize is None:
+        raise UnknownFormatError(f"there is nothing to normalise in files of the format {kind.name}")
+    result: bytes = normalize(data)
+    return result
+
+
 def note_unreadable(project: Project, report: ConversionReport) -> None:
     """Documents of a folder that could not be read are missing wherever else the project is written."""
     origin = project._origin

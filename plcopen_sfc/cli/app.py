@@ -144,8 +144,12 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
         str | None, typer.Argument(metavar="[DST]", help="Where to write; - is standard output. Usual: next to SRC.")
     ] = None,
     flavour: Annotated[str, typer.Option("--for", metavar="TOOL", help="Write for a tool: beremiz.")] = "",
+    tia: Annotated[str, typer.Option("--tia", metavar="VERSION", help="Write for a version of TIA Portal: V16.")] = "",
     strict: Annotated[bool, typer.Option("--strict", help="Refuse to lose or approximate anything.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Write from the model alone, not into the old text.")] = False,
+    normalize: Annotated[
+        bool, typer.Option("--normalize", help="Leave out what TIA Portal ignores, such as the time of an export.")
+    ] = False,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.json", help="Write what became of every item.")
     ] = None,
@@ -157,7 +161,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
-        how = convert.How(format=to, flavour=flavour, strict=strict, fresh=fresh)
+        how = convert.How(to, flavour=flavour, tia=tia, strict=strict, fresh=fresh, normalize=normalize)
         screen.exit_code = convert.run(screen, source, target, how, report_to=report)
 
 

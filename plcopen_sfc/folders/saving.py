@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from plcopen_sfc.documents import encode, note_unreadable, prepared, refuse_losses, verify
+from plcopen_sfc.documents import encode, normalized, note_unreadable, prepared, refuse_losses, verify
 from plcopen_sfc.errors import FileAccessError, Location
 from plcopen_sfc.files import read_bytes, write_all
 from plcopen_sfc.folders.loading import add_document, files_below, settle
@@ -21,7 +21,14 @@ __all__ = ["edited_files", "save_folder"]
 
 
 def save_folder(
-    project: Project, folder: str, name: str, *, flavour: str = "", strict: bool = False, fresh: bool = False
+    project: Project,
+    folder: str,
+    name: str,
+    *,
+    flavour: str = "",
+    strict: bool = False,
+    fresh: bool = False,
+    normalize: bool = False,
 ) -> ConversionReport:
     """Save `project` in the format `name` into `folder`, which is made where it is missing.
 
@@ -43,6 +50,8 @@ def save_folder(
     else:
         planned = plan_like(project, origin, kind, home=home)
         contents = _encode(planned, origin, name, report, flavour=flavour, fresh=fresh)
+    if normalize:
+        contents = {path: normalized(data, name) for path, data in contents.items()}
     if not home:
         note_unreadable(project, report)
     if strict:

@@ -56,7 +56,8 @@ class Codec(Protocol):
     """The module of a format. One that does not write has no ``write``.
 
     One with ``adapt(project, options, report)`` changes a copy of the project, before it is written, into what the
-    format makes of it: numbers that its tool requires, names that it gives.
+    format makes of it: numbers that its tool requires, names that it gives. One with ``normalize(data)`` takes out of a
+    file what its tool does not look at.
     """
 
     def read(self, data: bytes, *, file: str | None = None) -> Reading:

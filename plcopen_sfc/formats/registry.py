@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from plcopen_sfc.errors import Location, UnknownFormatError
+from plcopen_sfc.errors import Location, UnknownFormatError, UnknownVersionError
 from plcopen_sfc.formats.base import DrawingNeed, Format
 from plcopen_sfc.model.dialect import Dialect
 
@@ -192,6 +192,27 @@ def format_named(name: str) -> tuple[Format, str]:
             return candidate, version
     known = [n for f in FORMATS for n in (f.name, *(f"{f.name}-{v}" for v in f.versions))]
     raise UnknownFormatError(f"there is no format {name!r}", hint="Formats are: " + ", ".join(known))
+
+
+def for_tia(name: str, tia: str) -> str:
+    """The name of the format `name` in the version of TIA Portal that is spelled `tia`: ``V16``, ``16``, ``v14sp1``.
+
+    Raises `UnknownFormatError` where the format has no such versions, `UnknownVersionError` for one that is not known.
+    """
+    kind, version = format_named(name)
+    if kind.name != TIA_FORMAT:
+        raise UnknownFormatError(f"a version of TIA Portal is for {TIA_FORMAT}, not for {name}")
+    spelled = tia.replace(" ", "").upper().removeprefix("V")
+    wanted = next((known for known in kind.versions if known.replace(" ", "").upper() == f"V{spelled}"), None)
+    if wanted is None:
+        known = ", ".join(kind.versions)
+        raise UnknownVersionError(f"there is no TIA Portal {tia!r} to write for", hint=f"There are {known}.")
+    if version not in ("", wanted):
+        raise UnknownFormatError(f"{name} is not for TIA Portal {wanted}", hint=f"Write {TIA_FORMAT} alone.")
+    return f"{kind.name}-{wanted}"
+
+
+TIA_FORMAT = "simaticml"
 
 
 def recognise(data: bytes, *, file: str | None = None) -> Format:

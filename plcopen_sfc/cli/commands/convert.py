@@ -6,7 +6,7 @@ import io
 import json
 import sys
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from plcopen_sfc.api import load, save
@@ -36,8 +36,10 @@ class How:
 
     format: str
     flavour: str = ""
+    tia: str = ""
     strict: bool = False
     fresh: bool = False
+    normalize: bool = False
 
 
 def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
@@ -91,9 +93,9 @@ def _beside(source: Path, format_name: str, extension: str) -> str:
 def _save(project: Project, target: str, how: How) -> ConversionReport:
     """Save to a file or to standard output (``-``)."""
     if target != "-":
-        return save(project, target, format=how.format, flavour=how.flavour, strict=how.strict, fresh=how.fresh)
+        return save(project, target, **asdict(how))
     content = io.BytesIO()
-    report = save(project, content, format=how.format, flavour=how.flavour, strict=how.strict, fresh=how.fresh)
+    report = save(project, content, **asdict(how))
     sys.stdout.buffer.write(content.getvalue())
     return report
 

@@ -7,12 +7,13 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.formats.base import Reading, WriteOptions
-from plcopen_sfc.formats.simaticml import adapting, layout
+from plcopen_sfc.formats.simaticml import adapting, layout, normalizing
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
+from plcopen_sfc.formats.simaticml.fitting import fit_alarms
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
-from plcopen_sfc.formats.simaticml.versions import DEFAULT, version_named
+from plcopen_sfc.formats.simaticml.versions import DEFAULT, TiaVersion, version_like
 from plcopen_sfc.formats.xml import writing
 from plcopen_sfc.formats.xml.source import parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
@@ -45,6 +46,8 @@ def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> 
         kept = project.carried.attributes if project.carried is not None else {}
         for name in [name for name in kept if name.startswith(SCHEMA)]:
             del kept[name]
+        for chart in project.charts():
+            fit_alarms(chart.network, _version(project, options))
     adapting.adapt(project, report)
 
 
@@ -63,13 +66,26 @@ def lines(content: bytes, project: Project) -> dict[str, int]:
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the document for `project`."""
+    return write_project(project, _version(project, options), report, options)
+
+
+def _version(project: Project, options: WriteOptions) -> TiaVersion:
+    """The version to write."""
     given = options.version or (project.header.version if project.header.product == PRODUCT else "")
-    return write_project(project, version_named(given) or DEFAULT, report, options)
+    return version_like(given) or DEFAULT
 
 
 def style(_project: Project, _options: WriteOptions) -> XmlStyle:
     """As TIA Portal writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""
-    return XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
+    return _STYLE
+
+
+_STYLE = XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
+
+
+def normalize(data: bytes) -> bytes:
+    """The document without what an import does not look at."""
+    return normalizing.normalize(data, _STYLE)
 
 
 def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:

@@ -46,6 +46,8 @@ USUAL_CATEGORIES = (
     [*_SUPERVISIONS, *((name, number, None, None) for name, number in _CATEGORIES.items())],
 )
 """The alarm categories (name, id, display class, text) that TIA Portal writes: up to Graph v2, and from v4 on."""
+ALL_CATEGORIES = 4
+"""The number of the schema of GRAPH that has all of them."""
 CONNECTIONS = "Connections"
 """Carried attribute of a sequence: the order of its connections, where it is not the one that we write."""
 

@@ -181,9 +181,8 @@ class _ChartWriter:
             element.set(name, value)
         ctx.place.append(f"step {step.name}")
         native = {"id", "name", "number", "initial", "max_time", "warning_time", "actions", "interlock", "supervision"}
-        if self.schema > 1:
-            write_languages(ctx, element, "StepName", step.title)
-            native.add("title")
+        native |= {"title"}
+        write_languages(ctx, element, "StepName", step.title)
         write_languages(ctx, element, "Comment", step.comment)
         actions = sub(element, "Actions")
         self._fill_shell(actions, step.carried, "Actions")
@@ -267,10 +266,8 @@ class _ChartWriter:
         for key, value in _attributes(transition.carried).items():
             element.set(key, value)
         ctx.place.append(f"transition {self.chart.label(transition)}")
-        native = {"id", "name", "number", "sources", "targets", "condition", "priority", "comment"}
-        if self.schema > 1:
-            write_languages(ctx, element, "TransitionName", transition.title)
-            native.add("title")
+        native = {"id", "name", "number", "sources", "targets", "condition", "priority", "title", "comment"}
+        write_languages(ctx, element, "TransitionName", transition.title)
         write_languages(ctx, element, "Comment", transition.comment)
         for content in _unknown(transition.carried):
             add_element(ctx, element, content)

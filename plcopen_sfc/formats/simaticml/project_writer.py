@@ -7,6 +7,7 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.simaticml.fitting import fit, refuse_older
 from plcopen_sfc.formats.simaticml.numbering import number, number_like
 from plcopen_sfc.formats.simaticml.objects_writer import (
     write_data_block,
@@ -31,9 +32,12 @@ def write_project(
     """The tree of the document for `project`; what becomes of each item goes into `report`."""
     root = _tree(project, version, report, options)
     if options.baseline is None:
+        if not options.same:
+            refuse_older(root, version)
         number(root, _ids(project))
     else:
         before = _tree(options.baseline, version, ConversionReport(), replace(options, baseline=None))
+        refuse_older(root, version, before)
         number_like(root, before, _ids(options.baseline))
     return root
 
@@ -70,6 +74,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE)
+    fit(root, version)
     return root
 
 

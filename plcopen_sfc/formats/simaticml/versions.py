@@ -6,7 +6,7 @@ Sources: the schemas that TIA Portal installs (each says what it includes), and 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 NAMESPACE = "http://www.siemens.com/automation/Openness/SW/"
 _VERSIONED = re.compile(re.escape(NAMESPACE) + r"(?:NetworkSource/)?(\w+)/v(\d+)")
@@ -62,6 +62,24 @@ DEFAULT = VERSIONS[-2]
 def version_named(name: str) -> TiaVersion | None:
     """The version of this name, as ``Engineering/@version`` spells it."""
     return next((version for version in VERSIONS if version.name == name), None)
+
+
+def version_like(name: str) -> TiaVersion | None:
+    """The version of this name; one that came later, or between two that are known, is as the one before it.
+
+    None for what is no version of TIA Portal, and for those before V14 SP1, whose format was another.
+    """
+    exact = version_named(name)
+    wanted = _place_in_time(name)
+    if exact is not None or wanted is None:
+        return exact
+    earlier = [version for version in VERSIONS if (_place_in_time(version.name) or wanted) < wanted]
+    return replace(earlier[-1], name=name) if earlier else None
+
+
+def _place_in_time(name: str) -> tuple[int, int, int] | None:
+    found = re.fullmatch(r"V(\d{2})(?:\.(\d))?(?: SP(\d))?", name)
+    return (int(found[1]), int(found[2] or 0), int(found[3] or 0)) if found else None
 
 
 def first_with(kind: str, number: int) -> TiaVersion | None:

@@ -14,7 +14,7 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.xml.schema_files import schema_path
 from plcopen_sfc.formats.xml.source import SourceLines
 
-__all__ = ["MAX_FINDINGS", "Judge", "element_path", "findings", "is_valid"]
+__all__ = ["MAX_FINDINGS", "Judge", "element_path", "faults", "findings", "is_valid"]
 
 MAX_FINDINGS = 100
 """So many findings are reported for one file; who repairs these will run the check again."""
@@ -37,6 +37,12 @@ def _validator(name: str) -> etree.XMLSchema:
 def is_valid(root: etree._Element, schema: str) -> bool:
     """Whether the document of `root` is valid by the schema of this name, by libxml2's judgement."""
     return _validator(schema).validate(root)
+
+
+def faults(root: etree._Element, schema: str) -> list[tuple[etree._Element, str]]:
+    """The elements that libxml2 objects to by the schema of this name, with its words; empty for a valid document."""
+    validator = _validator(schema)
+    return [] if validator.validate(root) else list(_places(root, validator.error_log))
 
 
 def findings(

@@ -31,6 +31,7 @@ class Instances:
     def __init__(self, schema: str, root: str, seed: str) -> None:
         self.schema: Any = xmlschema.XMLSchema10(str(schema_path(schema)), allow="local")
         self.root = self.schema.elements[root]
+        self.nsmap: Any = {None: self.schema.target_namespace}
         self.random = random.Random(seed)  # noqa: S311
 
     def instance(self) -> etree._Element:
@@ -39,7 +40,7 @@ class Instances:
         return etree.fromstring(etree.tostring(made))
 
     def _element(self, declaration: Any, depth: int) -> etree._Element:
-        element = etree.Element(declaration.name, nsmap={None: self.schema.target_namespace})
+        element = etree.Element(declaration.name, nsmap=self.nsmap)
         for name, attribute in declaration.type.attributes.items() if declaration.type.is_complex() else ():
             if name is not None and (attribute.use == "required" or self.random.random() < 0.3):
                 element.set(name, self._value(attribute.type))

@@ -1,0 +1,173 @@
+"""Whether a version of TIA Portal can say what a document holds, and what else it needs a newer one for.
+
+The schemas of the versions decide: what one of them objects to and a later one does not needs that later version.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+
+from lxml import etree
+
+from plcopen_sfc.errors import OldVersionError, VersionNeed
+from plcopen_sfc.formats.simaticml.graph_reader import ALL_CATEGORIES, USUAL_CATEGORIES
+from plcopen_sfc.formats.simaticml.versions import LANGUAGES, VERSIONS, TiaVersion, namespace
+from plcopen_sfc.formats.xml.schema import faults
+from plcopen_sfc.model.sfc import AlarmCategory, SfcNetwork
+
+__all__ = ["fit", "fit_alarms", "refuse_older"]
+
+_ROOTS = {"Sections": "Interface", **{language: language for language in LANGUAGES}}
+_OBJECTS = {
+    "SW.Types.PlcStruct": "data type",
+    "SW.Tags.PlcTagTable": "tag table",
+    "SW.Blocks.GlobalDB": "data block",
+    "SW.Blocks.InstanceDB": "data block",
+    "SW.Blocks.ArrayDB": "data block",
+}
+_FEATURES = {
+    "StructuredText": "a network in SCL",
+    "StatementList": "a network in STL",
+    "StepName": "the name of the step in several languages",
+    "TransitionName": "the name of the transition in several languages",
+    "AssignedProDiagFB": "supervision by ProDiag",
+    "Blank": "a blank in the text of an operand",
+    "MultiLanguageText": "a text in a language with a script (zh-Hans-CN)",
+    "DataType": "a data type as operand",
+    "Reference": "a reference as operand",
+    "PredefinedVariable": "ENO as operand",
+}
+_Category = tuple[str, int, int | None, str | None]
+_WITHOUT_ARRAY_MARK = 1
+"""The number of the schemas in which an index has no mark of its own: those of V14 SP1."""
+
+
+def fit(root: etree._Element, version: TiaVersion) -> None:
+    """Spell what older versions spell otherwise, in a document that was written for `version`."""
+    if version.flg_net == _WITHOUT_ARRAY_MARK:
+        for component in root.iter("{*}Component"):
+            if component.get("AccessModifier") == "Array":
+                del component.attrib["AccessModifier"]
+
+
+def fit_alarms(chart: SfcNetwork, version: TiaVersion) -> None:
+    """Add the categories of alarms that `version` wants, and take out those that it lacks, as far as they are usual."""
+    settings = chart.graph_settings
+    if settings is None or not settings.alarm_categories:
+        return
+    usual: list[_Category] = list(USUAL_CATEGORIES[version.graph >= ALL_CATEGORIES])
+    every: dict[str, _Category] = {entry[0]: entry for entry in USUAL_CATEGORIES[True]}
+    given: list[_Category] = [(one.name, one.id, one.display_class, one.text) for one in settings.alarm_categories]
+    names = {name for name, *_ in usual}
+    kept = [entry for entry in given if entry[0] in names or entry != every.get(entry[0])]
+    missing = [entry for entry in usual if entry[0] not in {name for name, *_ in given}]
+    order = {name: place for place, name in enumerate(every)}
+    result = sorted([*kept, *missing], key=lambda entry: order.get(entry[0], len(order)))
+    if result == given:
+        return
+    settings.alarm_categories = [
+        AlarmCategory(name=name, id=number, display_class=display, text=text)
+        for name, number, display, text in ([] if result == usual else result)
+    ]
+
+
+def refuse_older(root: etree._Element, version: TiaVersion, before: etree._Element | None = None) -> None:
+    """Raise `OldVersionError` where a document written for `version` holds what came with a later one.
+
+    `before` is the document before it was edited; what it had of this already is let pass.
+    """
+    needs = _needs(root, version)
+    if needs and before is not None:
+        had = set(_needs(before, version))
+        needs = [need for need in needs if need not in had]
+    if needs:
+        raise OldVersionError(f"TIA Portal {version.name}", needs)
+
+
+def _needs(root: etree._Element, version: TiaVersion) -> list[VersionNeed]:
+    found: dict[VersionNeed, None] = {}
+    for holder in root.iter("Interface", "NetworkSource"):
+        for part in holder.iterchildren(etree.Element):
+            kind = _ROOTS.get(etree.QName(part).localname)
+            if kind is None:
+                continue
+            number = version.schema(kind)
+            if number == 0:
+                found[_need(part, next(v for v in VERSIONS if v.schema(kind)))] = None
+            elif part.tag == f"{{{namespace(kind, number)}}}{etree.QName(part).localname}":
+                found |= dict.fromkeys(_needs_of_part(part, kind, version))
+    return list(found)
+
+
+def _needs_of_part(part: etree._Element, kind: str, version: TiaVersion) -> list[VersionNeed]:
+    places = [element for element, _ in faults(part, f"simaticml/{kind}-v{version.schema(kind)}")]
+    if not places:
+        return []
+    tree = part.getroottree()
+    start = tree.getpath(part)
+    needs: list[VersionNeed] = []
+    tried = {version.schema(kind)}
+    for later in VERSIONS[VERSIONS.index(version) + 1 :] if version in VERSIONS else ():
+        number = later.schema(kind)
+        if number in tried:
+            continue
+        tried.add(number)
+        other = _in_schema(part, namespace(kind, number))
+        wrong = {
+            _numbered(other.getroottree().getpath(element))
+            for element, _ in faults(other, f"simaticml/{kind}-v{number}")
+        }
+        here = [p for p in places if _numbered(_below(tree.getpath(p), start)) not in wrong]
+        needs += [_need(place, later) for place in here]
+        places = [place for place in places if place not in here]
+    return needs
+
+
+def _below(path: str, start: str) -> str:
+    """The path of an element in a document that begins with the element at `start`."""
+    return "/" + start.rpartition("/")[2].partition("[")[0] + path[len(start) :]
+
+
+def _numbered(path: str) -> str:
+    """A path that names the first of several in the same way as the only one."""
+    return re.sub(r"\[1\]", "", path)
+
+
+def _in_schema(part: etree._Element, uri: str) -> etree._Element:
+    """A copy of a part in another namespace."""
+    copied = copy.deepcopy(part)
+    own = etree.QName(part).namespace
+    for element in copied.iter(etree.Element):
+        name = etree.QName(element)
+        if name.namespace == own:
+            element.tag = f"{{{uri}}}{name.localname}"
+    return copied
+
+
+def _need(element: etree._Element, version: TiaVersion) -> VersionNeed:
+    name = etree.QName(element).localname
+    feature = _FEATURES.get(name, f"<{name}>")
+    if name in {"Access", "Instance", "Symbol"}:
+        feature = f"an operand of the scope {element.get('Scope', '')}"
+    elif name.startswith("Alarm"):
+        feature = "categories of alarms other than the usual ones"
+    elif name == "Comment" and etree.QName(element.getparent()).localname == "LineComment":
+        feature = "a comment in program text in several languages"
+    return VersionNeed(_path(element), feature, f"TIA Portal {version.name}")
+
+
+def _path(element: etree._Element) -> str:
+    """The path of the model object that an element belongs to."""
+    names: list[str] = []
+    for node in (element, *element.iterancestors()):
+        local = etree.QName(node).localname
+        if local in {"Step", "Transition", "Member"}:
+            kind = {"Step": "step", "Transition": "transition", "Member": "variable"}[local]
+            names.append(f"{kind} {node.get('Name', '')}")
+        elif local == "SW.Blocks.CompileUnit" and not element.xpath("ancestor-or-self::*[local-name() = 'Graph']"):
+            number = 1 + sum(1 for _ in node.itersiblings(node.tag, preceding=True))
+            names.append(f"network {number}")
+        elif local.startswith("SW.") and local != "SW.Blocks.CompileUnit":
+            names.append(f"{_OBJECTS.get(local, 'POU')} {node.findtext('AttributeList/Name', '')}")
+    return " / ".join(reversed(names))
