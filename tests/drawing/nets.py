@@ -58,8 +58,9 @@ def any_net(draw: st.DrawFn, max_steps: int = 9) -> SfcNetwork:
 
 
 @st.composite
-def nested_net(draw: st.DrawFn) -> SfcNetwork:
-    """A chart of nested branches with jumps, as editors make them."""
+def nested_net(draw: st.DrawFn, *, jumps: bool = True) -> SfcNetwork:
+    """A chart of nested branches, with jumps to any step, as editors make them."""
+    kinds = ["step", "selection", "parallel", *(["jump"] if jumps else [])]
     steps: list[int] = []
     edges: list[tuple[list[int], list[int]]] = []
 
@@ -71,7 +72,7 @@ def nested_net(draw: st.DrawFn) -> SfcNetwork:
         """From the step `start` to the step that is returned."""
         now = start
         for _ in range(draw(st.integers(0, 2))):
-            kind = draw(st.sampled_from(["step", "selection", "parallel", "jump"])) if depth else "step"
+            kind = draw(st.sampled_from(kinds)) if depth else "step"
             if kind == "step":
                 after = new()
                 edges.append(([now], [after]))

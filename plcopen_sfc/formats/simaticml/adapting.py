@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT
+from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.body import BodyBase, StBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -88,7 +89,8 @@ def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
             why = "it got a name, as S7-GRAPH requires"
             report.add(Fate.TRANSLATED, "transition", f"{place} / {transition.name}", why)
     if not chart.sequences and chart.steps:
-        chart.sequences = [Sequence(steps=[step.id for step in chart.steps])]
+        chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
+    _limits(chart, place, report)
     rivals: dict[tuple[int, ...], list[Transition]] = {}
     for transition in chart.transitions:
         rivals.setdefault(tuple(sorted(transition.sources)), []).append(transition)
@@ -96,6 +98,39 @@ def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
         if len(group) > 1:
             for rank, transition in enumerate(sorted(group, key=lambda t: (t.priority is None, t.priority or 0)), 1):
                 transition.priority = rank
+
+
+def _connected(chart: SfcNetwork) -> list[list[int]]:
+    """The steps that are connected with each other, each group in the order of the chart."""
+    group = {step.id: step.id for step in chart.steps}
+
+    def root(step: int) -> int:
+        while group[step] != step:
+            group[step] = group[group[step]]
+            step = group[step]
+        return step
+
+    for transition in chart.transitions:
+        ends = [step for step in (*transition.sources, *transition.targets) if step in group]
+        for step in ends[1:]:
+            group[root(step)] = root(ends[0])
+    found: dict[int, list[int]] = {}
+    for number in group:
+        found.setdefault(root(number), []).append(number)
+    return list(found.values())
+
+
+def _limits(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
+    """Report what is more than one block may have."""
+    counts = (
+        ("sequences", len(chart.sequences), MOST_SEQUENCES),
+        ("steps", len(chart.steps), MOST_STEPS),
+        ("transitions", len(chart.transitions), MOST_TRANSITIONS),
+    )
+    for what, count, most in counts:
+        if count > most:
+            why = f"an S7-GRAPH block has up to {most} {what}, this one {count}; TIA Portal may refuse it"
+            report.add(Fate.APPROXIMATED, "chart", place, why)
 
 
 def _number(things: Iterable[Any]) -> None:

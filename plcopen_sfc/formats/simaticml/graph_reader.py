@@ -25,7 +25,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.topology import Ref
-from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, usual_order
+from plcopen_sfc.formats.simaticml.topology_reader import ADDED, TopologyReader, added_in, usual_order
 from plcopen_sfc.model.drawing import SymbolKind
 
 _SUPERVISIONS = [("AlarmSupervisionCategory", number, 0, None) for number in range(1, 9)]
@@ -132,14 +132,17 @@ class _ChartReader:
     def _sequence(self, element: etree._Element) -> None:
         sequence: Fields = {"steps": []}
         self.chart["sequences"].append(sequence)
+        self.topology.added |= added_in(element)
         for child in children(element):
             kind = local(child)
             if kind == "Steps":
                 for step in children(child):
-                    self._step(step, sequence)
+                    if not self._is_added("S", step):
+                        self._step(step, sequence)
             elif kind == "Transitions":
                 for transition in children(child):
-                    self._transition(transition)
+                    if not self._is_added("T", transition):
+                        self._transition(transition)
             elif kind == "Branches":
                 self._branches(sequence, child)
             elif kind == CONNECTIONS:
@@ -147,6 +150,10 @@ class _ChartReader:
             elif not _text(sequence, child, "Title", "title") and not _text(sequence, child, "Comment", "comment"):
                 carry_element(sequence, child)
         read_comments(self.ctx, element, sequence)
+
+    def _is_added(self, kind: str, element: etree._Element) -> bool:
+        number = whole_number(element.get("Number"))
+        return number is not None and Ref(kind, number) in self.topology.added
 
     def _branches(self, sequence: Fields, element: etree._Element) -> None:
         for child in children(element):
@@ -178,6 +185,7 @@ class _ChartReader:
         for name, value in left.items():
             carry_attribute(fields, name, value)
         read_comments(self.ctx, element, fields)
+        fields.pop(ADDED, None)
         self.chart["steps"].append(fields)
         sequence["steps"].append(fields["id"])
         if number is None:
@@ -248,6 +256,7 @@ class _ChartReader:
         for name, value in left.items():
             carry_attribute(fields, name, value)
         _replace_condition(self.ctx, element, fields)
+        fields.pop(ADDED, None)
         self.chart["transitions"].append(fields)
         if number is None:
             self.ctx.error("SFC107", "a transition has no usable number", element)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from lxml import etree
 
@@ -11,8 +12,15 @@ from plcopen_sfc.formats.simaticml.actions_writer import AS_EVENTS, SAYABLE, wri
 from plcopen_sfc.formats.simaticml.conditions import condition_body
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
-from plcopen_sfc.formats.simaticml.topology import Ref, write_link
-from plcopen_sfc.formats.simaticml.topology_reader import usual_order
+from plcopen_sfc.formats.simaticml.topology import Link, Ref, write_link
+from plcopen_sfc.formats.simaticml.topology_reader import ADDED, usual_order
+from plcopen_sfc.formats.simaticml.topology_rules import (
+    Added,
+    Legaliser,
+    problems,
+    with_rivals_behind_joins,
+    without_joined_jumps,
+)
 from plcopen_sfc.formats.simaticml.topology_writer import TopologyWriter
 from plcopen_sfc.formats.simaticml.writing import (
     WriteContext,
@@ -28,6 +36,7 @@ from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import Body, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.drawing import Symbol
 from plcopen_sfc.model.network import Coil, InputPin, LeftPowerRail, LogicNetwork
 from plcopen_sfc.model.network import Connection as Wire
 from plcopen_sfc.model.sfc import (
@@ -50,16 +59,40 @@ def write_graph(ctx: WriteContext, root: etree._Element, chart: SfcNetwork) -> N
     _ChartWriter(ctx, chart).write(root)
 
 
+@dataclass
+class _Connections:
+    """What connects the steps and transitions of a sequence."""
+
+    links: list[Link]
+    branches: list[tuple[Symbol, dict[str, str]]]
+    added: Added
+
+    def write(self, ctx: WriteContext, parent: etree._Element) -> None:
+        """Write ``Branches`` and ``Connections``."""
+        holder = sub(parent, "Branches")
+        for symbol, attributes in self.branches:
+            finish(ctx, sub(holder, "Branch", attributes), symbol, frozenset(_SYMBOL))
+        holder = sub(parent, CONNECTIONS)
+        for link in self.links:
+            write_link(holder, link)
+
+
 class _ChartWriter:
     def __init__(self, ctx: WriteContext, chart: SfcNetwork) -> None:
         self.ctx = ctx
         self.chart = chart
         self.schema = ctx.schemas.get("Graph", ctx.version.graph)
         self.step_numbers = _numbers((step.id, step.number) for step in chart.steps)
+        self.last_step = max(self.step_numbers.values(), default=0)
+        self.names = {
+            name.casefold() for name in (*(s.name for s in chart.steps), *(t.name for t in chart.transitions))
+        }
+        self.names |= {name.removeprefix("#") for name in ctx.types}
         self.blocks = {
             block.name.casefold(): f'"{block.type_name}"' for block in ctx.project.data_blocks if block.type_name
         }
         self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
+        self.last_transition = max(self.transition_numbers.values(), default=0)
 
     def write(self, root: etree._Element) -> None:
         """Write the whole block."""
@@ -116,30 +149,37 @@ class _ChartWriter:
         write_languages(ctx, element, "Title", sequence.title)
         write_languages(ctx, element, "Comment", sequence.comment)
         steps = {step.id: step for step in self.chart.steps}
+        kept = _unknown(sequence.carried)
+        is_kept = any(_is_shell(content, CONNECTIONS) for content in kept)
+        connections = None if is_kept else self._connections(sequence, {t.id for t in transitions})
+        added = connections.added if connections is not None else Added()
         holder = sub(element, "Steps")
         for number in sequence.steps:
             if number in steps:
                 self._step(holder, steps[number])
+        for number in added.steps:
+            self._added_step(holder, number)
         holder = sub(element, "Transitions")
         for transition in transitions:
             self._transition(holder, transition)
-        kept = _unknown(sequence.carried)
-        if any(_is_shell(content, CONNECTIONS) for content in kept):
-            for content in reversed(kept):
-                add_element(ctx, element, content)
-        else:
-            self._topology(element, sequence, {t.id for t in transitions})
+        for number in added.transitions:
+            self._added_transition(holder, number, never=number in added.never)
+        if connections is not None:
+            connections.write(ctx, element)
             for content in kept:
                 if _is_shell(content, "Branch"):
                     branches = next(child for child in element if str(child.tag).endswith("Branches"))
                     add_element(ctx, branches, content)
                 else:
                     add_element(ctx, element, content)
+        else:
+            for content in reversed(kept):
+                add_element(ctx, element, content)
         finish(ctx, element, sequence, frozenset({"title", "comment", "steps"}))
 
-    def _topology(self, element: etree._Element, sequence: Sequence, transitions: set[int]) -> None:
+    def _connections(self, sequence: Sequence, transitions: set[int]) -> _Connections | None:
         if self.chart.drawing is None:
-            return
+            return None
         writer = TopologyWriter(self.chart, self.chart.drawing, self.step_numbers, self.transition_numbers)
         members = {("S", self.step_numbers[i]) for i in sequence.steps if i in self.step_numbers}
         members |= {("T", self.transition_numbers[i]) for i in transitions}
@@ -147,21 +187,63 @@ class _ChartWriter:
         own = [Ref("S", self.step_numbers[number]) for number in sequence.steps if number in self.step_numbers]
         own += [Ref("T", number) for key, number in self.transition_numbers.items() if key in transitions]
         own += [Ref("B", int(attributes["Number"])) for _, attributes in writer.branches()]
-        links = usual_order(links, own)
+        drawn = _branches_of(links)
+        types = writer.types()
+        links = usual_order(with_rivals_behind_joins(without_joined_jumps(links, types), types), own)
         order = carried_order(_attributes(sequence.carried).get(CONNECTIONS, ""))
         links.sort(key=lambda link: order.get(str(link), len(order)))
-        used = {ref.number for link in links for ref in (link.source, link.target) if ref and ref.kind == "B"}
-        holder = sub(element, "Branches")
+        used = _branches_of(links)
         alone = len(self.chart.sequences) < _TWO
-        for symbol, attributes in writer.branches():
-            if alone or int(attributes["Number"]) in used:
-                branch = sub(holder, "Branch", attributes)
-                finish(self.ctx, branch, symbol, frozenset(_SYMBOL))
-        holder = sub(element, CONNECTIONS)
-        for link in links:
-            write_link(holder, link)
-        for problem in dict.fromkeys(writer.problems):
-            self.ctx.note(Fate.APPROXIMATED, "branch", why=problem)
+        dissolved = drawn - used
+        branches = [
+            (symbol, marks)
+            for symbol, marks in writer.branches()
+            if int(marks["Number"]) in used or (alone and int(marks["Number"]) not in dissolved)
+        ]
+        left = {link.source for link in links}
+        dead_ends = [ref.number for ref in own if ref.kind == "S" and ref not in left]
+        legaliser = Legaliser(types, self.last_step, self.last_transition)
+        links = legaliser.links(links, dead_ends)
+        added = legaliser.added
+        self.last_step = max(self.last_step, *added.steps, 0)
+        self.last_transition = max(self.last_transition, *added.transitions, 0)
+        self._report(added, problems(links, types), dead_ends)
+        return _Connections(links, branches, added)
+
+    def _report(self, added: Added, refused: list[str], dead_ends: list[int]) -> None:
+        for problem in dict.fromkeys(refused):
+            self.ctx.note(Fate.APPROXIMATED, "branch", why=f"{problem}; TIA Portal may refuse it")
+        for _ in added.steps:
+            why = "S7-GRAPH wants a step and a transition before what comes next: it is active one cycle later"
+            self.ctx.note(Fate.APPROXIMATED, "branch", why=why)
+        for step in self.chart.steps:
+            if self.step_numbers[step.id] in dead_ends:
+                why = "S7-GRAPH wants a transition behind every step: one that is never TRUE"
+                self.ctx.note(Fate.TRANSLATED, "step", f"step {step.name}", why)
+
+    def _free_name(self, stem: str, number: int) -> str:
+        """A name that no step, transition or variable of the block has."""
+        name = f"{stem}{number}"
+        while name.casefold() in self.names:
+            name += "_"
+        self.names.add(name.casefold())
+        return name
+
+    def _added_step(self, parent: etree._Element, number: int) -> None:
+        name = self._free_name("Wait", number)
+        element = sub(parent, "Step", {"Number": str(number), "Init": "false", "Name": name})
+        sub(sub(element, "Actions"), "Action")
+        step = Step(id=0, name=name)
+        self._supervised(element, step, "Supervision", None)
+        self._supervised(element, step, "Interlock", None)
+        keep_fields(element, {ADDED: True})
+
+    def _added_transition(self, parent: etree._Element, number: int, *, never: bool) -> None:
+        marks = {"IsMissing": "false", "Name": self._free_name("Trans", number), "Number": str(number)}
+        element = sub(parent, "Transition", marks)
+        body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"]) if never else None
+        write_flgnet_body(self.ctx, element, body or empty_network(RESULT_OF["Transition"]))
+        keep_fields(element, {ADDED: True})
 
     def _belongs(self, source: Ref, members: set[tuple[str, int]], writer: TopologyWriter) -> bool:
         """Whether a connection that starts at a step, transition or branch is one of a sequence."""
@@ -343,6 +425,11 @@ def _numbers(given: Iterable[tuple[int, int | None]]) -> dict[int, int]:
             following += 1
             numbers[key] = following
     return {key: numbers[key] for key, _ in pairs}
+
+
+def _branches_of(links: list[Link]) -> set[int]:
+    """The numbers of the branches that connections name."""
+    return {ref.number for link in links for ref in (link.source, link.target) if ref is not None and ref.kind == "B"}
 
 
 def _unknown(carried: Carried | None) -> list[str]:

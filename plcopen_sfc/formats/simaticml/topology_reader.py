@@ -10,8 +10,16 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, ReadContext, children
+from plcopen_sfc.formats.simaticml.reading import (
+    COMMENT_MARK,
+    Fields,
+    NotUnderstoodError,
+    ReadContext,
+    children,
+    whole_number,
+)
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, read_link
+from plcopen_sfc.formats.simaticml.topology_rules import contracted, is_contractible
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.wiring import trace
 
@@ -32,6 +40,36 @@ class Topology:
     legs: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
     """The legs of each divergence: index and id of the consumer."""
     blocks: list[Fields] = field(default_factory=list)
+
+
+ADDED = "added"
+"""The field, in a comment of ours, of a step or transition that is none of the chart."""
+
+
+def added_in(element: etree._Element) -> set[Ref]:
+    """The steps and transitions of ``Sequence`` that our writer put in; none where somebody has built on them."""
+    found: set[Ref] = set()
+    for owner in element.iterfind("{*}Steps/{*}Step"):
+        bare = not any(len(row) or row.attrib for row in owner.iterfind("{*}Actions/{*}Action"))
+        if bare and _is_added(owner):
+            found.add(Ref("S", int(owner.get("Number", ""))))
+    for owner in element.iterfind("{*}Transitions/{*}Transition"):
+        if _is_added(owner):
+            found.add(Ref("T", int(owner.get("Number", ""))))
+    if not found:
+        return found
+    try:
+        links = [read_link(link) for link in element.iterfind("{*}Connections/{*}Connection")]
+    except NotUnderstoodError:
+        return set()
+    return found if is_contractible(links, frozenset(found)) else set()
+
+
+def _is_added(owner: etree._Element) -> bool:
+    marked = f'{COMMENT_MARK}{{"{ADDED}": true}}'
+    return whole_number(owner.get("Number")) is not None and any(
+        comment.text == marked for comment in owner.iterchildren(etree.Comment)
+    )
 
 
 def usual_order(links: list[Link], symbols: list[Ref]) -> list[Link]:
@@ -55,6 +93,8 @@ class TopologyReader:
         self.ctx = ctx
         self._new_id = new_id
         self.found = Topology()
+        self.added: set[Ref] = set()
+        """Steps and transitions that are none of the chart: see `topology_rules`."""
 
     def new_id(self) -> int:
         """An id that nothing in the chart has."""
@@ -92,8 +132,10 @@ class TopologyReader:
     def connections(self, element: etree._Element) -> list[Link]:
         """Read ``Connections``. Raises `NotUnderstoodError` where one of them cannot be said."""
         links = [read_link(child) for child in children(element)]
-        for link, child in zip(links, children(element), strict=True):
-            self._connect(link, child)
+        if self.added:
+            links = contracted(links, frozenset(self.added))
+        for link in links:
+            self._connect(link, element)
         return links
 
     def _connect(self, link: Link, element: etree._Element) -> None:

@@ -15,7 +15,7 @@ _STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
 
 
 class TopologyWriter:
-    """The branches and connections of a chart. `problems` are links that GRAPH does not allow."""
+    """The branches and connections of a chart."""
 
     def __init__(self, chart: SfcNetwork, drawing: Drawing, steps: dict[int, int], transitions: dict[int, int]) -> None:
         self.symbols = {symbol.id: symbol for symbol in drawing.symbols}
@@ -24,7 +24,6 @@ class TopologyWriter:
         self.steps, self.transitions = steps, transitions
         self.legs: dict[int, dict[int, int]] = {}
         """Of each divergence the index of the leg to each consumer."""
-        self.problems: list[str] = []
         self._owners: dict[int, tuple[str, int]] = {}
         for symbol in self.symbols.values():
             if symbol.kind in _TYPES and symbol.kind not in _CONVERGENCES:
@@ -68,6 +67,12 @@ class TopologyWriter:
                 attributes = {"Number": str(self.numbers[symbol.id]), "Type": _TYPES[symbol.kind], "Cardinality": count}
                 yield symbol, attributes
 
+    def types(self) -> dict[int, str]:
+        """The type of each branch by its number."""
+        return {
+            self.numbers[symbol.id]: _TYPES[symbol.kind] for symbol in self.symbols.values() if symbol.kind in _TYPES
+        }
+
     def links(self) -> list[Link]:
         """Every connection, in the order of the symbols that they lead to."""
         found: list[Link] = []
@@ -109,7 +114,6 @@ class TopologyWriter:
             return Link(origin, None)
         if target.kind == "B":
             target = Ref(target.kind, target.number, index if symbol.kind in _CONVERGENCES else 0)
-        self._check(self.symbols[source].kind, symbol.kind, f"{origin} to {target}")
         return Link(origin, target, is_jump)
 
     def _ref(self, number: int | None) -> Ref | None:
@@ -121,13 +125,3 @@ class TopologyWriter:
         if symbol.kind is SymbolKind.TRANSITION:
             return Ref("T", self.transitions[symbol.id]) if symbol.id in self.transitions else None
         return Ref("B", self.numbers[symbol.id]) if symbol.id in self.numbers else None
-
-    def _check(self, source: SymbolKind, target: SymbolKind, what: str) -> None:
-        """Note a link that TIA Portal refuses."""
-        steps = source in _STEPS
-        refused = (steps and target is SymbolKind.SELECTION_CONVERGENCE) or (
-            source is SymbolKind.TRANSITION
-            and target in (SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE)
-        )
-        if refused or (source in _TYPES and target in _TYPES):
-            self.problems.append(f"GRAPH has no connection from a {source.value} to a {target.value} ({what})")
