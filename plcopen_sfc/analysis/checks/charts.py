@@ -6,16 +6,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
 
+from plcopen_sfc.analysis.checks.surroundings import Surroundings
+from plcopen_sfc.analysis.exclusivity import Truth, truth
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.names.uses import dialect_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
+from plcopen_sfc.model.types import DataType
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
 
@@ -101,14 +103,18 @@ def family(profile: Profile) -> str:
 class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
-    def __init__(self, project: Project, pou: Pou | None, place: Place, chart: SfcNetwork, profile: Profile) -> None:
-        self.project = project
+    def __init__(
+        self, surroundings: Surroundings, pou: Pou | None, place: Place, chart: SfcNetwork, profile: Profile
+    ) -> None:
+        self.surroundings = surroundings
+        self.dialect = surroundings.dialect
         self.pou = pou
         self.chart = chart
         self.profile = profile
         self.family = family(profile)
         self.root = Sheet(chart, place)
         self._conditions: dict[int, NetworkExpression] = {}
+        self._truths: dict[int, Truth] = {}
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -122,13 +128,15 @@ class CheckedChart:
 
     @cached_property
     def graph(self) -> MarkingGraph:
-        """The situations that the net can come into."""
-        return marking_graph(self.net, rivals=self.profile.rivals, cap=_MOST_MARKINGS)
+        """The situations that the net can come into. Rivals never fire together here: a rule of its own is on those."""
+        return marking_graph(self.net, cap=_MOST_MARKINGS)
 
     @cached_property
-    def dialect(self) -> Dialect:
-        """The dialect in which texts are read."""
-        return dialect_of(self.project)
+    def types(self) -> dict[str, DataType]:
+        """The types of the variables that the chart can name, by their names in lower case."""
+        interface = self.pou.interface if self.pou is not None else None
+        own = {v.name.casefold(): v.type for v in interface.variables()} if interface is not None else {}
+        return self.surroundings.globals | own
 
     def condition(self, sheet: Sheet, transition: Transition) -> NetworkExpression:
         """The condition of a transition as an expression."""
@@ -137,6 +145,17 @@ class CheckedChart:
             named = self.pou.transitions if self.pou is not None else ()
             found = condition_expression(sheet.chart, transition, self.dialect, transitions=named)
             self._conditions[id(transition)] = found
+        return found
+
+    def truth(self, sheet: Sheet, transition: Transition) -> Truth:
+        """Whether a condition is always or never true."""
+        found = self._truths.get(id(transition))
+        if found is None:
+            condition = self.condition(sheet, transition)
+            # deciding costs time, and most conditions vary: no constant in them, and no variable twice
+            simple = condition.tree is not None and not condition.before and is_plain(condition.tree)
+            found = Truth.VARIES if simple else truth(condition, dialect=self.dialect)
+            self._truths[id(transition)] = found
         return found
 
     def place_of(self, element: NetStep | NetTransition) -> Place:
@@ -167,7 +186,26 @@ def _sheets(sheet: Sheet, around: frozenset[int]) -> Iterator[Sheet]:
         yield from _sheets(Sheet(partial.network, place, partial=partial), around)
 
 
-def charts_of(project: Project, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
+def is_plain(tree: n.Node) -> bool:
+    """Whether an expression joins Boolean variables by AND, OR and NOT, each of them once: then it varies."""
+    seen: set[str] = set()
+    for node in walk(tree):
+        if isinstance(node, n.Operation) and node.operator not in _BOOLEAN:
+            return False
+        if isinstance(node, n.Name | n.Address):
+            name = (node.identifier if isinstance(node, n.Name) else node.text).casefold()
+            if name in seen:
+                return False
+            seen.add(name)
+        elif not isinstance(node, n.Operation | n.Unary | n.Parenthesized | n.Member):
+            return False
+    return True
+
+
+_BOOLEAN = frozenset({n.Operator.AND, n.Operator.OR, n.Operator.XOR, n.Operator.AND_THEN, n.Operator.OR_ELSE})
+
+
+def charts_of(around: Surroundings, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
     """Every chart of a POU: its body, those of its actions, and charts inside of steps."""
     path = f"POU {pou.name}"
     parts: list[tuple[str, Element, Body | None]] = [
@@ -176,22 +214,22 @@ def charts_of(project: Project, pou: Pou, profile: Profile) -> Iterator[CheckedC
         *((f"{path} / method {m.name}", m, m.body) for m in pou.methods),
     ]
     for body in pou.bodies:
-        yield from _charts_in(body, Place(path, (pou,)), project, pou, profile)
+        yield from _charts_in(body, Place(path, (pou,)), around, pou, profile)
     for name, part, inner in parts:
-        yield from _charts_in(inner, Place(name, (part, pou)), project, pou, profile)
+        yield from _charts_in(inner, Place(name, (part, pou)), around, pou, profile)
 
 
 def _charts_in(
-    body: Body | str | None, place: Place, project: Project, pou: Pou, profile: Profile
+    body: Body | str | None, place: Place, around: Surroundings, pou: Pou, profile: Profile
 ) -> Iterator[CheckedChart]:
     if not isinstance(body, SfcBody):
         return
     chart = body.chart
-    checked = CheckedChart(project, pou, Place(place.path, (chart, body, *place.elements)), chart, profile)
+    checked = CheckedChart(around, pou, Place(place.path, (chart, body, *place.elements)), chart, profile)
     yield checked
     for sheet in checked.sheets:
         for at, inner in _bodies_in(sheet):
-            yield from _charts_in(inner, at, project, pou, profile)
+            yield from _charts_in(inner, at, around, pou, profile)
 
 
 def _bodies_in(sheet: Sheet) -> Iterator[tuple[Place, Body | str | None]]:

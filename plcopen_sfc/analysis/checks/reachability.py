@@ -202,8 +202,8 @@ TRANSITION FROM S2 TO S1 := d; END_TRANSITION
 STR08 = Rule(
     code="STR08",
     title="A simultaneous convergence can be enabled",
-    why="Where the legs of a selection meet in a simultaneous convergence, all of its steps are never active together: "
-    "the chart is locked (IEC 61131-3 ed. 3, 6.7.6).",
+    why="Where the legs of a selection meet in a simultaneous convergence, all of its steps are never active "
+    "together: the chart is locked (IEC 61131-3 ed. 3, 6.7.6).",
     hint="Let the legs of a selection meet in a selection convergence.",
     example="""
 INITIAL_STEP S1: END_STEP

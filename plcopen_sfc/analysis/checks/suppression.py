@@ -20,6 +20,11 @@ def suppressed(place: Place, code: str) -> bool:
     return any(code.startswith(listed) for element in place.elements for listed in codes_in(element))
 
 
+def marks_in(element: Element) -> bool:
+    """Whether a comment of an object wants to let something be."""
+    return any(_MARK.search(text) for text in comments_of(element))
+
+
 def codes_in(element: Element) -> Iterator[str]:
     """The codes, or starts of codes, that the comments of an object list, in capitals."""
     for text in comments_of(element):

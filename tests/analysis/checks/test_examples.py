@@ -17,11 +17,6 @@ PAGE = Path(__file__).resolve().parents[3] / "docs" / "checks.md"
 IN_TEXT = [rule for rule in RULES if "\n" in rule.example]
 
 
-def profile_for(rule: Rule) -> str:
-    """A profile under which the rule applies."""
-    return next(name for name in FAMILIES if rule.severity_for(name) is not None)
-
-
 def test_codes_are_unique_and_in_order() -> None:
     found = [rule.code for rule in RULES]
     assert len(set(found)) == len(found)
@@ -44,8 +39,11 @@ def test_a_rule_says_what_people_need(rule: Rule) -> None:
 
 @pytest.mark.parametrize("rule", IN_TEXT, ids=lambda rule: rule.code)
 def test_examples_break_their_rule(rule: Rule) -> None:
-    found = sfc.check(project_of(rule.example), profile=profile_for(rule), select=[rule.code])
-    assert {finding.code for finding in found} == {rule.code}
+    project = project_of(rule.example)
+    found = {name: sfc.check(project, profile=name, select=[rule.code]) for name in FAMILIES}
+    assert any(found.values())
+    for name, findings in found.items():
+        assert {finding.severity for finding in findings} <= {rule.severity_for(name)}
 
 
 def test_the_page_is_made_of_the_rules() -> None:

@@ -1,0 +1,247 @@
+"""Conditions of transitions: missing, constant, or doing what a condition must not do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.operands import continuous_operands, output_operands
+from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.analysis.checks.surroundings import stored
+from plcopen_sfc.analysis.exclusivity import Truth
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.networks import NetworkExpression
+from plcopen_sfc.languages.networks.effects import reads
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model.body import Body, IlBody
+from plcopen_sfc.model.conditions import BodyCondition, NamedCondition, WiredCondition
+from plcopen_sfc.model.sfc import Transition
+from plcopen_sfc.model.types import DerivedType
+
+
+def _transitions(chart: CheckedChart) -> Iterator[tuple[Sheet, Transition]]:
+    for sheet in chart.sheets:
+        for transition in sheet.transitions:
+            yield sheet, transition
+
+
+def _missing(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, transition in _transitions(chart):
+        condition = transition.condition
+        unwired = isinstance(condition, WiredCondition) and not (
+            condition.input.connections or condition.input.expression
+        )
+        if condition is None or unwired:
+            yield Finding(sheet.at(transition), "the transition has no condition")
+
+
+def _constant(chart: CheckedChart, truth: Truth) -> Iterator[tuple[Sheet, Transition]]:
+    for sheet, transition in _transitions(chart):
+        if chart.truth(sheet, transition) is truth:
+            yield sheet, transition
+
+
+def _always(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, transition in _constant(chart, Truth.ALWAYS):
+        yield Finding(sheet.at(transition), f"the condition {_text(chart, sheet, transition)} is always true")
+
+
+def _never(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, transition in _constant(chart, Truth.NEVER):
+        yield Finding(sheet.at(transition), f"the condition {_text(chart, sheet, transition)} is never true")
+
+
+def _text(chart: CheckedChart, sheet: Sheet, transition: Transition) -> str:
+    tree = chart.condition(sheet, transition).tree
+    return " ".join(print_node(tree, chart.dialect).split()) if tree is not None else ""
+
+
+def _nodes(found: NetworkExpression) -> Iterator[n.Node]:
+    """Every node of a condition and of what is executed before it."""
+    for statement in found.before:
+        yield from walk(statement)
+    if found.tree is not None:
+        yield from walk(found.tree)
+
+
+def _assigning(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, transition in _transitions(chart):
+        found = chart.condition(sheet, transition)
+        own = {helper.name.casefold() for helper in found.helpers}
+        targets = [
+            print_node(node.target, chart.dialect)
+            for node in _nodes(found)
+            if isinstance(node, n.Assignment | n.AssignmentExpression)
+            and not (isinstance(node.target, n.Name) and node.target.identifier.casefold() in own)
+        ]
+        targets += _stored(chart, transition)
+        if targets:
+            yield Finding(sheet.at(transition), f"the condition writes {', '.join(dict.fromkeys(targets))}")
+
+
+def _body_of(chart: CheckedChart, transition: Transition) -> tuple[Body | None, str]:
+    """The body of a condition, with the name of the transition object that it belongs to."""
+    condition = transition.condition
+    if isinstance(condition, BodyCondition):
+        return condition.body, condition.name
+    if isinstance(condition, NamedCondition) and chart.pou is not None:
+        for named in chart.pou.transitions:
+            if named.name.casefold() == condition.name.casefold():
+                return named.body, named.name
+    return None, ""
+
+
+def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
+    """What a condition in instruction list stores, but for the condition itself."""
+    body, name = _body_of(chart, transition)
+    if isinstance(body, IlBody):
+        for operand in stored(body, chart.dialect):
+            text = print_node(operand, chart.dialect)
+            if text.casefold() != name.casefold():
+                yield text
+
+
+def _calling(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, transition in _transitions(chart):
+        found = chart.condition(sheet, transition)
+        called = [print_node(call.callee, chart.dialect) for call in _calls(found) if _has_state(call, chart)]
+        if called:
+            names = ", ".join(dict.fromkeys(called))
+            yield Finding(sheet.at(transition), f"the condition calls {names}, which keeps values between calls")
+
+
+def _calls(found: NetworkExpression) -> Iterator[n.Call]:
+    return (node for node in _nodes(found) if isinstance(node, n.Call))
+
+
+def _has_state(call: n.Call, chart: CheckedChart) -> bool:
+    """Whether a call is one of a function block, or of an instance of one."""
+    if not isinstance(call.callee, n.Name):
+        return False
+    name = call.callee.identifier
+    type_ = chart.types.get(name.casefold())
+    if isinstance(type_, DerivedType):
+        name = type_.name
+        if any(pou.name.casefold() == name.casefold() for pou in chart.surroundings.project.pous):
+            return True
+    block = standard_block(name)
+    return block is not None and block.stateful
+
+
+def _reading_outputs(chart: CheckedChart) -> Iterator[Finding]:
+    outputs = output_operands(chart) | continuous_operands(chart)
+    for sheet, transition in _transitions(chart):
+        tree = chart.condition(sheet, transition).tree
+        read = sorted(reads(tree) & outputs) if tree is not None else []
+        addresses = sorted(
+            node.text
+            for node in _nodes(chart.condition(sheet, transition))
+            if isinstance(node, n.Address) and node.text[:2].upper() == "%Q"
+        )
+        names = [".".join(path) for path in read] + addresses
+        if names:
+            yield Finding(sheet.at(transition), f"the condition reads {', '.join(names)}, which the chart writes")
+
+
+def _unknown_name(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is None:
+        return
+    known = {named.name.casefold() for named in chart.pou.transitions} | chart.types.keys()
+    for sheet, transition in _transitions(chart):
+        condition = transition.condition
+        named = isinstance(condition, NamedCondition) and condition.name.isidentifier()
+        if isinstance(condition, NamedCondition) and named and condition.name.casefold() not in known:
+            message = f"the POU has no transition and no variable {condition.name!r}"
+            yield Finding(sheet.at(transition), message)
+
+
+_RING = """
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := %s; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+"""
+
+CND01 = Rule(
+    code="CND01",
+    title="A transition has a condition",
+    why="Tools refuse a transition without one, or take it for TRUE.",
+    hint="Add one; TRUE if it shall always fire.",
+    example="a transition symbol with nothing beside it",
+    check=_missing,
+    severity=Severity.ERROR,
+)
+
+CND02 = Rule(
+    code="CND02",
+    title="A condition can be false",
+    why="The step before it is left at once. Where one evolution is made in a scan that is a way to write a step for "
+    "one scan, and common behind an initial step; in GRAFCET the step is transient: its continuous actions never "
+    "happen (IEC 60848:2013, 4.9).",
+    hint="Nothing, if the step is meant for one scan; else correct the condition.",
+    example=_RING % "a OR NOT a",
+    check=_always,
+    severity=Severity.INFO,
+    severities={"grafcet": Severity.WARNING},
+)
+
+CND03 = Rule(
+    code="CND03",
+    title="A condition can be true",
+    why="The transition never fires: what follows it is not reached, and the step before it is not left this way.",
+    hint="Correct the condition, or remove the transition.",
+    example=_RING % "a AND level < 3 AND level > 5",
+    check=_never,
+    severity=Severity.WARNING,
+)
+
+CND04 = Rule(
+    code="CND04",
+    title="A condition writes nothing",
+    why="How often a condition is evaluated, and when, is the tool's affair: CODESYS evaluates those of active steps, "
+    "S7-GRAPH and GRAFCET all of them in every scan. CoDeSys V2.3 forbids assignments in transitions; instruction "
+    "list ends without ST there.",
+    hint="Write the variable in an action of the step before.",
+    example=_RING % "(q := a)",
+    check=_assigning,
+    severity=Severity.ERROR,
+)
+
+CND05 = Rule(
+    code="CND05",
+    title="A condition calls nothing that keeps values",
+    why="An edge or a timer in a condition runs only while the condition is evaluated: in CODESYS while the step "
+    "before it is active, so that an edge that comes with the activation is seen a scan late or not at all, and a "
+    "timer starts where it stopped. CoDeSys V2.3 allows no programs and function blocks in transitions. S7-GRAPH "
+    "evaluates all conditions in every cycle.",
+    hint="Call the block in an action, or before the chart, and ask for its output. For times there is the time of "
+    "the step.",
+    example="VAR edge : R_TRIG; END_VAR" + _RING % "edge(CLK := a)",
+    check=_calling,
+    severity=Severity.WARNING,
+    severities={"codesys23": Severity.ERROR, "s7graph": None},
+)
+
+CND06 = Rule(
+    code="CND06",
+    title="A condition reads no output of its chart",
+    why="In GRAFCET outputs follow from the situation: continuous actions are assigned when it is stable, and a "
+    "condition that reads one of them sees the value of the situation before.",
+    hint="Ask for the step (X12) instead of what it writes.",
+    example="Q1 is written by a continuous action of step 2, and a transition has the condition Q1",
+    check=_reading_outputs,
+    severity=None,
+    severities={"grafcet": Severity.WARNING},
+)
+
+CND07 = Rule(
+    code="CND07",
+    title="A named condition exists",
+    why="The transition refers to a transition object of its POU, or to a variable, and there is neither.",
+    hint="Add the transition object, or correct its name.",
+    example="a transition with the condition T1 in a POU that has neither a transition nor a variable T1",
+    check=_unknown_name,
+    severity=Severity.WARNING,
+)

@@ -1,0 +1,62 @@
+"""What code made from a chart cannot do, or does otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.analysis.checks.charts import CheckedChart
+from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.diagnostics import Severity
+
+
+def _pairs(chart: CheckedChart) -> Iterator[Finding]:
+    net = chart.net
+    after = [{target for t in leaving for target in net.transitions[t].targets} for leaving in net.leaving]
+    for step in net.steps:
+        for other in sorted(after[step.index]):
+            if other > step.index and step.index in after[other]:
+                message = f"{step.path} and {net.steps[other].path} lead to each other"
+                yield Finding(chart.place_of(step), message)
+
+
+def _loops(chart: CheckedChart) -> Iterator[Finding]:
+    for transition in chart.net.transitions:
+        if transition.pre & transition.post:
+            name = next(chart.net.names(transition.pre & transition.post).__iter__())
+            yield Finding(chart.place_of(transition), f"the transition leads from {name} to itself")
+
+
+LOW01 = Rule(
+    code="LOW01",
+    title="No two steps lead to each other",
+    why="In the textbook's chain of reset-dominant flip-flops a step is reset by the step behind it. Where that leads "
+    "back, the first step can never be set again: the chain locks. Other lowerings are right.",
+    hint="Nothing, unless the chart becomes a classic flip-flop chain: lower it in another way, or insert a step.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
+    check=_pairs,
+    severity=Severity.INFO,
+)
+
+LOW02 = Rule(
+    code="LOW02",
+    title="No transition leads back to its own step",
+    why="The step is left and entered at once. Whether its time starts again, its pulses come again and its flip-flop "
+    "stays set differs between tools and lowerings.",
+    hint="Insert a step, if the step shall be entered anew; remove the transition, if not.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S2 := r; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S1 := c; END_TRANSITION
+""",
+    check=_loops,
+    severity=Severity.INFO,
+)

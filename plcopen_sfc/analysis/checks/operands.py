@@ -1,0 +1,148 @@
+"""What steps write: the operands of action associations, and what the code of actions assigns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from weakref import WeakKeyDictionary
+
+from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
+from plcopen_sfc.analysis.checks.surroundings import code
+from plcopen_sfc.languages.networks.effects import Path, path_of
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
+from plcopen_sfc.model.body import Body
+from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.variables import SectionKind
+
+
+class Manner(StrEnum):
+    """How an action acts on its operand.
+
+    CONTINUOUS: as long as the step is active, or for a part of that time. SET, RESET: until something else is done.
+    STORED: a value is assigned. OTHER: pulses, calls, counters and timers.
+    """
+
+    CONTINUOUS = "continuously"
+    SET = "set"
+    RESET = "reset"
+    STORED = "stored"
+    OTHER = "other"
+
+
+_OF_KIND = {
+    ActionKind.CONTINUOUS: Manner.CONTINUOUS,
+    ActionKind.CONDITIONAL: Manner.CONTINUOUS,
+    ActionKind.DELAYED: Manner.CONTINUOUS,
+    ActionKind.LIMITED: Manner.CONTINUOUS,
+    ActionKind.ON_ACTIVATION: Manner.STORED,
+    ActionKind.ON_DEACTIVATION: Manner.STORED,
+    ActionKind.ON_EVENT: Manner.STORED,
+    ActionKind.FORCING: Manner.OTHER,
+}
+_OF_QUALIFIER = {
+    **dict.fromkeys((Qualifier.NONE, Qualifier.N, Qualifier.L, Qualifier.D), Manner.CONTINUOUS),
+    **dict.fromkeys((Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL), Manner.SET),
+    **dict.fromkeys((Qualifier.R, Qualifier.R0), Manner.RESET),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Use:
+    """What an action association does with its operand. `path` are the names that lead to it, in lower case."""
+
+    sheet: Sheet
+    step: Step
+    association: ActionAssociation
+    path: Path
+    manner: Manner
+
+    @property
+    def name(self) -> str:
+        """The operand as people write it."""
+        return self.association.target or ""
+
+
+def manner_of(association: ActionAssociation) -> Manner:
+    """How an association acts on its operand."""
+    if association.kind is not None:
+        return _OF_KIND[association.kind]
+    manner = _OF_QUALIFIER.get(association.qualifier, Manner.OTHER)
+    return Manner.STORED if association.value is not None and manner is not Manner.OTHER else manner
+
+
+def operand(text: str, chart: CheckedChart) -> Path:
+    """The names that lead to a variable; empty for what is none."""
+    parsed = parse_condition(text, chart.dialect)
+    return path_of(parsed.tree) if not parsed.problems else ()
+
+
+def uses(chart: CheckedChart) -> tuple[Use, ...]:
+    """What all associations of a chart do with their operands."""
+    found = _USES.get(chart)
+    if found is None:
+        found = _USES[chart] = tuple(_uses(chart))
+    return found
+
+
+_USES: WeakKeyDictionary[CheckedChart, tuple[Use, ...]] = WeakKeyDictionary()
+
+
+def _uses(chart: CheckedChart) -> Iterator[Use]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.target:
+                path = operand(association.target, chart)
+                if path:
+                    yield Use(sheet, step, association, path, manner_of(association))
+
+
+def by_operand(chart: CheckedChart) -> dict[Path, list[Use]]:
+    """The same by operand."""
+    found: dict[Path, list[Use]] = {}
+    for use in uses(chart):
+        found.setdefault(use.path, []).append(use)
+    return found
+
+
+def continuous_operands(chart: CheckedChart) -> set[Path]:
+    """The operands of continuous actions."""
+    return {use.path for use in uses(chart) if use.manner is Manner.CONTINUOUS}
+
+
+def output_operands(chart: CheckedChart) -> set[Path]:
+    """The variables that the POU declares as outputs."""
+    if chart.pou is None or chart.pou.interface is None:
+        return set()
+    return {(variable.name.casefold(),) for variable in chart.pou.interface.variables(SectionKind.OUTPUT)}
+
+
+# -- code of actions
+
+
+def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
+    """What the code of an action assigns, as far as it can be read."""
+    return [node for node in code(body, chart.dialect) if isinstance(node, n.Assignment)]
+
+
+def body_named(name: str | None, chart: CheckedChart) -> Body | None:
+    """The body of the action of this name in the POU."""
+    if not name or chart.pou is None:
+        return None
+    action = chart.pou.action(name.strip('#"'))
+    return action.body if action is not None else None
+
+
+def constant(tree: n.Expression) -> str:
+    """The literal that an expression is, in capitals; empty where it is more."""
+    bare = n.bare(tree)
+    return bare.text.upper() if isinstance(bare, n.Literal) else ""
+
+
+def written_elsewhere(chart: CheckedChart, path: Path) -> bool:
+    """Whether code, or an association in another chart, writes a variable of this name."""
+    around = chart.surroundings
+    charts = {id(sheet.chart) for sheet in chart.sheets}
+    return path[-1] in around.written or bool(around.associated.get(path[-1], set()) - charts)

@@ -1,0 +1,273 @@
+"""Qualifiers of actions, their times, and what else belongs to them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from plcopen_sfc.analysis.checks.charts import CheckedChart
+from plcopen_sfc.analysis.checks.operands import uses
+from plcopen_sfc.analysis.checks.rules import Finding, Rule
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+
+_TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TF})
+_ONLY_WITH_EVENT = frozenset(
+    {
+        Qualifier.ON,
+        Qualifier.OFF,
+        Qualifier.CS,
+        Qualifier.CU,
+        Qualifier.CD,
+        Qualifier.CR,
+        Qualifier.TL,
+        Qualifier.TD,
+        Qualifier.TR,
+    }
+)
+_NINE = 9
+
+
+def _no_time(duration: str | None) -> bool:
+    return duration is None or not duration.strip()
+
+
+def _without_time(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.qualifier.needs_duration and _no_time(association.duration):
+                message = f"the qualifier {association.qualifier} needs a time"
+                yield Finding(sheet.at(step, association), message)
+
+
+def _with_time(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            timed = association.qualifier.needs_duration or association.qualifier in _TIMERS
+            plain = association.kind is None and not timed
+            if plain and not _no_time(association.duration) and not _ZERO.fullmatch(association.duration or ""):
+                message = f"the time {association.duration} has no effect with the qualifier {association.qualifier}"
+                yield Finding(sheet.at(step, association), message)
+
+
+_ZERO = re.compile(r"\s*(?:L?T(?:IME)?#0(?:[a-z]+)?|PT0S|0)\s*", re.IGNORECASE)
+"""What some tools write where there is no time."""
+
+
+def _several_times(chart: CheckedChart) -> Iterator[Finding]:
+    first: dict[tuple[str, ...], tuple[str, str]] = {}
+    for use in uses(chart):
+        if not use.association.qualifier.needs_duration or _no_time(use.association.duration):
+            continue
+        time = (use.association.duration or "").strip().upper()
+        known = first.setdefault(use.path, (time, use.step.name))
+        if known[0] != time:
+            message = f"{use.name} has another time here ({use.association.duration}) than in step {known[1]}"
+            yield Finding(use.sheet.at(use.step, use.association), message)
+
+
+def _foreign(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if association.kind is None and association.qualifier not in chart.profile.qualifiers:
+                message = f"there is no qualifier {association.qualifier} here"
+                yield Finding(sheet.at(step, association), message)
+
+
+def _nothing_done(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if not association.target and association.body is None and association.forcing is None:
+                yield Finding(sheet.at(step, association), "the association names no action and no variable")
+
+
+def _step_actions(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is None:
+        return
+    known = {action.name.casefold() for action in chart.pou.actions} | {m.name.casefold() for m in chart.pou.methods}
+    for sheet in chart.sheets:
+        for step in sheet.steps:
+            for kind, name in (
+                ("entry", step.entry_action),
+                ("main", step.main_action),
+                ("exit", step.exit_action),
+            ):
+                if isinstance(name, str) and name.isidentifier() and name.casefold() not in known:
+                    yield Finding(sheet.at(step), f"the POU has no action {name!r}, the {kind} action of the step")
+
+
+def _more_than_nine(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step in sheet.steps:
+            count = sum(not association.exclude for association in step.actions)
+            if count > _NINE:
+                yield Finding(sheet.at(step), f"the step has {count} associations")
+
+
+def _initial_with_actions(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            if step.initial:
+                yield Finding(sheet.at(step, association), "the initial step has an association")
+                break
+
+
+# -- S7-GRAPH
+
+
+def _events(chart: CheckedChart) -> Iterator[Finding]:
+    names = {step.name.casefold() for sheet in chart.sheets for step in sheet.steps} | {"s_all"}
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            place = sheet.at(step, association)
+            qualifier = association.qualifier
+            if qualifier in _ONLY_WITH_EVENT and association.event in (None, ActionEvent.C):
+                yield Finding(place, f"the qualifier {qualifier} needs an event")
+            switched = association.target if qualifier in (Qualifier.ON, Qualifier.OFF) else None
+            if switched and switched.strip('#"').casefold() not in names:
+                yield Finding(place, f"{qualifier} names {switched!r}, which is no step of this block")
+
+
+def _guards(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet in chart.sheets:
+        for step, association in sheet.actions():
+            place = sheet.at(step, association)
+            interlock = step.interlock is not None and step.interlock.condition is not None
+            supervision = step.supervision is not None and step.supervision.condition is not None
+            if (association.interlock or association.event is ActionEvent.C) and not interlock:
+                yield Finding(place, "the action depends on the interlock, and the step has none")
+            elif association.event in (ActionEvent.L0, ActionEvent.L1) and not interlock:
+                yield Finding(place, f"the event {association.event} never comes: the step has no interlock")
+            elif association.event in (ActionEvent.V0, ActionEvent.V1) and not supervision:
+                yield Finding(place, f"the event {association.event} never comes: the step has no supervision")
+
+
+def _ring(action: str) -> str:
+    return f"""
+INITIAL_STEP S1: END_STEP
+STEP S2: {action} END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+"""
+
+
+ACT01 = Rule(
+    code="ACT01",
+    title="A timed qualifier has a time",
+    why="L, D, SD, DS and SL do nothing, or something at once, without one (IEC 61131-3 ed. 3, table 59). CoDeSys and "
+    "CODESYS refuse the chart.",
+    hint="Add the time.",
+    example=_ring("q(D);"),
+    check=_without_time,
+    severity=Severity.ERROR,
+)
+
+ACT05 = Rule(
+    code="ACT05",
+    title="A qualifier without time has none",
+    why="The time has no effect, though whoever wrote it expected one.",
+    hint="Remove the time, or use the qualifier that was meant.",
+    example=_ring("q(N, T#5s);"),
+    check=_with_time,
+    severity=Severity.WARNING,
+)
+
+ACT06 = Rule(
+    code="ACT06",
+    title="An action has one time",
+    why="All timed associations of an action share one action control, and that has one time input: which of several "
+    "times counts is undefined (IEC 61131-3 ed. 3, 6.7.4.6).",
+    hint="Use the same time everywhere, or actions of their own.",
+    example="""
+INITIAL_STEP S1: q(L, T#2s); END_STEP
+STEP S2: q(D, T#5s); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
+    check=_several_times,
+    severity=Severity.WARNING,
+    severities={"codesys": Severity.INFO, "codesys23": Severity.INFO, "s7graph": None, "grafcet": None},
+)
+
+ACT07 = Rule(
+    code="ACT07",
+    title="The qualifier exists in the tool",
+    why="S7-GRAPH has no P, P0, P1, SD, DS and SL; IEC 61131-3 has no CALL, no ON and OFF, no counters and timers; "
+    "matiec generates no code that works for P0, P1, DS and SL.",
+    hint="Say it in another way: P1 is the event S1 of S7-GRAPH, SD a set action and a timer.",
+    example="""
+INITIAL_STEP S1: q(P1); END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
+    check=_foreign,
+    severity=Severity.ERROR,
+)
+
+ACT08 = Rule(
+    code="ACT08",
+    title="An association says what is done",
+    why="An association without an action, a variable or code does nothing.",
+    hint="Name the action, or remove the line.",
+    example="a line of an action block with the qualifier N and nothing else",
+    check=_nothing_done,
+    severity=Severity.WARNING,
+)
+
+ACT09 = Rule(
+    code="ACT09",
+    title="Step actions exist",
+    why="The entry, main or exit action of a step names an action of the POU that is not there: the chart does not "
+    "compile.",
+    hint="Add the action, or correct the name.",
+    example="a step with the entry action Start in a POU without an action Start",
+    check=_step_actions,
+    severity=Severity.ERROR,
+)
+
+ACT14 = Rule(
+    code="ACT14",
+    title="An IEC step of CoDeSys V2.3 has up to nine associations",
+    why="CoDeSys V2.3 takes nine.",
+    hint="Put several of them into one action, or into a step that is active at the same time.",
+    example="a step with ten lines in its action block",
+    check=_more_than_nine,
+    severity=None,
+    severities={"codesys23": Severity.ERROR},
+)
+
+ACT15 = Rule(
+    code="ACT15",
+    title="The initial step of CoDeSys V2.3 has no associations",
+    why="In CoDeSys V2.3 the initial step that the editor makes cannot be associated with actions.",
+    hint="Let a step with the transition TRUE before it do what the initial step shall do.",
+    example="an initial step with N Ready",
+    check=_initial_with_actions,
+    severity=None,
+    severities={"codesys23": Severity.WARNING},
+)
+
+ACT16 = Rule(
+    code="ACT16",
+    title="Events of S7-GRAPH stand where they belong",
+    why="ON, OFF, counters and all timers but TF act on an event only, and ON and OFF switch steps of their own block "
+    "(S7-GRAPH manual, actions).",
+    hint="Add the event (S1: when the step becomes active), or name a step of this block.",
+    example="an action ON Step5 without an event",
+    check=_events,
+    severity=None,
+    severities={"s7graph": Severity.ERROR},
+)
+
+ACT17 = Rule(
+    code="ACT17",
+    title="Actions wait for conditions that the step has",
+    why="An action with C, or with one of the events L0, L1, V0 and V1, depends on the interlock or the supervision "
+    "of its step. Without one, C is always true, and the events never come.",
+    hint="Program the interlock or supervision, or remove the event.",
+    example="an action with the event V1 in a step without supervision",
+    check=_guards,
+    severity=None,
+    severities={"s7graph": Severity.WARNING},
+)

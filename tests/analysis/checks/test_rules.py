@@ -1,0 +1,618 @@
+"""Every rule: a chart that breaks it, and one beside it that does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis.checks import RULES
+from plcopen_sfc.model import (
+    Action,
+    ActionAssociation,
+    ActionEvent,
+    ActionKind,
+    BodyCondition,
+    Enclosure,
+    Expression,
+    ForcedSituation,
+    ForcingOrder,
+    IlBody,
+    Macro,
+    NamedCondition,
+    NamedTransition,
+    PartialChart,
+    PartialChartKind,
+    Pou,
+    PouKind,
+    Project,
+    Qualifier,
+    SfcBody,
+    SfcNetwork,
+    StBody,
+    Step,
+    Supervised,
+    Transition,
+)
+from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.network import Connection, InputPin
+from tests.analysis.checks.charts import project_of, ring
+
+Subject = Project | SfcNetwork
+
+
+class Case(NamedTuple):
+    """What breaks a rule (with what is said of it) and what does not, under a profile."""
+
+    code: str
+    breaks: Callable[[], Subject]
+    fine: Callable[[], Subject]
+    says: str
+    profile: str = "iec"
+
+
+CASES: list[Case] = []
+
+
+def text(source: str) -> Callable[[], Subject]:
+    return lambda: project_of(source)
+
+
+def steps(first: str = "", second: str = "", *, condition: str = "a", declared: str = "") -> Callable[[], Subject]:
+    """Two steps in a ring, with these associations."""
+    return text(
+        f"{declared}\nINITIAL_STEP S1: {first} END_STEP\nSTEP S2: {second} END_STEP\n"
+        f"TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION\nTRANSITION FROM S2 TO S1 := b; END_TRANSITION"
+    )
+
+
+def selection(first: str, second: str) -> Callable[[], Subject]:
+    """A selection of two legs with these conditions."""
+    return text(
+        f"""
+        INITIAL_STEP S1: END_STEP STEP A: END_STEP STEP B: END_STEP
+        TRANSITION FROM S1 TO A := {first}; END_TRANSITION
+        TRANSITION FROM S1 TO B := {second}; END_TRANSITION
+        TRANSITION FROM A TO S1 := x; END_TRANSITION
+        TRANSITION FROM B TO S1 := y; END_TRANSITION
+        """
+    )
+
+
+def parallel(first: str, second: str, *, more: str = "") -> str:
+    """Two simultaneous branches of one step each, with these associations."""
+    return f"""
+        INITIAL_STEP S1: END_STEP STEP A: {first} END_STEP STEP B: {second} END_STEP
+        TRANSITION FROM S1 TO (A, B) := a; END_TRANSITION
+        TRANSITION FROM (A, B) TO S1 := b; END_TRANSITION
+        {more}
+        """
+
+
+def made(change: Callable[[SfcNetwork], Any], *names: str) -> Callable[[], Subject]:
+    """A ring of steps, changed."""
+
+    def make() -> SfcNetwork:
+        chart = ring(*(names or ("S1", "S2", "S3")))
+        change(chart)
+        return chart
+
+    return make
+
+
+def acting(chart: SfcNetwork, step: str, **fields: Any) -> ActionAssociation:
+    """Give a step an association."""
+    association = ActionAssociation(id=chart.new_id(), **fields)
+    chart.step(step).actions.append(association)
+    return association
+
+
+def drawn(*symbols: tuple[int, SymbolKind, list[int]], jump_to: int | None = None) -> Callable[[], Subject]:
+    """A ring of three steps 0, 2, 4 with the transitions 10, 11, 12, and a drawing of these symbols and wires."""
+
+    def make() -> SfcNetwork:
+        chart = SfcNetwork(
+            steps=[Step(id=i, name=f"S{i}", initial=not i) for i in (0, 2, 4)],
+            transitions=[
+                Transition(id=10, sources=[0], targets=[2], condition="a"),
+                Transition(id=11, sources=[2], targets=[4], condition="b"),
+                Transition(id=12, sources=[4], targets=[0], condition="c"),
+            ],
+        )
+        chart.drawing = Drawing(
+            symbols=[
+                Symbol(
+                    id=number,
+                    kind=kind,
+                    inputs=[InputPin(connections=[Connection(source=source) for source in sources])],
+                    target=jump_to if kind is SymbolKind.JUMP else None,
+                    name="S0" if kind is SymbolKind.JUMP else None,
+                )
+                for number, kind, sources in symbols
+            ]
+        )
+        return chart
+
+    return make
+
+
+def case(
+    code: str, breaks: Callable[[], Subject], fine: Callable[[], Subject], says: str, profile: str = "iec"
+) -> None:
+    CASES.append(Case(code, breaks, fine, says, profile))
+
+
+STEP, TRANSITION, JUMP = SymbolKind.STEP, SymbolKind.TRANSITION, SymbolKind.JUMP
+PLAIN = [(0, STEP, [12]), (10, TRANSITION, [0]), (2, STEP, [10]), (11, TRANSITION, [2]), (4, STEP, [11])]
+LAST = (12, TRANSITION, [4])
+
+# -- structure
+
+case(
+    "STR01",
+    drawn(*PLAIN[:4], (4, STEP, [2]), LAST),
+    drawn(*PLAIN, LAST),
+    "step S2 leads to step S4 without a transition between",
+)
+case(
+    "STR01",
+    drawn(*PLAIN[:3], (11, TRANSITION, [10]), (4, STEP, [11]), LAST),
+    drawn(*PLAIN, LAST, (20, JUMP, [12]), jump_to=0),
+    "leads to transition S2 -> S4 without a step between",
+)
+case("STR01", drawn(*PLAIN, (20, JUMP, [4]), jump_to=0), drawn(*PLAIN, LAST), "step S4 leads to the jump to S0")
+case(
+    "STR02",
+    made(lambda chart: setattr(chart.step("S1"), "initial", False)),
+    made(lambda chart: None),
+    "no step is initial",
+)
+BARS = SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE
+case(
+    "STR04",
+    drawn((0, STEP, []), (20, BARS[1], [0]), (10, TRANSITION, [20]), (12, TRANSITION, [20])),
+    drawn((0, STEP, []), (20, BARS[0], [0]), (10, TRANSITION, [20]), (12, TRANSITION, [20])),
+    "step S0 stands above a simultaneous divergence, where transitions belong",
+)
+case(
+    "STR04",
+    drawn((10, TRANSITION, []), (20, BARS[0], [10]), (2, STEP, [20]), (11, TRANSITION, [20])),
+    drawn((10, TRANSITION, []), (20, BARS[1], [10]), (2, STEP, [20]), (4, STEP, [20])),
+    "transition S2 -> S4 stands below a selection divergence, where steps belong",
+)
+case(
+    "STR05",
+    drawn(*PLAIN, LAST, (20, JUMP, [12])),
+    drawn(*PLAIN, LAST, (20, JUMP, [12]), jump_to=0),
+    "a jump leads to 'S0', which is no step",
+)
+case(
+    "STR05",
+    made(lambda chart: chart.transitions[0].targets.append(999)),
+    made(lambda chart: None),
+    "leads to a step that does not exist",
+)
+case(
+    "STR06",
+    made(lambda chart: chart.add_transition(chart.add_step("Lost"), chart.step("S1"), "x")),
+    made(lambda chart: chart.add_transition(chart.step("S1"), chart.step("S3"), "x")),
+    "never become active",
+)
+MERGED = "TRANSITION FROM A TO S1 := c; END_TRANSITION"
+case("STR07", text(parallel("", "", more=MERGED)), text(parallel("", "")), "would activate step")
+case(
+    "STR08",
+    text(
+        """
+        INITIAL_STEP S1: END_STEP STEP A: END_STEP STEP B: END_STEP
+        TRANSITION FROM S1 TO A := a; END_TRANSITION
+        TRANSITION FROM S1 TO B := NOT a; END_TRANSITION
+        TRANSITION FROM (A, B) TO S1 := c; END_TRANSITION
+        """
+    ),
+    text(parallel("", "")),
+    "A and B are never active together",
+)
+case(
+    "STR09",
+    made(lambda chart: chart.transitions.pop()),
+    made(lambda chart: setattr(chart.transitions[-1], "targets", [])),
+    "no transition leaves the step",
+)
+STUCK = "STEP C: END_STEP TRANSITION FROM A TO C := c; END_TRANSITION TRANSITION FROM (C, A) TO S1 := d; END_TRANSITION"
+WAITING = STUCK.replace("(C, A)", "(C, B)")
+case("STR10", text(parallel("", "", more=STUCK)), text(parallel("", "", more=WAITING)), "nothing leads on from")
+case(
+    "STR11",
+    made(lambda chart: setattr(chart.transitions[1], "sources", [])),
+    made(lambda chart: None),
+    "no step leads to the transition",
+)
+case(
+    "STR12",
+    made(lambda chart: setattr(chart.step("S3"), "initial", True)),
+    made(lambda chart: setattr(chart.add_step("Alone"), "initial", True)),
+    "a second initial step in one connected chart, besides S1",
+)
+case(
+    "STR14",
+    made(lambda chart: setattr(chart.transitions[-1], "targets", [])),
+    made(lambda chart: None),
+    "leads nowhere",
+)
+case(
+    "STR15",
+    made(lambda chart: setattr(chart.transitions[-1], "targets", [chart.step("S2").id])),
+    made(lambda chart: None),
+    "from S2 no way leads back to S1",
+)
+
+# -- names
+
+case(
+    "NAM01",
+    made(lambda chart: setattr(chart.step("S3"), "name", "s2")),
+    made(lambda chart: setattr(chart.step("S3"), "name", "s22")),
+    "'S2'",
+)
+case("NAM02", made(lambda chart: None, "S1", "Wait for"), made(lambda chart: None, "S1", "Wait_for"), "no identifier")
+case("NAM02", made(lambda chart: None, "S1", "END_IF"), made(lambda chart: None, "S1", "END_I"), "'END_IF'")
+case("NAM03", steps(declared="VAR S2 : BOOL; END_VAR"), steps(declared="VAR S3 : BOOL; END_VAR"), "a variable")
+
+
+def numbered(*numbers: int) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        for step, number in zip(chart.steps, numbers, strict=True):
+            step.number = number
+
+    return made(change)
+
+
+case("NAM04", numbered(1, 2, 2), numbered(1, 2, 3), "another step has the number 2", "s7graph")
+case(
+    "NAM05",
+    made(lambda chart: setattr(chart.transitions[0], "name", "s2")),
+    made(lambda chart: setattr(chart.transitions[0], "name", "T1")),
+    "has the name 's2'",
+    "s7graph",
+)
+
+# -- selections
+
+case("SEL01", selection("a", "b"), selection("a", "NOT a AND b"), "it can be true together with S1 -> A", "grafcet")
+case("SEL01", selection("n > 3", "n < 5"), selection("n > 5", "n < 5"), "together", "grafcet")
+case("SEL02", selection("f(n) > 3", "f(n + 1) < 3"), selection("n > 3", "n < 3"), "nobody can tell", "grafcet")
+case("SEL03", selection("a OR b", "a"), selection("a", "a OR b"), "one tried before it is", "codesys")
+
+
+def with_priorities(chart: SfcNetwork) -> None:
+    target = chart.step("S3")
+    chart.transitions[0].priority = 1
+    chart.add_transition(chart.step("S1"), target, "x", priority=2)
+
+
+case(
+    "SEL01",
+    made(lambda chart: chart.add_transition(chart.step("S1"), chart.step("S3"), "x")),
+    made(with_priorities),
+    "together",
+)
+
+# -- conditions
+
+case("CND01", made(lambda chart: setattr(chart.transitions[0], "condition", None)), made(lambda chart: None), "no cond")
+case("CND02", steps(condition="TRUE"), steps(condition="a"), "the condition TRUE is always true")
+case("CND02", steps(condition="a OR NOT a"), steps(condition="a OR NOT c"), "always true")
+case("CND03", steps(condition="n > 5 AND n < 5"), steps(condition="n > 5 AND n < 7"), "never true")
+case("CND04", steps(condition="(q := a)"), steps(condition="(q = a)"), "the condition writes q", "codesys")
+
+
+def in_il(source: str) -> Callable[[], Subject]:
+    return made(lambda chart: setattr(chart.transitions[0], "condition", BodyCondition(body=IlBody(text=source))))
+
+
+case("CND04", in_il("LD a\nANDN b\nST q\n"), in_il("LD a\nANDN b\n"), "writes q", "codesys23")
+EDGE = "VAR edge : R_TRIG; END_VAR"
+case("CND05", steps(condition="edge(CLK := a)", declared=EDGE), steps(condition="edge.Q", declared=EDGE), "calls edge")
+case(
+    "CND05",
+    steps(condition="TON(IN := a, PT := T#1s)"),
+    steps(condition="MAX(n, 3) > 5"),
+    "calls TON",
+    "codesys",
+)
+
+
+def reading(name: str) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        acting(chart, "S2", target="Q1", kind=ActionKind.CONTINUOUS)
+        chart.transitions[0].condition = Expression(text=name)
+
+    return made(change)
+
+
+case("CND06", reading("NOT Q1"), reading("NOT I1"), "reads q1", "grafcet")
+
+
+def naming(name: str) -> Callable[[], Subject]:
+    def make() -> Project:
+        chart = ring("S1", "S2")
+        chart.transitions[0].condition = NamedCondition(name="T1")
+        named = NamedTransition(name=name, body=StBody(text="a"))
+        pou = Pou(name="P", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)], transitions=[named])
+        return Project(pous=[pou])
+
+    return make
+
+
+case("CND07", naming("T2"), naming("t1"), "no transition and no variable 'T1'", "codesys")
+
+# -- actions
+
+case("ACT01", steps("q(L);"), steps("q(L, T#3s);"), "the qualifier L needs a time")
+case("ACT02", steps("q(N);", "q(S);"), steps("q(N);", "p(S);"), "q is set here (S), and step S1 writes it")
+
+
+def grafcet(first: dict[str, Any], second: dict[str, Any]) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        acting(chart, "S1", **first)
+        acting(chart, "S2", **second)
+
+    return made(change)
+
+
+CONTINUOUS = {"target": "Q", "kind": ActionKind.CONTINUOUS}
+STORED = {"target": "Q", "kind": ActionKind.ON_ACTIVATION, "value": "1"}
+case("ACT02", grafcet(CONTINUOUS, STORED), grafcet(CONTINUOUS, CONTINUOUS), "Q is stored here", "grafcet")
+case(
+    "ACT02", grafcet(STORED, {**CONTINUOUS, "kind": ActionKind.LIMITED}), grafcet(STORED, STORED), "limited", "grafcet"
+)
+case("ACT03", steps("q(S);"), steps("q(S);", "q(R);"), "q is set (S), and nothing resets it")
+CODE = "ACTION off: q := FALSE; END_ACTION"
+case(
+    "ACT03",
+    steps("q(SD, T#1s);", "p(N);"),
+    text(f"INITIAL_STEP S1: q(SD, T#1s); END_STEP STEP S2: off(P); END_STEP {CODE}"),
+    "q is set (SD)",
+)
+case("ACT04", text(parallel("q(S);", "q(R);")), text(parallel("q(S);", "q(S);")), "both can be active together")
+case(
+    "ACT04",
+    text(parallel("m(N);", "k(N);", more="ACTION m: x := 1; END_ACTION ACTION k: x := 2; END_ACTION")),
+    text(parallel("m(N);", "m(N);", more="ACTION m: x := 1; END_ACTION ACTION k: x := 2; END_ACTION")),
+    "x is written here and in step A",
+)
+case("ACT04", text(parallel("q(S);", "q(R);")), steps("q(S);", "q(R);"), "q is written here and in step A")
+LEAVING = {"target": "x", "kind": ActionKind.ON_DEACTIVATION, "value": "1"}
+ENTERING = {"target": "x", "kind": ActionKind.ON_ACTIVATION, "value": "2"}
+case(
+    "ACT04",
+    grafcet(LEAVING, ENTERING),
+    grafcet({**ENTERING, "value": "1"}, {**LEAVING, "value": "2"}),
+    "both happen when S1 -> S2 is cleared",
+    "grafcet",
+)
+case("ACT05", steps("q(N, T#5s);"), steps("q(N);"), "the time T#5s has no effect")
+case("ACT06", steps("q(L, T#5s);", "q(D, T#6s);"), steps("q(L, T#5s);", "q(D, t#5S);"), "another time here")
+case("ACT07", steps("q(P1);"), steps("q(N);"), "there is no qualifier P1 here", "s7graph")
+case(
+    "ACT08",
+    made(lambda chart: acting(chart, "S1", qualifier=Qualifier.N)),
+    made(lambda chart: acting(chart, "S1", body=StBody(text="x := 1;"))),
+    "names no action and no variable",
+)
+
+
+def entering(name: str) -> Callable[[], Subject]:
+    def make() -> Project:
+        chart = ring("S1", "S2")
+        chart.step("S1").entry_action = name
+        actions = [Action(name="Start", body=StBody(text="x := 1;"))]
+        return Project(pous=[Pou(name="P", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)], actions=actions)])
+
+    return make
+
+
+case("ACT09", entering("Stop"), entering("start"), "no action 'Stop', the entry action", "codesys")
+case("ACT09", entering("Stop"), entering("Motor.Stop"), "'Stop'", "codesys")
+case("ACT10", steps("q(R);"), steps("q(R);", "q(S);"), "q is reset, and nothing sets it")
+
+
+def on_event(condition: str) -> Callable[[], Subject]:
+    return made(lambda chart: acting(chart, "S1", target="Q", kind=ActionKind.ON_EVENT, condition=condition))
+
+
+case("ACT11", on_event("I0"), on_event("↑I0"), "the event of the action is no edge", "grafcet")
+case("ACT11", on_event("I0 AND I1"), on_event("RE(I0) AND I1"), "is no edge", "grafcet")
+
+
+def while_condition(condition: str) -> Callable[[], Subject]:
+    return made(lambda chart: acting(chart, "S1", target="Q", kind=ActionKind.CONDITIONAL, condition=condition))
+
+
+case("ACT12", while_condition("↑I0"), while_condition("I0"), "is an edge", "grafcet")
+NUMBER = "VAR n : INT; q : BOOL; END_VAR"
+case("ACT13", steps("n(N);", declared=NUMBER), steps("q(N);", declared=NUMBER), "n is no BOOL but INT")
+
+
+def many(count: int) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        for number in range(count):
+            acting(chart, "S2", target=f"q{number}")
+
+    return made(change)
+
+
+case("ACT14", many(10), many(9), "10 associations", "codesys23")
+case("ACT15", steps("q(N);"), steps("", "q(N);"), "the initial step has an association", "codesys23")
+
+
+def on(**fields: Any) -> Callable[[], Subject]:
+    return made(lambda chart: acting(chart, "S1", **fields))
+
+
+SWITCH = {"qualifier": Qualifier.ON, "target": "S3"}
+case("ACT16", on(**SWITCH), on(**SWITCH, event=ActionEvent.S1), "ON needs an event", "s7graph")
+case(
+    "ACT16",
+    on(**{**SWITCH, "target": "S9"}, event=ActionEvent.S1),
+    on(qualifier=Qualifier.OFF, target="S_ALL", event=ActionEvent.S1),
+    "'S9', which is no step",
+    "s7graph",
+)
+
+
+def guarded(supervision: Supervised | None, **fields: Any) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        acting(chart, "S1", target="q", **fields)
+        chart.step("S1").supervision = supervision
+
+    return made(change)
+
+
+case(
+    "ACT17",
+    guarded(None, event=ActionEvent.V1),
+    guarded(Supervised(condition=Expression(text="fault")), event=ActionEvent.V1),
+    "the event V1 never comes",
+    "s7graph",
+)
+case("ACT17", guarded(None, interlock=True), guarded(None), "depends on the interlock", "s7graph")
+
+# -- evolution, times, limits, lowering
+
+CIRCLE = """
+INITIAL_STEP S1: END_STEP STEP S2: END_STEP STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := start; END_TRANSITION
+TRANSITION FROM S2 TO S3 := TRUE; END_TRANSITION
+TRANSITION FROM S3 TO S2 := %s; END_TRANSITION
+"""
+case("EVO01", text(CIRCLE % "b OR NOT b"), text(CIRCLE % "b"), "always true in a circle: S2 -> S3, S3 -> S2", "grafcet")
+
+
+def timed(least: str, most: str) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        chart.step("S1").min_time = least
+        chart.step("S1").max_time = most
+
+    return made(change)
+
+
+case("TIM01", timed("T#5s", "T#3s"), timed("T#3s", "T#5s"), "longer than the maximum time T#3s", "codesys")
+case("TIM01", timed("T#5s", "T#4s"), timed("T#5s", "T#0ms"), "T#5s", "codesys")
+case(
+    "LIM01",
+    made(lambda chart: None, *(f"S{number}" for number in range(251))),
+    made(lambda chart: None, *(f"S{number}" for number in range(250))),
+    "251 steps; a block has 250 at most",
+    "s7graph",
+)
+case("LOW01", made(lambda chart: None, "S1", "S2"), made(lambda chart: None), "S1 and S2 lead to each other")
+case(
+    "LOW02",
+    made(lambda chart: chart.add_transition(chart.step("S2"), chart.step("S2"), "x")),
+    made(lambda chart: None),
+    "from S2 to itself",
+)
+
+# -- hierarchy
+
+
+def part(name: str, kind: PartialChartKind, *names: str, initial: bool = True) -> PartialChart:
+    network = ring(*names)
+    network.steps[0].initial = initial
+    return PartialChart(name=name, kind=kind, network=network)
+
+
+def expanded(*steps_of_it: str, name: str = "M1", back: bool = False) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        chart.step("S2").macro = Macro(expansion="M1")
+        inner = part(name, PartialChartKind.EXPANSION, *steps_of_it)
+        if not back:
+            inner.network.transitions.pop()
+        chart.partial_charts.append(inner)
+
+    return made(change)
+
+
+case("HIE01", expanded("E", "S", name="M2"), expanded("E", "S"), "macro-step without expansion", "grafcet")
+case("HIE01", expanded("E", "S", back=True), expanded("E", "A", "S"), "without exit step", "grafcet")
+
+
+def enclosing(chart: str, *links: str, initial: bool = True) -> Callable[[], Subject]:
+    def change(whole: SfcNetwork) -> None:
+        whole.step("S1").encloses = [Enclosure(chart=chart, activated_steps=list(links))]
+        whole.partial_charts.append(part("G2", PartialChartKind.ENCLOSED, "A", "B", initial=initial))
+
+    return made(change)
+
+
+case("HIE02", enclosing("G3", "A"), enclosing("g2", "a"), "no such chart", "grafcet")
+case("HIE02", enclosing("G2", "C"), enclosing("G2", "A"), "no step 'C'", "grafcet")
+case("HIE02", enclosing("G2"), enclosing("G2", "A", "B"), "activation link", "grafcet")
+case("HIE03", enclosing("G2", "A", initial=False), enclosing("G2", "A"), "no initial step", "grafcet")
+
+
+def forcing(order: ForcingOrder, *, initial: bool = True) -> Callable[[], Subject]:
+    def change(whole: SfcNetwork) -> None:
+        acting(whole, "S2", kind=ActionKind.FORCING, forcing=order)
+        whole.partial_charts.append(part("G2", PartialChartKind.GLOBAL, "A", "B", initial=initial))
+
+    return made(change)
+
+
+INIT = ForcingOrder(chart="G2", situation=ForcedSituation.INITIAL)
+SOME = ForcedSituation.EXPLICIT
+case("HIE04", forcing(ForcingOrder(chart="G3", situation=ForcedSituation.EMPTY)), forcing(INIT), "no such", "grafcet")
+case("HIE04", forcing(INIT, initial=False), forcing(INIT), "no initial step to force", "grafcet")
+case(
+    "HIE04",
+    forcing(ForcingOrder(chart="G2", situation=SOME, steps=["A", "X"])),
+    forcing(ForcingOrder(chart="G2", situation=SOME, steps=["A", "b"])),
+    "no step 'X'",
+    "grafcet",
+)
+
+
+def ruling(*orders: tuple[str, str], same: bool = True) -> Callable[[], Subject]:
+    """Partial charts G1, G2, G3, in which orders rule others: all by the same situation, or by another one each."""
+
+    def change(whole: SfcNetwork) -> None:
+        for name in ("G1", "G2", "G3"):
+            whole.partial_charts.append(part(name, PartialChartKind.GLOBAL, f"{name}a", f"{name}b"))
+        for number, (upper, lower) in enumerate(orders):
+            network = next(p.network for p in whole.partial_charts if p.name == upper)
+            situation = list(ForcedSituation)[0 if same else number]
+            order = ForcingOrder(chart=lower, situation=situation)
+            acting(network, f"{upper}b", kind=ActionKind.FORCING, forcing=order)
+
+    return made(change)
+
+
+case("HIE05", ruling(("G1", "G2"), ("G2", "G1")), ruling(("G1", "G2"), ("G1", "G3")), "rules itself", "grafcet")
+case("HIE05", ruling(("G1", "G1")), ruling(("G1", "G2"), ("G2", "G3")), "rules itself", "grafcet")
+OPPOSED = ("G1", "G3"), ("G2", "G3")
+case("HIE06", ruling(*OPPOSED, same=False), ruling(*OPPOSED), "rules G3 as well", "grafcet")
+case("HIE06", ruling(*OPPOSED, same=False), ruling(("G1", "G3"), ("G1", "G2"), same=False), "rules G3", "grafcet")
+
+
+def remark(comment: str) -> Callable[[], Subject]:
+    return made(lambda chart: setattr(chart.step("S2"), "comment", comment))
+
+
+case("CHK01", remark("plcopen-sfc: ignore STR99"), remark("plcopen-sfc: ignore STR09, ACT"), "lets STR99 be")
+case("CHK01", remark("plcopen-sfc: ignore"), remark("nothing to say"), "names no rule")
+
+
+@pytest.mark.parametrize("each", CASES, ids=[f"{c.code}-{n}" for n, c in enumerate(CASES)])
+def test_a_breach_is_found_and_what_is_beside_it_is_not(each: Case) -> None:
+    found = sfc.check(each.breaks(), profile=each.profile, select=[each.code])
+    assert found, "the breach is not found"
+    assert any(each.says in finding.message for finding in found), [finding.message for finding in found]
+    assert [str(finding) for finding in sfc.check(each.fine(), profile=each.profile, select=[each.code])] == []
+
+
+def test_every_rule_has_a_case() -> None:
+    assert {rule.code for rule in RULES} - {each.code for each in CASES} == set()
