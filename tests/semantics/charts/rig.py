@@ -99,7 +99,8 @@ def chain(*steps: str, conditions: str = "", ring: bool = True) -> SfcNetwork:
     """
     chart = SfcNetwork()
     made = [chart.add_step(name, initial=index == 0) for index, name in enumerate(steps)]
-    words = (conditions.split(";") if ";" in conditions else conditions.split()) or [f"c{index + 1}" for index in range(len(steps))]
+    words = conditions.split(";") if ";" in conditions else conditions.split()
+    words = words or [f"c{index + 1}" for index in range(len(steps))]
     pairs = list(zip(made, [*made[1:], made[0]], strict=True))
     for (source, target), condition in zip(pairs if ring else pairs[:-1], words, strict=False):
         chart.add_transition(source, target, condition)
