@@ -243,6 +243,7 @@ def missing_time(message: str, where: str) -> Callable[[Frame], int]:
 
 def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile: Profile, path: str) -> None:
     """Refuse what the profile does not know. Raises `UnknownBehaviourError`."""
+    knows_grafcet = profile.order is ScanOrder.TRANSITIONS_FIRST and not profile.graph_parameters
     for owner, model in owned:
         where = Location(path=f"{path} / {owner.path}")
         what = model.target or "a body"
@@ -251,11 +252,11 @@ def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile
                 f"the profile {profile.name} does not say what the qualifier {model.qualifier} of {what} does",
                 location=where,
             )
-        if (model.kind is not None or model.forcing is not None) and profile.order is ScanOrder.ACTIONS_FIRST:
+        if (model.kind is not None or model.forcing is not None) and not knows_grafcet:
             raise UnknownBehaviourError(
                 f"{what} is an action of GRAFCET, which the profile {profile.name} does not have", location=where
             )
-        if model.event is not None or model.interlock:
+        if (model.event is not None or model.interlock) and not profile.graph_parameters:
             raise UnknownBehaviourError(
                 f"{what} depends on an event or interlock of S7-GRAPH, which the profile {profile.name} does not have",
                 location=where,
