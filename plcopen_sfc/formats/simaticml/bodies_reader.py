@@ -25,6 +25,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     local,
     opaque,
     read_comments,
+    read_model,
     read_object_text,
 )
 from plcopen_sfc.formats.simaticml.structured_text_writer import read_code
@@ -145,12 +146,10 @@ def _chart(ctx: ReadContext, element: etree._Element, own: Fields, late: Fields)
 
     def read() -> SfcNetwork:
         outer, ctx.place = ctx.place, place
-        fields = read_graph(ctx, element, late)
-        ctx.place = outer
         try:
-            return SfcNetwork.model_validate(fields)
-        except ValidationError as error:
-            raise misfit(error, ctx.file) from error
+            return read_model(ctx, element, SfcNetwork, lambda ctx, element: read_graph(ctx, element, late))
+        finally:
+            ctx.place = outer
 
     return SfcBody.deferred(own, read)
 

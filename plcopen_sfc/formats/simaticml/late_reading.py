@@ -6,9 +6,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from lxml import etree
-from pydantic import ValidationError
 
-from plcopen_sfc.formats.simaticml.bodies_reader import misfit
 from plcopen_sfc.formats.simaticml.objects_reader import (
     DATA_BLOCKS,
     DATA_TYPE,
@@ -25,6 +23,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     child_named,
     local,
     plain_text,
+    read_model,
     whole_number,
 )
 from plcopen_sfc.formats.xml.source import SourceLines, parse
@@ -83,16 +82,16 @@ class LateDocument:
         self._waiting += 1
         waiting = True
 
+        def fields_of(ctx: ReadContext, found: etree._Element) -> Fields:
+            fields = reader(ctx, found)
+            if keep_id:
+                carry_attribute(fields, "ID", found.get("ID", ""))
+            return fields
+
         def read() -> T:
             nonlocal waiting
             found = self._tree()[place]
-            fields = reader(self._context(), found)
-            if keep_id:
-                carry_attribute(fields, "ID", found.get("ID", ""))
-            try:
-                thing = model.model_validate(fields)
-            except ValidationError as error:
-                raise misfit(error, self._ctx.file) from error
+            thing = read_model(self._context(), found, model, fields_of)
             if isinstance(thing, Pou):
                 for name, body in thing.named_bodies():
                     if isinstance(body, SfcBody):

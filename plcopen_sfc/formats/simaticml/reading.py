@@ -7,15 +7,20 @@ carry nothing but the schema version, so elements are told apart by their local 
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from lxml import etree
+from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location
+from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, neutral, schema_of
 from plcopen_sfc.formats.xml.carrying import markup
 from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.model.base import Carried, Model
+
+M = TypeVar("M", bound=Model)
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""
@@ -44,6 +49,8 @@ class ReadContext:
         self.schemas: dict[str, int] = {}
         """The schema numbers that the file uses, by kind."""
         self.diagnostics: list[Diagnostic] = []
+        self.trusting = True
+        """Whether fields that stand in comments are read."""
         self.types: dict[str, str] = {}
         """The types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
         self.place: list[str] = []
@@ -202,16 +209,59 @@ def read_object_text(element: etree._Element) -> Fields | None:
 
 def read_comments(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
     """Put fields back that stand in XML comments of ours at `element`."""
-    for comment in element.iterchildren(etree.Comment):
+    for comment in element.iterchildren(etree.Comment) if ctx.trusting else ():
         text = comment.text or ""
         if text.startswith(COMMENT_MARK):
             try:
                 found = json.loads(text.removeprefix(COMMENT_MARK))
-            except ValueError as error:
-                ctx.warn("XML208", f"carried fields are damaged: {error}", comment)
+                if isinstance(found, dict) and "carried" in found:
+                    carried(fields)
+                    found["carried"] = Carried.model_validate(found["carried"]).model_dump(mode="json")
+            except (ValueError, RecursionError) as error:
+                ctx.warn("XML208", f"carried fields are damaged: {first_line(error)}", comment)
                 continue
             if isinstance(found, dict):
                 merge(fields, found)
+
+
+def first_line(error: Exception) -> str:
+    """What an error says, in one line."""
+    if isinstance(error, ValidationError):
+        first = error.errors()[0]
+        return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+    return str(error).partition("\n")[0]
+
+
+def read_model(
+    ctx: ReadContext, element: etree._Element, model: type[M], read: Callable[[ReadContext, etree._Element], Fields]
+) -> M:
+    """Read an object of the model.
+
+    Fields that were carried in comments, which anybody may have edited, are left out where they do not fit: the file
+    keeps them. Raises `StructureError` where that does not help.
+    """
+    place = list(ctx.place)
+    try:
+        return model.model_validate(read(ctx, element))
+    except (ValidationError, TypeError, KeyError, AttributeError) as error:
+        comments = (comment.text or "" for comment in element.iter(etree.Comment))
+        if not any(text.startswith(COMMENT_MARK) for text in comments):
+            raise _misfit(ctx, error) from error
+        ctx.place = place
+        ctx.warn("XML208", f"carried fields do not fit the model: {first_line(error)}", element)
+    ctx.trusting = False
+    try:
+        return model.model_validate(read(ctx, element))
+    except ValidationError as error:
+        raise _misfit(ctx, error) from error
+    finally:
+        ctx.trusting = True
+
+
+def _misfit(ctx: ReadContext, error: Exception) -> Exception:
+    if not isinstance(error, ValidationError):
+        return error
+    return StructureError(f"the document does not fit the model at {first_line(error)}", location=Location(ctx.file))
 
 
 def merge(fields: Fields, found: Fields) -> None:
