@@ -127,7 +127,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if style.structured and (project._origin is None or project._origin.format != kind.name):
         _note_limits(copy, report)
     # a format without ids has branches of its own instead of the bars of others
-    anew = bool(options.flavour) or (not kind.ids and not options.same)
+    other = project._origin is None or project._origin.format != kind.name
+    anew = bool(options.flavour) or (not kind.ids and other)
     prepare(copy, style, positions=kind.positions, anew=anew, foreign=True)
     adapt = getattr(kind.codec(), "adapt", None)
     if adapt is not None:

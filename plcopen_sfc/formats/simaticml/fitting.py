@@ -6,7 +6,6 @@ The schemas of the versions decide: what one of them objects to and a later one 
 from __future__ import annotations
 
 import copy
-import re
 
 from lxml import etree
 
@@ -16,7 +15,7 @@ from plcopen_sfc.formats.simaticml.versions import LANGUAGES, VERSIONS, TiaVersi
 from plcopen_sfc.formats.xml.schema import faults
 from plcopen_sfc.model.sfc import AlarmCategory, SfcNetwork
 
-__all__ = ["fit", "fit_alarms", "refuse_older"]
+__all__ = ["fit_alarms", "refuse_older"]
 
 _ROOTS = {"Sections": "Interface", **{language: language for language in LANGUAGES}}
 _OBJECTS = {
@@ -37,18 +36,9 @@ _FEATURES = {
     "DataType": "a data type as operand",
     "Reference": "a reference as operand",
     "PredefinedVariable": "ENO as operand",
+    "Component": "an index or a part of a variable in a network that is kept as it is",
 }
 _Category = tuple[str, int, int | None, str | None]
-_WITHOUT_ARRAY_MARK = 1
-"""The number of the schemas in which an index has no mark of its own: those of V14 SP1."""
-
-
-def fit(root: etree._Element, version: TiaVersion) -> None:
-    """Spell what older versions spell otherwise, in a document that was written for `version`."""
-    if version.flg_net == _WITHOUT_ARRAY_MARK:
-        for component in root.iter("{*}Component"):
-            if component.get("AccessModifier") == "Array":
-                del component.attrib["AccessModifier"]
 
 
 def fit_alarms(chart: SfcNetwork, version: TiaVersion) -> None:
@@ -101,37 +91,49 @@ def _needs(root: etree._Element, version: TiaVersion) -> list[VersionNeed]:
 
 
 def _needs_of_part(part: etree._Element, kind: str, version: TiaVersion) -> list[VersionNeed]:
-    places = [element for element, _ in faults(part, f"simaticml/{kind}-v{version.schema(kind)}")]
-    if not places:
-        return []
-    tree = part.getroottree()
-    start = tree.getpath(part)
-    needs: list[VersionNeed] = []
-    tried = {version.schema(kind)}
-    for later in VERSIONS[VERSIONS.index(version) + 1 :] if version in VERSIONS else ():
-        number = later.schema(kind)
-        if number in tried:
-            continue
-        tried.add(number)
-        other = _in_schema(part, namespace(kind, number))
-        wrong = {
-            _numbered(other.getroottree().getpath(element))
-            for element, _ in faults(other, f"simaticml/{kind}-v{number}")
-        }
-        here = [p for p in places if _numbered(_below(tree.getpath(p), start)) not in wrong]
-        needs += [_need(place, later) for place in here]
-        places = [place for place in places if place not in here]
-    return needs
+    """What the schemas up to the last one that objects to a place need; what the newest objects to is wrong anyway.
+
+    Later ones are asked too because a schema that objects to an element does not look at what stands behind it.
+    """
+    needed: dict[tuple[int, ...], TiaVersion | None] = {}
+    schemas = {later.schema(kind): later for later in reversed(VERSIONS[_index(version) :])}
+    numbers = sorted(schemas)
+    for place, number in enumerate(numbers):
+        asked = part if number == version.schema(kind) else _in_schema(part, namespace(kind, number))
+        wrong = [element for element, _ in faults(asked, f"simaticml/{kind}-v{number}")]
+        if not wrong and place == 0:
+            return []
+        following = schemas[numbers[place + 1]] if place + 1 < len(numbers) else None
+        needed |= {_way(asked, element): following for element in wrong}
+    return [
+        _need(_at(part, way), later)
+        for way, later in sorted(needed.items(), key=lambda item: item[0])
+        if later is not None
+    ]
 
 
-def _below(path: str, start: str) -> str:
-    """The path of an element in a document that begins with the element at `start`."""
-    return "/" + start.rpartition("/")[2].partition("[")[0] + path[len(start) :]
+def _way(top: etree._Element, element: etree._Element) -> tuple[int, ...]:
+    """The way down from `top` to an element in it."""
+    way: list[int] = []
+    while element is not top:
+        parent = element.getparent()
+        if parent is None:
+            break
+        way.append(parent.index(element))
+        element = parent
+    return tuple(reversed(way))
 
 
-def _numbered(path: str) -> str:
-    """A path that names the first of several in the same way as the only one."""
-    return re.sub(r"\[1\]", "", path)
+def _at(top: etree._Element, way: tuple[int, ...]) -> etree._Element:
+    """The element at the end of a way."""
+    for place in way:
+        top = top[place]
+    return top
+
+
+def _index(version: TiaVersion) -> int:
+    """The place of a version among those that are known."""
+    return VERSIONS.index(version) if version in VERSIONS else len(VERSIONS) - 1
 
 
 def _in_schema(part: etree._Element, uri: str) -> etree._Element:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, attributes, children, local
+from plcopen_sfc.formats.simaticml.versions import schema_of
 from plcopen_sfc.formats.simaticml.writing import sub
 from plcopen_sfc.formats.xml.carrying import legal
 
@@ -242,13 +243,19 @@ def write_path(
         marks = {"Name": part.name}
         if part.slice is not None:
             marks["SliceAccessModifier"] = part.slice.lower()
-        if part.indices:
+        if part.indices and not _is_first_schema(parent):
             marks["AccessModifier"] = "Array"
         component = sub(parent, "Component", marks)
         for text in part.indices:
             write_operand(component, text, "DInt", hint=index(text) if index is not None else None, index=index)
     if address := details(hint or ""):
         sub(parent, "Address", {**address, "Informative": "true"})
+
+
+def _is_first_schema(element: etree._Element) -> bool:
+    """Whether an element is of the first schemas of programs, those of V14 SP1: an index has no mark of its own there."""
+    found = schema_of(etree.QName(element).namespace or "")
+    return found is not None and found[1] == 1 and found[0] != "StructuredText"
 
 
 def details(hint: str) -> dict[str, str]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.simaticml.fitting import fit, refuse_older
+from plcopen_sfc.formats.simaticml.fitting import refuse_older
 from plcopen_sfc.formats.simaticml.numbering import number, number_like
 from plcopen_sfc.formats.simaticml.objects_writer import (
     write_data_block,
@@ -74,7 +74,6 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE)
-    fit(root, version)
     return root
 
 
