@@ -35,8 +35,10 @@ class Image:
     def place(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
         """The variable at an address; the first one that names it gives it its type."""
         area, start, width = key = self._range(address)
-        type_ = type_ or t.ELEMENTARY[_TYPES[width]]
         found = self._places.get(key)
+        if found is not None and type_ is None:
+            return found
+        type_ = type_ or t.ELEMENTARY[_TYPES[width]]
         if found is None:
             for bit in range(start, start + width):
                 other = self._bits.setdefault((area, bit), key)

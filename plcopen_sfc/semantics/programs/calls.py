@@ -41,7 +41,7 @@ class Calls:
         """The result of a call."""
         name = node.callee
         if isinstance(name, n.Name):
-            meaning = self._scope.resolve(name, called=True)
+            meaning = self._called(name)
             if isinstance(meaning, Unit) and not meaning.is_program:
                 return self._of_unit(meaning, node)
             method = self._own_method(name)
@@ -318,6 +318,13 @@ class Calls:
     @property
     def _own_frame(self) -> str:
         return "this" if self._scope.around is not None else "f"
+
+    def _called(self, name: n.Name) -> Any:
+        """What a name that is called means: in a function its own name is that of its result, too."""
+        unit = self._scope.unit
+        if unit is not None and unit.is_function and unit.name.casefold() == name.identifier.casefold():
+            return unit
+        return self._scope.resolve(name, called=True)
 
     def _own_method(self, name: n.Name) -> MethodUnit | None:
         return self._scope.unit.method(name.identifier) if self._scope.unit is not None else None

@@ -8,7 +8,8 @@ from typing import Any
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.profile import Profile, default_profile
+from plcopen_sfc.semantics.profile import profile as profile_of
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Frame, Keeper
@@ -21,16 +22,17 @@ _MOST_STEPS = 1_000_000
 class Controller:
     """Runs the POUs of a project. Edits of the project after that make it wrong.
 
-    `profile` is for charts and their compiler. `functions` are those that the project calls but does not have, by
-    name; they get the arguments of the call. `read_input(path)` gives the value of a free input the first time that a
-    scan reads it: of an input of the instance, a global variable or an undeclared name that nothing writes and no
-    declaration gives a value. `max_steps`: turns of loops and calls of functions in a scan before it counts as endless.
+    `profile` is for charts and their compiler; None: that of the tool that the project is for. `functions` are those
+    that the project calls but does not have, by name; they get the arguments of the call. `read_input(path)` gives the
+    value of a free input the first time that a scan reads it: of an input of the instance, a global variable or an
+    undeclared name that nothing writes and no declaration gives a value. `max_steps`: turns of loops and calls of
+    functions in a scan before it counts as endless.
     """
 
     def __init__(
         self,
         project: Project,
-        profile: Profile | None = None,
+        profile: str | Profile | None = None,
         *,
         functions: Mapping[str, Callable[..., Any]] | None = None,
         chart_compiler: ChartCompiler | None = None,
@@ -38,9 +40,9 @@ class Controller:
         max_steps: int = _MOST_STEPS,
     ) -> None:
         self.project = project
-        self.profile = profile
+        self.profile = default_profile(project) if profile is None else profile_of(profile)
         self.max_steps = max_steps
-        self.library = Library(project, functions or {}, chart_compiler, read_input)
+        self.library = Library(project, self.profile, functions or {}, chart_compiler, read_input)
         self.keeper = Keeper()
         self._initialised: dict[int, Frame] = {}
 

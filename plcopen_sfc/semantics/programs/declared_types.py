@@ -95,10 +95,10 @@ class TypeReader:
         for level in scope.outer():
             found = [d for d in level.named(name) if d.kind in (Kind.POU, Kind.DATA_TYPE)]
             if found:
-                return self.of_declaration(found[0], scope)
+                return self.of_declaration(found[0])
         return None
 
-    def of_declaration(self, declaration: Declaration, scope: Scope) -> t.Type:
+    def of_declaration(self, declaration: Declaration) -> t.Type:
         """The type that a data type or a POU is."""
         holder = declaration.holder
         if isinstance(holder, Pou):
@@ -111,7 +111,11 @@ class TypeReader:
                 raise SimulationError(f"the type {holder.name} contains itself")
             self._open.add(key)
             try:
-                self._named[key] = self._make(holder, self._library.scope_of_type(holder) or scope)
+                own = self._library.scope_of_type(holder)
+                found = self._make(holder, own)
+                if holder.initial is not None:
+                    found = replace(found, start=self._library.initials.source(found, holder.initial, own).text)
+                self._named[key] = found
             finally:
                 self._open.discard(key)
         return self._named[key]
@@ -121,11 +125,7 @@ class TypeReader:
             return self.structure(holder.name, holder.type, scope, base=kept(holder.carried).get("extends"))
         if isinstance(holder.type, m.EnumType):
             return self._enumeration(holder.name, holder.type, scope)
-        found = self.read(holder.type, scope)
-        initial = holder.initial
-        if isinstance(found, t.ElementaryType) and isinstance(initial, m.SimpleValue) and initial.text:
-            self._library.type_values[found, holder.name] = initial
-        return found
+        return self.read(holder.type, scope)
 
     def structure(self, name: str, type_: m.StructType, scope: Scope, base: str | None = None) -> t.StructureType:
         """A structure; the initial values of its members are constants."""
@@ -167,7 +167,7 @@ class Initials:
             return
         code = self.source(field.type, value, scope)
         field.initial = code.text
-        field.preset = not (code.constant and code.value == _plain_default(field.type))
+        field.preset = code.text != self.default(field.type)
         if code.constant:
             field.value = code.value if field.direction is Direction.CONSTANT else None
         elif isinstance(field.type, t.ElementaryType):
@@ -175,6 +175,8 @@ class Initials:
 
     def default(self, type_: t.Type) -> str:
         """The value of a variable whose declaration gives none."""
+        if type_.start:
+            return type_.start
         if isinstance(type_, t.ElementaryType):
             return repr(t.default(type_))
         if isinstance(type_, t.StructureType):
@@ -261,7 +263,3 @@ class Initials:
                 writer.write(f"v[{field.slot}] = {field.initial}")
         writer.write(f"return Frame({self._library.linker.name(layout, 'l')}, v)")
         self._library.maker(layout, writer)
-
-
-def _plain_default(type_: t.Type) -> object:
-    return t.default(type_) if isinstance(type_, t.ElementaryType) else None

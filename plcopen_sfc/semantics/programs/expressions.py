@@ -187,7 +187,7 @@ class Translator:
             return Unknown(f"{base.path}.{name.identifier}")
         if isinstance(base, Space):
             found = base.level.named(name.identifier)
-            return self.library.meaning(found[0], self.scope) if found else Unknown(f"{base.path}.{name.identifier}")
+            return self.library.meaning(found[0]) if found else Unknown(f"{base.path}.{name.identifier}")
         if isinstance(base, t.ElementaryType) and base.names:
             value = base.names.get(name.identifier.casefold())
             if value is None:

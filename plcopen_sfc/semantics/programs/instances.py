@@ -53,7 +53,7 @@ class Instance:
         self._cells: dict[str, _Cell] = {}
         self._run = unit.run
         self._free: list[tuple[list[Any], int, Any]] = []
-        self._free_slots: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
+        self._left_out: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
         self._known = -1
         self._find_free()
 
@@ -105,7 +105,7 @@ class Instance:
     def _find_free(self) -> None:
         """The cells of free inputs; more may have become known, or some written."""
         library = self._library
-        if library.read_input is None or self._known == library.version:
+        if self._known == library.version:
             return
         self._known = library.version
         for known, slot, value in self._free:
@@ -113,7 +113,7 @@ class Instance:
                 known[slot] = value
         self._free = []
         own: set[int] = set()
-        outer: set[int] = set()
+        outer = {slot for slot, value in enumerate(library.frame.v) if value is self.frame}  # it is stored on its own
         prefix = f"{library.linker.name(self.unit.layout)}."
         for key, (_, field) in library.inputs.items():
             if not library.is_free(key):
@@ -135,7 +135,7 @@ class Instance:
             self._free.append(
                 (cells, index, t.default(field.type) if isinstance(field.type, t.ElementaryType) else value)
             )
-        self._free_slots = (frozenset(own), frozenset(outer))
+        self._left_out = (frozenset(own), frozenset(outer))
 
     # -- variables
 
@@ -281,18 +281,12 @@ class Instance:
         """
         self._find_free()
         keeper, now = self.controller.keeper, self._processor.now
-        own, outer = self._free_slots
-        stored = keeper.store(self._library.frame, now, limit, outer)
-        if self.unit.is_program:
-            return stored
-        return (stored, keeper.store(self.frame, now, limit, own))
+        own, outer = self._left_out
+        return keeper.store(self._library.frame, now, limit, outer), keeper.store(self.frame, now, limit, own)
 
     def restore(self, snapshot: Any) -> None:
         """Put back what `snapshot` gave; times go on from `controller.now`."""
         keeper, now = self.controller.keeper, self._processor.now
-        own, outer = self._free_slots
-        if self.unit.is_program:
-            keeper.load(self._library.frame, snapshot, now, outer)
-            return
+        own, outer = self._left_out
         keeper.load(self._library.frame, snapshot[0], now, outer)
         keeper.load(self.frame, snapshot[1], now, own)

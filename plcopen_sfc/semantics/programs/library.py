@@ -13,6 +13,7 @@ from plcopen_sfc.model import types as m
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Tag
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.addresses import Image
@@ -54,11 +55,14 @@ class Library:
     def __init__(
         self,
         project: Project,
+        profile: Profile,
         functions: Mapping[str, Callable[..., Any]],
         chart_compiler: ChartCompiler | None,
         read_input: Callable[[str], Any] | None,
     ) -> None:
         self.project = project
+        self.profile = profile
+        """For charts: how they are executed. The controller sets it."""
         self.dialect = project.dialect
         self.is_codesys = self.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
         self.functions = {name.casefold(): function for name, function in functions.items()}
@@ -78,7 +82,6 @@ class Library:
         self.undeclared: dict[str, t.Type] = {}
         self.missing: dict[str, str] = {}
         self.problems: list[SimulationError] = []
-        self.type_values: dict[tuple[t.Type, str], m.Value] = {}
         self.written: set[str] = set()
         self.inputs: dict[str, tuple[str, Field]] = {}
         self.version = 0
@@ -181,14 +184,14 @@ class Library:
 
     # -- global names
 
-    def meaning(self, declaration: Declaration, scope: Scope) -> Any:
+    def meaning(self, declaration: Declaration) -> Any:
         """What a global declaration is: a `Place`, a `Code`, a `Space`, a `Unit` or a type."""
         holder: Any = declaration.holder
         kind = declaration.kind
         if kind is Kind.POU:
             return self.unit(holder)
         if kind is Kind.DATA_TYPE:
-            return self.types.of_declaration(declaration, scope)
+            return self.types.of_declaration(declaration)
         if kind is Kind.ENUM_VALUE:
             return self._enumeration_value(declaration)
         if kind is Kind.GLOBAL_LIST:
@@ -292,7 +295,7 @@ class Library:
                 if isinstance(holder.type, m.EnumType):
                     self._know(
                         holder.type,
-                        self.types.of_declaration(Declaration(Kind.DATA_TYPE, holder.name, (holder,)), self.scope),
+                        self.types.of_declaration(Declaration(Kind.DATA_TYPE, holder.name, (holder,))),
                     )
         code = self._values.get(id(declaration.holder))
         if code is None:
@@ -312,6 +315,6 @@ class Library:
             found = self._fields[id(unit)] = self.add(unit.pou.name, t.StructureType(unit.pou.name, unit.layout), None)
         return found
 
-    def scope_of_type(self, holder: m.DataTypeDeclaration) -> Scope | None:
+    def scope_of_type(self, holder: m.DataTypeDeclaration) -> Scope:
         """The scope in which a data type is declared."""
         return Scope(self, holder.name, self.globals, place=holder.place) if holder.place else self.scope

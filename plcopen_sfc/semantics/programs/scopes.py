@@ -113,14 +113,17 @@ class Scope:
     def close(self) -> None:
         """No more slots: frames of other types may count them."""
         if self.is_open:
-            self._late = Layout(f"helpers of {self.path}")
+            self._late = Layout(self.path)
             self._late_slot = self.declare("(helpers)", t.StructureType("helpers", self._late), hidden=True)
             self.is_open = False
 
     def finish(self) -> None:
         """Nothing more will be translated: write what makes new frames."""
-        if self._late is not None:
+        if self._late is not None and self._late.fields:
             self.library.initials.link(self._late)
+        elif self._late is not None:
+            unused = self.layout.fields[self._late_slot]
+            unused.type, unused.initial = t.OpaqueType("nothing"), "None"
         self.library.initials.link(self.layout)
 
     # -- names
@@ -180,7 +183,7 @@ class Scope:
                 paths = ", ".join(d.path for d in chosen)
                 raise SimulationError(f"{name} can be several things: {paths}")
             chosen = near
-        return self.library.meaning(chosen[0], self)
+        return self.library.meaning(chosen[0])
 
     # -- translating
 

@@ -36,9 +36,13 @@ class Family(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Type:
-    """Base of all types. `name` is as a person would write it."""
+    """Base of all types. `name` is as a person would write it.
+
+    `start` is Python source of the value that variables have whose declaration gives none, "" for the usual one.
+    """
 
     name: str
+    start: str = field(default="", compare=False, kw_only=True)
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,9 +30,7 @@ def start(
     max_steps: int = 10_000,
 ) -> Instance:
     """An instance of a POU of a source in which everything can be translated."""
-    controller = Controller(
-        project_of(text, dialect), functions=functions, read_input=read_input, max_steps=max_steps
-    )
+    controller = Controller(project_of(text, dialect), functions=functions, read_input=read_input, max_steps=max_steps)
     instance = controller.instance(pou)
     assert not controller.problems, [str(problem) for problem in controller.problems]
     return instance

@@ -191,7 +191,9 @@ def test_times_wrap_at_32_bits_in_codesys_and_s7() -> None:
     declared = "a : TIME := T#1ms; b : TIME;"
     assert main(declared, "b := a - T#2ms;")["b"] == -1_000_000
     assert main(declared, "b := a - T#2ms;", Dialect.CODESYS)["b"] == 0xFFFF_FFFF * 1_000_000
-    assert main("a : TIME := T#24d20h31m23s647ms; b : TIME;", "b := a + T#1ms;", Dialect.SCL)["b"] == -(2**31) * 1_000_000
+    assert (
+        main("a : TIME := T#24d20h31m23s647ms; b : TIME;", "b := a + T#1ms;", Dialect.SCL)["b"] == -(2**31) * 1_000_000
+    )
 
 
 def test_times_are_scaled_by_numbers() -> None:

@@ -122,8 +122,10 @@ def test_timers_without_a_time_act_at_once() -> None:
 
 def test_the_timers_of_s7() -> None:
     text = (
-        "PROGRAM Main\nVAR_INPUT x, r : BOOL; END_VAR\nVAR a : TON_TIME; b : IEC_TIMER; c : TONR_TIME; q : BOOL; END_VAR\n"
-        "a(IN := x, PT := T#100ms); b.TOF(IN := x, PT := T#50ms, Q => q); c(IN := x, R := r, PT := T#150ms);\nEND_PROGRAM"
+        "PROGRAM Main\nVAR_INPUT x, r : BOOL; END_VAR\n"
+        "VAR a : TON_TIME; b : IEC_TIMER; c : TONR_TIME; q : BOOL; END_VAR\n"
+        "a(IN := x, PT := T#100ms); b.TOF(IN := x, PT := T#50ms, Q => q);\n"
+        "c(IN := x, R := r, PT := T#150ms);\nEND_PROGRAM"
     )
     instance = start(text, Dialect.SCL)
     instance["x"] = True
@@ -201,7 +203,8 @@ def test_counters() -> None:
 
 def test_counters_stop_at_the_end_of_their_type() -> None:
     instance = start(
-        "PROGRAM Main\nVAR_INPUT u : BOOL; END_VAR\nVAR a : CTU_SINT; END_VAR\na(CU := u, R := FALSE, PV := 5);\nEND_PROGRAM",
+        "PROGRAM Main\nVAR_INPUT u : BOOL; END_VAR\nVAR a : CTU_SINT; END_VAR\n"
+        "a(CU := u, R := FALSE, PV := 5);\nEND_PROGRAM",
         Dialect.SCL,
     )
     for scan in range(300):

@@ -1,0 +1,237 @@
+"""Calls between POUs: functions, function blocks, methods, actions, programs."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcopen_sfc.errors import SimulationError, UnknownFunctionError
+from plcopen_sfc.languages.declarations import read_declarations, read_interface
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.model import Action, Method, Project, StBody
+from plcopen_sfc.semantics.programs import Controller, Instance
+from tests.semantics.programs.running import main, project_of, start
+
+DIVIDE = """
+FUNCTION Split : INT
+VAR_INPUT a : INT; b : INT := 10; END_VAR
+VAR_OUTPUT rest : INT; END_VAR
+VAR_IN_OUT calls : DINT; END_VAR
+VAR n : INT; END_VAR
+n := n + 1; calls := calls + n; rest := a MOD b; Split := a / b;
+END_FUNCTION
+"""
+
+
+def test_functions() -> None:
+    instance = main(
+        "q, r, s : INT; c : DINT; xs : ARRAY[1..2] OF DINT; i : INT := 2;",
+        "q := Split(a := 47, b := 5, rest => r, calls := c) + 1; s := Split(35, calls := c); Split(1, 1, xs[i]);",
+        more=DIVIDE,
+    )
+    assert [instance[n] for n in ("q", "r", "s", "c", "xs[2]")] == [10, 2, 3, 2, 1]
+
+
+def test_arguments_are_converted_to_the_type_of_the_parameter() -> None:
+    more = "FUNCTION Half : REAL\nVAR_INPUT x : REAL; END_VAR\nHalf := x / 2.0;\nEND_FUNCTION"
+    assert main("r : REAL; i : INT := 5;", "r := Half(i) + Half(x := 3);", more=more)["r"] == 4.0
+
+
+def test_functions_may_return_structures() -> None:
+    more = """TYPE P : STRUCT x, y : INT; END_STRUCT; END_TYPE
+    FUNCTION Swap : P
+    VAR_INPUT p : P; END_VAR
+    Swap.x := p.y; Swap.y := p.x; p.x := 99;
+    END_FUNCTION"""
+    instance = main("a : P := (x := 1, y := 2); b : P; n : INT;", "b := Swap(a); n := Swap(b).x;", more=more)
+    assert [instance[n] for n in ("a.x", "b.x", "b.y", "n")] == [1, 2, 1, 1]
+
+
+def test_recursion_without_an_end_is_an_error() -> None:
+    more = "FUNCTION F : INT\nVAR_INPUT x : INT; END_VAR\nF := F(x + 1);\nEND_FUNCTION"
+    with pytest.raises(SimulationError, match="recursion") as caught:
+        main("x : INT;", "x := F(1);", more=more)
+    assert caught.value.pou == "F"
+
+
+def test_recursion_with_an_end_is_fine() -> None:
+    more = (
+        "FUNCTION F : DINT\nVAR_INPUT x : DINT; END_VAR\n"
+        "IF x < 2 THEN F := 1; ELSE F := x * F(x - 1); END_IF\nEND_FUNCTION"
+    )
+    assert main("x : DINT;", "x := F(10);", more=more)["x"] == 3628800
+
+
+BLOCK = """
+FUNCTION_BLOCK Adder
+VAR_INPUT step : INT := 1; END_VAR
+VAR_OUTPUT sum : INT; END_VAR
+VAR_IN_OUT shared : INT; END_VAR
+VAR t : TON; END_VAR
+sum := sum + step; shared := shared + step;
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK Outer
+VAR a, b : Adder; all : INT; END_VAR
+a(shared := all); b(step := 10, shared := all);
+END_FUNCTION_BLOCK
+"""
+
+
+def test_function_blocks_keep_their_state_and_may_be_nested() -> None:
+    instance = main("o, p : Outer; q : INT;", "o(); p(); o(); q := o.b.sum;", more=BLOCK)
+    assert [instance[n] for n in ("o.a.sum", "o.b.sum", "o.all", "p.all", "q")] == [2, 20, 22, 11, 20]
+
+
+def test_an_input_that_is_not_given_keeps_its_value() -> None:
+    instance = main("a : Adder; n : INT;", "a(step := 5, shared := n); a(shared := n);", more=BLOCK)
+    assert instance["a.sum"] == 10
+
+
+def test_arrays_of_function_blocks() -> None:
+    instance = main(
+        "a : ARRAY[1..3] OF Adder; i, n : INT;", "FOR i := 1 TO 3 DO a[i](step := i, shared := n); END_FOR", more=BLOCK
+    )
+    assert [instance[f"a[{i}].sum"] for i in (1, 2, 3)] == [1, 2, 3]
+
+
+def test_structures_and_arrays_are_passed_by_reference_to_in_outs() -> None:
+    more = """TYPE P : STRUCT x : INT; END_STRUCT; END_TYPE
+    FUNCTION_BLOCK Set
+    VAR_IN_OUT p : P; a : ARRAY[1..2] OF INT; n : INT; END_VAR
+    p.x := 5; a[2] := 6; n := 7;
+    END_FUNCTION_BLOCK"""
+    instance = main("s : Set; q : P; b : ARRAY[1..2] OF INT;", "s(p := q, a := b, n := b[1]);", more=more)
+    assert (instance["q.x"], instance["b[1]"], instance["b[2]"]) == (5, 7, 6)
+
+
+def test_in_outs_without_a_variable_are_errors() -> None:
+    with pytest.raises(SimulationError, match="VAR_IN_OUT that leads to nothing"):
+        main("a : Adder;", "a(step := 1);", more=BLOCK)
+
+
+def test_outputs_and_enable() -> None:
+    instance = main(
+        "t : TON; on : BOOL; q, e : BOOL; et : TIME; c : CTU; n : INT;",
+        "t(EN := NOT on, IN := TRUE, PT := T#0s, Q => q, ET => et, ENO => e); c(CU := TRUE, PV := 1, Q => q, CV => n);",
+    )
+    assert (instance["e"], instance["t.Q"], instance["q"], instance["n"]) == (True, True, True, 1)
+
+
+def test_programs_call_each_other() -> None:
+    text = """PROGRAM Sub
+    VAR_INPUT x : INT; END_VAR VAR n : INT; END_VAR
+    n := n + x;
+    END_PROGRAM
+    PROGRAM Main
+    VAR m : INT; END_VAR
+    Sub(x := 3); m := Sub.n;
+    END_PROGRAM"""
+    instance = start(text)
+    instance.scan()
+    instance.scan()
+    assert (instance["m"], instance["Sub.n"]) == (6, 6)
+
+
+def with_actions() -> Project:
+    project = project_of(
+        """FUNCTION_BLOCK Base
+        VAR n : INT; END_VAR
+        n := n + 1; Fill(); Fill;
+        END_FUNCTION_BLOCK
+        PROGRAM Main
+        VAR b : Base; d : Derived; x : INT; END_VAR
+        b(); b.Fill(); x := b.Twice(value := 4); d(); x := x + d.Twice(1);
+        END_PROGRAM
+        FUNCTION_BLOCK Derived
+        VAR m : INT; END_VAR
+        m := m + 1;
+        END_FUNCTION_BLOCK""",
+        Dialect.CODESYS,
+    )
+    base, derived = project.pou("Base"), project.pou("Derived")
+    base.actions.append(Action(name="Fill", body=StBody(text="n := n + 10;")))
+    head = "METHOD Twice : INT\nVAR_INPUT value : INT; END_VAR\nVAR local : INT; END_VAR"
+    interface = read_interface(read_declarations(head, Dialect.CODESYS))
+    base.methods.append(
+        Method(
+            name="Twice",
+            interface=interface,
+            body=StBody(text="local := local + 1; n := n + local; Twice := value * 2;"),
+        )
+    )
+    assert derived.interface is not None
+    derived.interface.declaration = "FUNCTION_BLOCK Derived EXTENDS Base\nVAR m : INT; END_VAR"
+    derived.bodies = [StBody(text="SUPER^(); THIS^.Fill(); m := m + n;")]
+    return project
+
+
+def test_actions_methods_and_inheritance() -> None:
+    controller = Controller(with_actions())
+    instance = controller.instance("Main")
+    assert not controller.problems
+    instance.scan()
+    assert [instance[n] for n in ("b.n", "x", "d.n", "d.m")] == [1 + 20 + 10 + 1, 8 + 2, 32, 31]
+
+
+def test_what_is_not_known_is_an_error_where_it_is_reached() -> None:
+    controller = Controller(
+        project_of("PROGRAM Main\nVAR x, y : INT; END_VAR\n\nIF x > 0 THEN\ny := Magic(x);\nEND_IF\nEND_PROGRAM")
+    )
+    instance = controller.instance("Main")
+    assert controller.missing == ("Magic",)
+    instance.scan()
+    instance["x"] = 1
+    with pytest.raises(UnknownFunctionError, match="Magic is not known to the simulator") as caught:
+        instance.scan()
+    assert (caught.value.name, caught.value.scan, caught.value.pou, caught.value.location.line) == (
+        "Magic",
+        2,
+        "Main",
+        2,
+    )
+    assert "supply it" in str(caught.value)
+
+
+def test_functions_can_be_supplied() -> None:
+    def magic(a: int, *, factor: int = 1) -> int:
+        return a * factor
+
+    instance = main(
+        "x : INT := 5; y, z : INT; b : BOOL;",
+        "y := Magic(x) + 1; z := MAGIC(x, factor := 10000); b := Magic(3) > 2;",
+        functions={"magic": magic},
+    )
+    assert (instance["y"], instance["z"], instance["b"]) == (6, 50000 - 65536, True)
+
+
+def test_a_supplied_value_of_another_type_is_an_error() -> None:
+    with pytest.raises(SimulationError, match="'no' is no INT"):
+        main("x : INT;", "x := Magic();", functions={"Magic": lambda: "no"})
+
+
+def test_function_blocks_that_nobody_knows() -> None:
+    controller = Controller(project_of("PROGRAM Main\nVAR a : Axis; x : BOOL; END_VAR\nx := a.Done;\nEND_PROGRAM"))
+    instance = controller.instance("Main")
+    instance["Main.a.Done"] = True
+    instance.scan()
+    assert instance["x"] is True
+    assert controller.missing == ("Axis",)
+    controller = Controller(project_of("PROGRAM Main\nVAR a : Axis; END_VAR\na(Enable := TRUE);\nEND_PROGRAM"))
+    with pytest.raises(UnknownFunctionError, match="Axis is not known"):
+        controller.instance("Main").scan()
+
+
+def test_an_instance_that_contains_itself_is_an_error() -> None:
+    block = "FUNCTION_BLOCK {0}\nVAR x : {1}; END_VAR\nEND_FUNCTION_BLOCK\n"
+    text = block.format("A", "B") + block.format("B", "A")
+    with pytest.raises(SimulationError, match="contains itself"):
+        Controller(project_of(text)).instance("A")
+
+
+def test_functions_are_instances_too() -> None:
+    instance: Instance = start(
+        DIVIDE.replace("VAR_IN_OUT calls : DINT; END_VAR", "VAR calls : DINT; END_VAR"), pou="Split"
+    )
+    instance["a"] = 47
+    instance.scan()
+    instance.scan()
+    assert (instance["Split"], instance["rest"], instance["calls"]) == (4, 7, 1)
