@@ -53,13 +53,11 @@ class ActionControl(StrEnum):
     """Who decides whether an action is executed.
 
     PER_ACTION: one control for each action, its inputs are the OR over all its associations (IEC). PER_STEP: every
-    association acts on its own by the elapsed time and the edges of its step, and the results are ORed (matiec). COIL:
-    an association writes its operand: N a coil, S and R set and reset it (GRAPH).
+    association acts on its own by the elapsed time and the edges of its step, and the results are ORed (matiec).
     """
 
     PER_ACTION = "per_action"
     PER_STEP = "per_step"
-    COIL = "coil"
 
 
 class BooleanTargets(StrEnum):
@@ -187,7 +185,7 @@ class Profile:
     chart first uses them. CODESYS, "Processing order" step 5."""
 
     action_control: ActionControl = ActionControl.PER_ACTION
-    """Who decides whether an action is executed. IEC 6.7.4.6; matiec; GRAPH: the operand of an action is a coil."""
+    """Who decides whether an action is executed. IEC 6.7.4.6; matiec."""
 
     reset_cancels_delays: bool = True
     """Whether R also ends the pending times of SD, DS and SL (IEC 6.7.4.6: R1 of their flip-flops). In matiec it
@@ -198,8 +196,8 @@ class Profile:
     value is switched when the "action" is executed. matiec: assigned in every scan."""
 
     qualifiers: frozenset[Qualifier] = _IEC_QUALIFIERS
-    """The qualifiers that exist. Any other is an `UnknownBehaviourError` when the chart is prepared, as nobody can tell
-    what it does: TC6 lists DL, which no standard defines. matiec generates no compilable code for P0, P1 and DS, and SL
+    """The qualifiers that exist. Any other is an `UnknownBehaviourError` of the first scan, as nobody can tell what it
+    does: TC6 lists DL, which no standard defines. matiec generates no compilable code for P0, P1 and DS, and SL
     never starts its action."""
 
     minimum_times: bool = False
@@ -210,8 +208,9 @@ class Profile:
 
     step_actions: bool = True
     """Whether entry, main and exit actions of steps are executed: entry and exit once, the exit action in the scan
-    after the transition was cleared (CODESYS, "Processing order" steps 2 to 4). Only CODESYS has them; the others
-    execute them at the activation, during and at the deactivation, so that a chart of CODESYS keeps its meaning."""
+    after the transition was cleared (CODESYS, "Processing order" steps 2 to 4). Only CODESYS has them; where
+    transitions come first they are executed in the scan of the change, so that a chart of CODESYS keeps its meaning. A
+    profile without them refuses them with an `UnknownBehaviourError`."""
 
     flags: frozenset[SfcFlag] = frozenset()
     """The SFC flags that a chart obeys or sets where they are in use (its settings say so, or declared). CODESYS."""
@@ -230,12 +229,29 @@ class Profile:
     """The variables that programs see of a step. IEC 6.7.2; CODESYS "Implicit variables"; GRAPH "Step data"."""
 
     graph_parameters: bool = False
-    """Whether INIT_SQ, OFF_SQ, ACK_EF, S_SEL, S_ON, S_OFF, T_PUSH and the operating modes act on the chart. GRAPH."""
+    """Whether charts are sequencers of GRAPH: INIT_SQ, OFF_SQ, ACK_EF, S_SEL, S_ON, S_OFF, T_PUSH and the operating
+    modes act on them, actions depend on events and interlocks, supervisions hold steps, and the operand of an action
+    is a coil. The choices above on final scan, order of actions, action control and flags do not concern them."""
 
     grafcet_terms: bool = False
     """Whether conditions may have the edges and times of 60848, 4.6: ``↑a``, ``3s/X5``. In program text ``a/3s`` could
     be a division. The kinds of actions, forcing orders and enclosing steps of 60848 are known to every profile that
     tests transitions first, for they cannot be mistaken for anything else."""
+
+    def __post_init__(self) -> None:
+        """Refuse choices that contradict each other. Raises `ModelError`."""
+        if self.max_evolutions < 1:
+            raise ModelError("a scan has at least one evolution: max_evolutions must be positive")
+        if self.evolution is Evolution.UNTIL_STABLE and self.order is ScanOrder.ACTIONS_FIRST:
+            raise ModelError("a search for stability ends before the actions: transitions must come first")
+        if self.graph_parameters and (
+            self.evolution is not Evolution.SINGLE
+            or self.order is not ScanOrder.TRANSITIONS_FIRST
+            or not self.initial_situation_held
+        ):
+            raise ModelError(
+                "a sequencer of S7-GRAPH makes one evolution, before the actions, and none in the cycle of its start"
+            )
 
 
 _CODESYS = Profile(
@@ -266,8 +282,8 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
             name="s7graph",
             initial_situation_held=True,
             final_scan=False,
-            action_control=ActionControl.COIL,
             qualifiers=_GRAPH_QUALIFIERS,
+            step_actions=False,
             step_variables=StepVariables.GRAPH,
             graph_parameters=True,
         ),

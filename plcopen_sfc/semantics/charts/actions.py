@@ -21,7 +21,7 @@ from plcopen_sfc.semantics.charts.control import (
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run, Write
 from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import ELEMENTARY, LINT, ElementaryType, default
+from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, default
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
@@ -91,6 +91,8 @@ class Actions:
         drafts = _gather(owned)
         if profile.alphabetic_actions:
             drafts.sort(key=lambda draft: draft.name.casefold())
+        self.starts: list[int] = []
+        """The slots of running timers."""
         self._actions = tuple(self._action(index, draft) for index, draft in enumerate(drafts))
 
     def _action(self, index: int, draft: _Draft) -> Action:
@@ -101,6 +103,8 @@ class Actions:
         def reserve(name: str, type_: ElementaryType) -> int:
             slot = self._scope.declare(f"{self._path}: {draft.name}.{index}.{name}", type_, hidden=True)
             memory.append((slot, default(type_)))
+            if type_ is INSTANT:
+                self.starts.append(slot)
             return slot
 
         control = _control(associations, reserve, self._profile)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
@@ -13,12 +13,12 @@ from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
 from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice
 from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
-from plcopen_sfc.semantics.charts.step_actions import StepActions
+from plcopen_sfc.semantics.charts.step_actions import StepActions, check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.layouts import Frame
-from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, LINT
+from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
@@ -47,12 +47,14 @@ class ChartProgram:
         self._situation = scope.declare(f"{path}: situation", LINT, hidden=True)
         self._shown = scope.declare(f"{path}: situation shown", LINT, hidden=True)
         self._started = scope.declare(f"{path}: started", BOOL, hidden=True)
+        self._paused = scope.declare(f"{path}: paused", INSTANT, hidden=True)
         self._steps = Steps(self.net, scope, path, profile)
         self._owned = self._associations()
         self._grafcet: Grafcet | None = None
         self._refused: UnknownBehaviourError | None = None
         try:
             check_associations(self._owned, profile, path)
+            check_step_actions(self.net, profile, path)
             if has_grafcet(self.net, self._owned, profile):
                 self._grafcet = Grafcet(self.net, self._owned, scope, path, profile)
         except UnknownBehaviourError as error:
@@ -80,6 +82,14 @@ class ChartProgram:
             owners.append((Owner(macro.path, macro.steps, since, macro.step.negated), macro.step.actions))
         return [(owner, model) for owner, models in owners for model in models if not model.exclude]
 
+    def forgetting(self, anywhere: Container[str], timed: Container[str]) -> Callable[[Frame, int], None]:
+        """A function that sets back times of steps that nobody will see, so that fewer states are different.
+
+        `timed` are the steps whose time anything depends on (names in lower case), `anywhere` those of them whose time
+        is read elsewhere than in the conditions behind them, and so also when they are not active.
+        """
+        return self._steps.forgetting(anywhere, timed)
+
     # -- preparing
 
     def translate(self) -> None:
@@ -90,8 +100,7 @@ class ChartProgram:
         if self._grafcet is not None:
             self._grafcet.translate()
         self._flags.translate()
-        if self._profile.step_actions:
-            self._step_actions.translate(self._scope, self.path)
+        self._step_actions.translate(self._scope, self.path)
         if self._chart.logic:
             self._logic = self._scope.chart_logic(self._chart, self.path)
         self._moves = tuple(self._move(transition) for transition in self.net.transitions)
@@ -293,6 +302,8 @@ class ChartProgram:
         """Do what the flags want. False: nothing else happens in this scan."""
         v = frame.v
         order, new = self._flags.order(frame)
+        if self._profile.pause_stops_time:
+            self._stop_time(frame, now, stopped=order is Order.STOP)
         if order is Order.STOP:
             return False
         if order is Order.RUN:
@@ -310,6 +321,19 @@ class ChartProgram:
             self._steps.restart(frame, self.net.initial, now)
             return False
         return True
+
+    def _stop_time(self, frame: Frame, now: int, *, stopped: bool) -> None:
+        """Let the time between the first scan that stands still and the one that goes on not count."""
+        v = frame.v
+        if stopped:
+            if v[self._paused] is None:
+                v[self._paused] = now
+        elif v[self._paused] is not None:
+            passed = now - v[self._paused]
+            v[self._paused] = None
+            for slot in {*self._steps.starts, *self._actions.starts}:
+                if v[slot] is not None:
+                    v[slot] += passed
 
     def _unstable(self, situation: int) -> UnstableChartError:
         return UnstableChartError(

@@ -4,13 +4,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.semantics.charts.plans import Run
 from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
     from plcopen_sfc.model import Body
     from plcopen_sfc.semantics.programs import Scope
+
+
+def check_step_actions(net: Net, profile: Profile, path: str) -> None:
+    """Refuse step actions where the profile has none. Raises `UnknownBehaviourError`."""
+    if profile.step_actions:
+        return
+    for step in net.steps:
+        if step.step.entry_action or step.step.main_action or step.step.exit_action:
+            raise UnknownBehaviourError(
+                f"step {step.path} has entry, main or exit actions, which the profile {profile.name} does not have",
+                location=Location(path=f"{path} / {step.path}"),
+            )
 
 
 class StepActions:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -119,9 +119,33 @@ class Steps:
                 if active:
                     values[T] = now - v[name.since]
 
+    @property
+    def starts(self) -> tuple[int, ...]:
+        """All slots with the start of something."""
+        return (*self.since, *(name.since for name in self.names))
+
     def timed(self, situation: int) -> tuple[tuple[int, int], ...]:
         """Where the times of active steps are, and where their starts."""
         return tuple((n.slot, n.since) for n in self.names if situation & n.steps and not n.flag)
+
+    def forgetting(self, anywhere: Container[str], timed: Container[str]) -> Callable[[Frame, int], None]:
+        """See `ChartProgram.forgetting`."""
+        seen = [n for n in self.names if not n.flag]
+        timeless = tuple((n.slot, n.since) for n in seen if n.name.casefold() not in timed)
+        own = tuple(n.slot for n in seen if n.name.casefold() in timed and n.name.casefold() not in anywhere)
+
+        def forget(frame: Frame, now: int) -> None:
+            v = frame.v
+            for slot, since in timeless:
+                v[slot].v[T] = 0
+                if v[since] is not None:
+                    v[since] = now
+            for slot in own:
+                values = v[slot].v
+                if not values[X]:
+                    values[T] = 0
+
+        return forget
 
     def restart(self, frame: Frame, situation: int, now: int) -> None:
         """Let the times of all active steps begin anew."""

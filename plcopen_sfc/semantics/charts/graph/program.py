@@ -18,6 +18,7 @@ from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepCondition
 from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.moves import Move, choice
 from plcopen_sfc.semantics.charts.plans import Run
+from plcopen_sfc.semantics.charts.step_actions import check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
@@ -82,6 +83,7 @@ class GraphProgram:
             if self.net.macros or self.net.hierarchy:
                 raise UnknownBehaviourError("S7-GRAPH has no macro-steps, enclosing steps and forcing orders")
             check_associations(owned, profile, path)
+            check_step_actions(self.net, profile, path)
             self._actions = GraphActions(self.net, owned, scope, path)
         except UnknownBehaviourError as error:
             self._refused = error
@@ -117,6 +119,8 @@ class GraphProgram:
             for t in self.net.transitions
         )
         self._pre = self._bodies([(p.body, "before") for p in self._chart.permanent_pre])
+        if self._chart.logic:
+            self._pre += (self._scope.chart_logic(self._chart, self.path),)
         self._post = self._bodies([(p.body, "after") for p in self._chart.permanent_post])
         self._limits = tuple(
             (self._slots[s.index], slot, self._scope.expression(text, f"{self.path} / {s.path}", ELEMENTARY["TIME"]))
