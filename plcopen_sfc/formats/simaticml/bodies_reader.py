@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.simaticml.graph_reader import read_graph
-from plcopen_sfc.formats.simaticml.networks import read_network
+from plcopen_sfc.formats.simaticml.networks import read_network, report_network
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
@@ -115,8 +115,8 @@ def _body(ctx: ReadContext, name: str, parts: list[etree._Element], own: Fields,
     if plain in ("LAD", "FBD") and kind in ([], ["FlgNet"]):
         try:
             network = read_network(ctx, parts[0]) if parts else {"nodes": []}
-        except NotUnderstoodError:
-            pass
+        except NotUnderstoodError as error:
+            report_network(ctx, error, parts[0])
         else:
             return {"language": LANGUAGES[plain], "networks": [_merged(network, own)], **marks}
     elif name == "SCL" and kind in ([], ["StructuredText"]):
@@ -142,14 +142,15 @@ def _merged(fields: Fields, own: Fields) -> Fields:
 
 
 def _chart(ctx: ReadContext, element: etree._Element, own: Fields, late: Fields) -> SfcBody:
-    place = list(ctx.place)
+    place, types = list(ctx.place), ctx.types
 
     def read() -> SfcNetwork:
         outer, ctx.place = ctx.place, place
+        others, ctx.types = ctx.types, types
         try:
             return read_model(ctx, element, SfcNetwork, lambda ctx, element: read_graph(ctx, element, late))
         finally:
-            ctx.place = outer
+            ctx.place, ctx.types = outer, others
 
     return SfcBody.deferred(own, read)
 

@@ -65,6 +65,7 @@ class _ChartReader:
         self.chart["permanent_post"] = []
         self.topology = TopologyReader(ctx, self.new_id)
         self._connections: list[tuple[Fields, etree._Element]] = []
+        self._named: list[tuple[str, str, etree._Element]] = []
 
     def new_id(self) -> int:
         """The next id."""
@@ -87,12 +88,26 @@ class _ChartReader:
                 categories = _categories(chart, child)
             else:
                 carry_element(chart, child)
+        _keep_attributes(chart, element)
         self._structure()
+        self._check_names()
         read_comments(self.ctx, element, chart)
         settings = dict(late.get("graph_settings", {}))
         if [tuple(category.values()) for category in categories] not in USUAL_CATEGORIES:
             settings["alarm_categories"] = categories
         return {**chart, **late, "graph_settings": settings or None}
+
+    def _check_names(self) -> None:
+        """Steps and transitions are members of the block: no two members have the same name."""
+        taken: dict[str, str] = {}
+        for kind, name, element in self._named:
+            key = name.casefold()
+            type_name = self.ctx.types.get(f"#{key}")
+            if key in taken:
+                self.ctx.error("SFC109", f"a {taken[key]} has the name {name!r} of a {kind} already", element)
+            elif type_name is not None and not type_name.startswith(_OWN_TYPES):
+                self.ctx.error("SFC114", f"a variable of the block has the name {name!r} of a {kind} too", element)
+            taken.setdefault(key, kind)
 
     def _structure(self) -> None:
         """Read what connects steps and transitions, when all of them are known."""
@@ -116,11 +131,13 @@ class _ChartReader:
     def _operations(self, element: etree._Element) -> list[Fields]:
         found: list[Fields] = []
         shell = _shell(element)
+        _keep_attributes(self.chart, element)
         for child in children(element):
             if local(child) != "PermanentOperation":
                 shell.append(copy.deepcopy(child))
                 continue
             fields: Fields = {"body": read_flgnet_body(self.ctx, child)}
+            _keep_attributes(fields, child, "ProgrammingLanguage")
             for part in children(child):
                 if not _text(fields, part, "Title", "title") and not _is_network(child, part):
                     carry_element(fields, part)
@@ -133,8 +150,11 @@ class _ChartReader:
         sequence: Fields = {"steps": []}
         self.chart["sequences"].append(sequence)
         self.topology.added |= added_in(element)
+        _keep_attributes(sequence, element)
         for child in children(element):
             kind = local(child)
+            if kind in _LISTS:
+                _keep_attributes(sequence, child)
             if kind == "Steps":
                 for step in children(child):
                     if not self._is_added("S", step):
@@ -168,6 +188,7 @@ class _ChartReader:
         number = whole_number(left.pop("Number", None))
         fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number, "actions": []}
         self.ctx.place.append(f"step {fields['name']}")
+        self._named.append(("step", fields["name"], element))
         if left.get("Init", "false") in TRUTHS:
             fields["initial"] = TRUTHS[left.pop("Init", "false")]
         fields["max_time"] = left.pop("MaximumStepTime", None)
@@ -176,6 +197,8 @@ class _ChartReader:
             del left["IsMissing"]
         for child in children(element):
             kind = local(child)
+            if kind in ("Actions", "Supervisions", "Interlocks"):
+                _keep_attributes(fields, child)
             if kind == "Actions":
                 self._actions(fields, child)
             elif kind in ("Supervisions", "Interlocks"):
@@ -216,6 +239,7 @@ class _ChartReader:
                 shell.append(copy.deepcopy(child))
                 continue
             fields: Fields = {"condition": self._condition(child)}
+            _keep_attributes(step, child, "ProgrammingLanguage")
             unknown = [
                 part
                 for part in children(child)
@@ -237,6 +261,10 @@ class _ChartReader:
             if len(nodes) == _EMPTY and "carried" not in body["networks"][0] and nodes[1]["kind"] == "coil":
                 return None
         name = RESULT_OF.get(local(element), "")
+        if "networks" in body and not any(
+            node["kind"] == "coil" and node["variable"] == name for net in body["networks"] for node in net["nodes"]
+        ):
+            self.ctx.error("SFC115", f"the network of a {local(element).lower()} does not end in {name}", element)
         return {"kind": "body", "name": name, "body": body}
 
     def _transition(self, element: etree._Element) -> None:
@@ -245,6 +273,7 @@ class _ChartReader:
         number = whole_number(left.pop("Number", None))
         fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number}
         self.ctx.place.append(f"transition {fields['name']}")
+        self._named.append(("transition", fields["name"], element))
         condition = self._condition(element)
         fields["condition"] = condition if condition is not None else {"kind": "expression", "text": "TRUE"}
         if left.get("IsMissing") == "false":
@@ -267,8 +296,20 @@ class _ChartReader:
 
 RESULT_OF = {"Transition": "TrCoil", "Interlock": "IlCoil", "Supervision": "SvCoil"}
 """The coil in which the network of each of them ends."""
+_OWN_TYPES = ("G7_StepPlus", "G7_TransitionPlus")
+"""How the types of the members begin that TIA Portal declares for steps and transitions."""
 _EMPTY = 2
 """The elements of an empty network of LAD: the power rail and the coil."""
+
+
+_LISTS = ("Steps", "Transitions", "Branches", CONNECTIONS)
+
+
+def _keep_attributes(owner: Fields, element: etree._Element, *known: str) -> None:
+    """Keep the attributes of an element that belongs to an object: ``@Actions@Unknown``."""
+    for name, value in attributes(element).items():
+        if name not in known:
+            carry_attribute(owner, f"@{local(element)}@{name}", value)
 
 
 def _is_network(owner: etree._Element, element: etree._Element) -> bool:
@@ -311,7 +352,10 @@ def _categories(chart: Fields, element: etree._Element) -> list[Fields]:
     """Read ``AlarmsSettings``."""
     found: list[Fields] = []
     shell = _shell(element)
+    _keep_attributes(chart, element)
     for child in children(element):
+        if local(child) == "AlarmSupervisionCategories":
+            _keep_attributes(chart, child)
         entries = children(child) if local(child) == "AlarmSupervisionCategories" else [child]
         for entry in entries:
             fields = _category(entry)

@@ -12,6 +12,7 @@ from plcopen_sfc.formats.simaticml.actions_writer import AS_EVENTS, SAYABLE, wri
 from plcopen_sfc.formats.simaticml.conditions import condition_body
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
+from plcopen_sfc.formats.simaticml.reading import children, local
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, write_link
 from plcopen_sfc.formats.simaticml.topology_reader import ADDED, usual_order
 from plcopen_sfc.formats.simaticml.topology_rules import (
@@ -106,6 +107,8 @@ class _ChartWriter:
         for content in _unknown(chart.carried):
             if not _is_shell(content, *own):
                 add_element(self.ctx, root, content)
+        for name in ("Graph", "PreOperations", "PostOperations", "AlarmsSettings", "AlarmSupervisionCategories"):
+            _set_attributes(root, name, chart.carried)
         native = {"steps", "transitions", "sequences", "permanent_pre", "permanent_post", "drawing", "graph_settings"}
         finish(self.ctx, root, chart, frozenset(native))
 
@@ -118,6 +121,7 @@ class _ChartWriter:
             for content in _unknown(operation.carried):
                 add_element(self.ctx, child, content)
             write_flgnet_body(self.ctx, child, operation.body or LdBody())
+            _set_attributes(child, "PermanentOperation", operation.carried)
             self.ctx.keep("permanent operation")
             finish(self.ctx, child, operation, frozenset({"title", "body"}))
 
@@ -175,6 +179,8 @@ class _ChartWriter:
         else:
             for content in reversed(kept):
                 add_element(ctx, element, content)
+        for name in ("Sequence", "Steps", "Transitions", "Branches", CONNECTIONS):
+            _set_attributes(element, name, sequence.carried)
         finish(ctx, element, sequence, frozenset({"title", "comment", "steps"}))
 
     def _connections(self, sequence: Sequence, transitions: set[int]) -> _Connections | None:
@@ -260,7 +266,8 @@ class _ChartWriter:
             attributes["WarningTime"] = step.warning_time
         element = sub(parent, "Step", attributes)
         for name, value in _attributes(step.carried).items():
-            element.set(name, value)
+            if not name.startswith("@"):
+                element.set(name, value)
         ctx.place.append(f"step {step.name}")
         native = {"id", "name", "number", "initial", "max_time", "warning_time", "actions", "interlock", "supervision"}
         native |= {"title"}
@@ -277,6 +284,8 @@ class _ChartWriter:
         for content in _unknown(step.carried):
             if not _is_shell(content, *own):
                 add_element(ctx, element, content)
+        for name in (*own, "Supervision", "Interlock"):
+            _set_attributes(element, name, step.carried)
         ctx.keep("step")
         finish(ctx, element, step, frozenset(native | {"comment"}))
         ctx.place.pop()
@@ -322,7 +331,7 @@ class _ChartWriter:
     def _condition(self, element: etree._Element, condition: Condition | None, kind: str) -> None:
         name = RESULT_OF[kind]
         body: Body = empty_network(name)
-        if isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition.body):
+        if isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition, name):
             body = condition.body
         elif isinstance(condition, Expression) and not _is_always(condition):
             drawn = condition_body(condition, name)
@@ -389,11 +398,14 @@ def empty_network(result: str) -> LdBody:
     return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), coil])])
 
 
-def _is_flgnet(body: Body) -> bool:
-    """Whether a body stands in the place of a network of GRAPH as it is."""
+def _is_flgnet(condition: BodyCondition, result: str) -> bool:
+    """Whether the body of a condition stands in the place of a network of GRAPH as it is."""
+    body = condition.body
     if isinstance(body, OpaqueBody):
         return body.source == "simaticml"
-    return body.language in ("LD", "FBD") and any(
+    if body.language not in ("LD", "FBD"):
+        return False
+    return condition.name == result or any(
         isinstance(node, Coil) and node.variable in RESULT_OF.values()
         for network in getattr(body, "networks", [])
         for node in network.nodes
@@ -438,6 +450,22 @@ def _unknown(carried: Carried | None) -> list[str]:
 
 def _attributes(carried: Carried | None) -> dict[str, str]:
     return carried.attributes if carried is not None else {}
+
+
+def _set_attributes(element: etree._Element, name: str, carried: Carried | None) -> None:
+    """Write the attributes that were kept of `element` or of an element `name` close below it."""
+    for key, value in _attributes(carried).items():
+        owner, _, mark = key[1:].rpartition("@")
+        if key.startswith("@") and owner == name:
+            found = element if local(element) == name else _below(element, name)
+            if found is not None:
+                found.set(mark, value)
+
+
+def _below(element: etree._Element, name: str) -> etree._Element | None:
+    """The child or grandchild `name`."""
+    inner = [*children(element), *(part for child in children(element) for part in children(child))]
+    return next((child for child in inner if local(child) == name), None)
 
 
 def _is_shell(content: str, *names: str) -> bool:

@@ -6,7 +6,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.hints import operand_hints
 from plcopen_sfc.formats.simaticml.likeness import numbers_like
-from plcopen_sfc.formats.simaticml.networks_reader import read_flgnet
+from plcopen_sfc.formats.simaticml.networks_reader import DamagedError, read_flgnet
 from plcopen_sfc.formats.simaticml.networks_writer import write_flgnet
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
@@ -96,10 +96,19 @@ def read_flgnet_body(ctx: ReadContext, owner: etree._Element) -> Fields:
     if flgnet is not None:
         try:
             fields["networks"].append(read_network(ctx, flgnet))
-        except NotUnderstoodError:
+        except NotUnderstoodError as error:
+            report_network(ctx, error, flgnet)
             fields = opaque(flgnet)
             carry_attribute(fields, "ProgrammingLanguage", language)
     return fields
+
+
+def report_network(ctx: ReadContext, error: NotUnderstoodError, element: etree._Element) -> None:
+    """Say why a network is kept as it is and is no part of the model."""
+    if isinstance(error, DamagedError):
+        ctx.error("XML220", f"the network is damaged, and kept as it is: {error}", element)
+    else:
+        ctx.warn("XML221", f"the network is kept as it is, and not understood: {error}", element)
 
 
 def write_flgnet_body(ctx: WriteContext, owner: etree._Element, body: Body) -> None:

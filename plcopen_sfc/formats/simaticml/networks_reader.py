@@ -31,6 +31,10 @@ from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 _PARAMETER_SECTIONS = {"Input": "inputs", "InOut": "in_outs", "Output": "outputs", "Return": "outputs"}
 
 
+class DamagedError(NotUnderstoodError):
+    """A network contradicts itself: something is named that is not there."""
+
+
 @dataclass
 class _Pin:
     """What stands at a pin: wires into it, an operand, or nothing. `is_output`: a wire starts there."""
@@ -69,7 +73,7 @@ def read_flgnet(element: etree._Element) -> list[Fields]:
         has_rail |= _wire(wire, found)
     rail: list[Fields] = [{"kind": "leftPowerRail", "id": RAIL}] if has_rail else []
     if found.operands or found.targets:
-        raise NotUnderstoodError("an operand at no pin")
+        raise DamagedError("no wire leads to an operand")
     free = max(map(int, found.parts), default=0) + 1
     nodes = [_node(number, part) for number, part in found.parts.items()]
     for place, node in reversed(list(enumerate(nodes))):
@@ -91,18 +95,18 @@ class _Network:
 
     def add(self, element: etree._Element) -> None:
         """Add a child of ``Parts``."""
+        if local(element) not in ("Access", "Part", "Call"):
+            raise NotUnderstoodError(f"an element {local(element)}")
         number = element.get("UId", "")
         known = number in self.operands or number in self.targets or number in self.parts
         if known or not (number.isascii() and number.isdigit()):
-            raise NotUnderstoodError("two elements of one number, or an element without one")
+            raise DamagedError(f"two elements have the number {number!r}, or one has none")
         if local(element) == "Access" and element.get("Scope") == "Label":
             self.targets[number] = _label_name(element)
         elif local(element) == "Access":
             self.operands[number] = read_operand(element)
-        elif local(element) in ("Part", "Call"):
-            self.parts[number] = _Part(element)
         else:
-            raise NotUnderstoodError(f"an element {local(element)}")
+            self.parts[number] = _Part(element)
 
 
 def _label(element: etree._Element) -> Fields:
@@ -138,7 +142,7 @@ def _wire(wire: etree._Element, net: _Network) -> bool:
     parts = net.parts
     ends = [(local(end), end.get("UId", ""), end.get("Name", "")) for end in children(wire)]
     if len(ends) < _TWO or local(wire) != "Wire":
-        raise NotUnderstoodError("a wire with one end")
+        raise DamagedError("a wire has one end only")
     (kind, number, name), sinks = ends[0], ends[1:]
     if kind == "NameCon":
         source = _pin(parts, number, name, is_output=True)
@@ -176,14 +180,14 @@ JUMP_PIN = "label"
 
 def _taken(net: _Network, number: str) -> str:
     if number not in net.operands:
-        raise NotUnderstoodError("an operand that is not there, or is used twice")
+        raise DamagedError(f"a wire leads to the operand {number}, which is not there, or is used twice")
     return net.operands.pop(number)
 
 
 def _pin(parts: dict[str, _Part], number: str, name: str, *, is_output: bool = False) -> _Pin:
     part = parts.get(number)
     if part is None:
-        raise NotUnderstoodError("a wire to nothing")
+        raise DamagedError(f"a wire leads to the element {number}, which is not there")
     pin = part.pins.setdefault(name, _Pin(is_output))
     if pin.is_output != is_output or (is_output and pin.operand is not None):
         raise NotUnderstoodError("a pin that is input and output")

@@ -61,7 +61,7 @@ def read_link(element: etree._Element) -> Link:
 
 def _node(element: etree._Element, side: str) -> Ref | None:
     found = children(element)
-    if len(found) == 1 and local(found[0]) == "EndConnection":
+    if len(found) == 1 and local(found[0]) == "EndConnection" and not found[0].attrib and not len(found[0]):
         return None
     letter = _LETTERS.get(local(found[0]), "") if len(found) == 1 else ""
     number, leg = (found[0].get("Number", ""), found[0].get(side)) if letter else ("", None)

@@ -15,6 +15,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
     ReadContext,
+    carry_attribute,
     children,
     whole_number,
 )
@@ -42,6 +43,8 @@ class Topology:
     blocks: list[Fields] = field(default_factory=list)
 
 
+CARDINALITY = "Cardinality"
+"""Carried attribute of a branch, with the number of its legs behind it: what the file says that number is."""
 ADDED = "added"
 """The field, in a comment of ours, of a step or transition that is none of the chart."""
 
@@ -95,6 +98,8 @@ class TopologyReader:
         self.found = Topology()
         self.added: set[Ref] = set()
         """Steps and transitions that are none of the chart: see `topology_rules`."""
+        self.counts: list[tuple[Fields, int, etree._Element]] = []
+        """Of each branch how many legs it says to have."""
 
     def new_id(self) -> int:
         """An id that nothing in the chart has."""
@@ -128,6 +133,7 @@ class TopologyReader:
             raise NotUnderstoodError("two branches of one number")
         fields: Fields = {"id": self.new_id(), "kind": kind, "inputs": [], "name": str(ref.number)}
         self.found.symbols[ref] = fields
+        self.counts.append((fields, int(count), element))
 
     def connections(self, element: etree._Element) -> list[Link]:
         """Read ``Connections``. Raises `NotUnderstoodError` where one of them cannot be said."""
@@ -172,6 +178,13 @@ class TopologyReader:
 
     def finish(self, chart: Fields) -> None:
         """Put the drawing into the chart, and what it means into its transitions."""
+        for branch, count, element in self.counts:
+            joins = branch["kind"] in (SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE)
+            found = len(branch["inputs"] if joins else self.found.legs.get(branch["id"], ()))
+            if found != count:
+                message = f"the branch {branch['name']} says to have {count} legs, and has {found}"
+                self.ctx.error("SFC113", message, element)
+                carry_attribute(branch, f"{CARDINALITY} of {found}", str(count))
         symbols = [*self.found.symbols.values(), *self.found.blocks, *self.found.jumps]
         chart["drawing"] = {"symbols": symbols}
         inputs = {s["id"]: [w["source"] for pin in s["inputs"] for w in pin["connections"]] for s in symbols}

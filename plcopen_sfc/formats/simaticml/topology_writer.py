@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.formats.simaticml.topology import Link, Ref
-from plcopen_sfc.formats.simaticml.topology_reader import BRANCHES
+from plcopen_sfc.formats.simaticml.topology_reader import BRANCHES, CARDINALITY
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
 
@@ -64,6 +64,8 @@ class TopologyWriter:
         for symbol in self.symbols.values():
             if symbol.kind in _TYPES:
                 count = str(len(self.legs[symbol.id]) if symbol.id in self.legs else len(symbol.inputs))
+                kept = symbol.carried.attributes if symbol.carried is not None else {}
+                count = kept.get(f"{CARDINALITY} of {count}", count)
                 attributes = {"Number": str(self.numbers[symbol.id]), "Type": _TYPES[symbol.kind], "Cardinality": count}
                 yield symbol, attributes
 

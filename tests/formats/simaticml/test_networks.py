@@ -37,7 +37,7 @@ def networks() -> list[etree._Element]:
 KEPT_BESIDE = {"a literal without a type, in a sketch": 1, "an empty list of wires": 1}
 """Networks whose content the model has, and that we would write otherwise: how many, and why."""
 NOT_READ = {
-    "a wire with one end": 1,
+    "a wire has one end only": 1,
     "a contact or coil without an operand or input": 8,  # four versions of a block made by hand, wires the wrong way
 }
 """Networks that the model does not have: how many, and why. They are kept whole."""
