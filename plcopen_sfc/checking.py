@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import FormatError, Location
+from plcopen_sfc.folders.parts import documents_of
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Origin, Project, projects_with
@@ -32,7 +33,8 @@ def check(
     from the program are not looked at, and ``plcopen-sfc: ignore STR09`` in the comment of a step, a transition, a
     chart or a POU lets findings there be.
 
-    Findings of a project that was loaded have the file and, as far as its format tells, the line. What the reader had
+    Findings of a project that was loaded have the file and, as far as its format tells, the line; in a folder, that of
+    the document. What the reader had
     to say about the file is in `Project.diagnostics`, not here. Raises `ModelError` for a rule or profile that does not
     exist.
     """
@@ -49,20 +51,35 @@ def _home(subject: Pou | SfcNetwork) -> Project | None:
 
 
 def _located(found: list[Diagnostic], project: Project) -> list[Diagnostic]:
-    """The findings with their places in the file, by line."""
-    origin = project._origin
-    if not isinstance(origin, Origin):
+    """The findings with their places in the file, by file and line."""
+    if project._origin is None:
         return found
+    documents = {pou.name: document for document in documents_of(project) for pou in document.pous}
+    places: dict[int, tuple[str | None, Mapping[str, int]]] = {}
+    placed: list[Diagnostic] = []
+    for each in found:
+        path = each.location.path or ""
+        document = documents.get(path.partition(" / ")[0].removeprefix("POU "))
+        if document is None:
+            placed.append(each)
+            continue
+        if id(document) not in places:
+            places[id(document)] = _lines(document)
+        file, lines = places[id(document)]
+        placed.append(replace(each, location=Location(file, _line(path, lines), None, path)))
+    return sorted(placed, key=lambda each: (each.location.file or "", each.location.line or 0))
+
+
+def _lines(document: Project) -> tuple[str | None, Mapping[str, int]]:
+    """The name of the file that a document was read from, and the lines of its objects by their paths."""
+    origin = document._origin
+    if not isinstance(origin, Origin):
+        return None, {}
     lines_of = getattr(format_named(origin.format)[0].codec(), "lines", None)
     try:
-        lines: Mapping[str, int] = lines_of(origin.content, project) if lines_of is not None else {}
+        return origin.path, lines_of(origin.content, document) if lines_of is not None else {}
     except FormatError:  # the project was read with another format than its content has
-        lines = {}
-    placed = [
-        replace(each, location=Location(origin.path, _line(each.location.path, lines), None, each.location.path))
-        for each in found
-    ]
-    return sorted(placed, key=lambda each: each.location.line or 0)
+        return origin.path, {}
 
 
 def _line(path: str | None, lines: Mapping[str, int]) -> int | None:

@@ -39,8 +39,9 @@ class Configurations:
         self._of_folder: dict[Path, Configuration] = {}
 
     def of(self, file: str) -> Configuration:
-        """The configuration for a file. Raises `ConfigurationError`."""
-        return self._of(Path(file).absolute().parent)
+        """The configuration for a file or folder. Raises `ConfigurationError`."""
+        path = Path(file).absolute()
+        return self._of(path if path.is_dir() else path.parent)
 
     def _of(self, folder: Path) -> Configuration:
         found = self._of_folder.get(folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.iectext.lines import source_lines
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.project_writer import write_project
 from plcopen_sfc.formats.iectext.slices import file_slices
@@ -27,6 +28,11 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 
 
 _MOST_NULS = 8
+
+
+def lines(content: bytes, _project: Project) -> dict[str, int]:
+    """The line of each object in the text `content`, by the path that the report gives it."""
+    return source_lines(decode(content).text)
 
 
 def to_pieces(project: Project, options: WriteOptions, report: ConversionReport) -> Piece:

@@ -15,7 +15,7 @@ from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, TiaVersion, version_like
 from plcopen_sfc.formats.xml import writing
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
@@ -52,15 +52,23 @@ def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> 
 
 
 def lines(content: bytes, project: Project) -> dict[str, int]:
-    """The line of each block of `project` in the file `content`, by the path that the report gives it."""
+    """The lines of the blocks of `project`, their steps and transitions in the file `content`.
+
+    They are by the paths that the report gives them.
+    """
     found: dict[str, int] = {}
     names = {pou.name for pou in project.pous}
-    for element in parse(content).iter("{*}Name"):
+    root = parse(content)
+    line_of = SourceLines(root, content).line
+    for element in root.iter("{*}Name"):
         holder = element.getparent()
         owner = holder.getparent() if holder is not None else None
         if owner is not None and element.text in names and local(owner).startswith("SW.Blocks."):
-            line = owner.sourceline
-            found.setdefault(f"POU {element.text}", line if isinstance(line, int) else 1)
+            path = f"POU {element.text}"
+            found.setdefault(path, line_of(owner) or 1)
+            for kind in ("Step", "Transition"):
+                for part in owner.iter(f"{{*}}{kind}"):
+                    found.setdefault(f"{path} / {kind.lower()} {part.get('Name')}", line_of(part) or 1)
     return found
 
 
