@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -46,7 +48,8 @@ def test_a_read_object_is_still_unedited(path: Path) -> None:
 
 @by_name
 def test_copies_and_pickles_are_equal(path: Path) -> None:
-    for make in (copy.deepcopy, copy.copy, lambda project: pickle.loads(pickle.dumps(project))):  # noqa: S301
+    ways: list[Callable[[Any], Any]] = [copy.deepcopy, copy.copy, lambda thing: pickle.loads(pickle.dumps(thing))]  # noqa: S301
+    for make in ways:
         project, other = sfc.load(path), sfc.load(path)
         assert make(project) == other
         assert make(only(project)) == only(other)
