@@ -15,7 +15,7 @@ from typing import NoReturn
 import pytest
 
 from plcopen_sfc.errors import FileAccessError
-from plcopen_sfc.files import read_bytes, write_atomic
+from plcopen_sfc.files import read_bytes, write_all, write_atomic
 
 _ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
 posix_only = pytest.mark.skipif(os.name == "nt", reason="needs POSIX permissions, links and signals")
@@ -250,3 +250,34 @@ def test_a_killed_process_leaves_the_old_file(tmp_path: Path) -> None:
     process.send_signal(signal.SIGKILL)
     process.communicate(timeout=60)
     assert path.read_bytes() == b"old"
+
+
+def test_many_files_are_replaced_together_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old = {tmp_path / "a.xml": b"old a", tmp_path / "sub" / "b.xml": b"old b", tmp_path / "c.xml": b"old c"}
+    write_all(old)
+    written = 0
+
+    def write(handle: int, data: memoryview) -> int:
+        nonlocal written
+        written += 1
+        if written == 3:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real_write(handle, data)
+
+    real_write = os.write
+    monkeypatch.setattr(os, "write", write)
+    with pytest.raises(FileAccessError, match="disk is full") as caught:
+        write_all({path: b"new" for path in old})
+    assert caught.value.location.file == str(tmp_path / "c.xml")
+    assert {path: path.read_bytes() for path in old} == old
+    assert _names(tmp_path) == ["a.xml", "c.xml", "sub"]
+    monkeypatch.undo()
+    write_all({path: b"new" for path in old})
+    assert {path.read_bytes() for path in old} == {b"new"}
+
+
+def test_a_folder_in_place_of_a_file_stops_all(tmp_path: Path) -> None:
+    (tmp_path / "b.xml").mkdir()
+    with pytest.raises(FileAccessError, match="folder, not a file"):
+        write_all({tmp_path / "a.xml": b"a", tmp_path / "b.xml": b"b"})
+    assert _names(tmp_path) == ["b.xml"]

@@ -72,6 +72,24 @@ def test_a_rename_changes_the_lines_that_name_it_in_all_files(tmp_path: Path) ->
         assert len(edited) == 1
 
 
+def test_names_are_resolved_across_files(tmp_path: Path) -> None:
+    """A tag, a member of a data block, a data type and a member of it: every file that names them follows."""
+    folder = export(tmp_path)
+    before = contents(folder)
+    files = {
+        "Stop": {"tags.xml", "FB_Motor.xml", "FC_Release.xml", "FB_Drill.xml"},
+        "Machine.GuardOpen": {"Machine.xml", "FB_Drill.xml"},
+        "Station": {"Station.xml", "Machine.xml"},
+        "Station.Count": {"Station.xml", "FB_Motor.xml"},
+    }
+    for path, changed in files.items():
+        project = sfc.load(folder)
+        result = project.rename(path, "Zz9")
+        assert result.undecided == ()
+        sfc.save(project, tmp_path / "renamed")
+        assert {Path(name).name for name in changes(before, contents(tmp_path / "renamed"))} == changed
+
+
 def test_a_second_save_counts_from_the_first(tmp_path: Path) -> None:
     folder = export(tmp_path)
     before = contents(folder)
@@ -163,7 +181,7 @@ def test_one_bad_file_does_not_cost_the_others(tmp_path: Path) -> None:
     strangers = {
         "cut.xml": whole[:900],
         "bomb.xml": b'<!DOCTYPE Document [<!ENTITY a "aa">]>' + whole.removeprefix(b"\xef\xbb\xbf"),
-        "new.xml": block("New", version="V99"),
+        "new.xml": block("New", version="Vnext"),
         "deep.xml": b'<Document><Engineering version="V20" />' + b"<a>" * 400 + b"</a>" * 400 + b"</Document>",
     }
     others = {"notes.txt": b"x", "hmi.xml": b"<Hmi/>", "empty.xml": b"", "sub/block.s7dcl": b"FUNCTION"}
@@ -274,7 +292,7 @@ def test_a_file_changed_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
 
 def test_a_folder_becomes_one_file_and_a_folder_again(tmp_path: Path) -> None:
     project = sfc.load(export(tmp_path))
-    for name in ("json", "simaticml", "plcopen"):
+    for name in ("json", "simaticml", "plcopen", "codesys", "iec-text", "scl"):
         target = tmp_path / f"all.{name}"
         sfc.save(project, target, format=name)
         one = sfc.load(target)
