@@ -19,6 +19,7 @@ from plcopen_sfc.semantics.charts.control import (
     StepwiseControl,
 )
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run, Write
+from plcopen_sfc.semantics.charts.targets import execution
 from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, default
@@ -124,9 +125,7 @@ class Actions:
             elif model.target is not None and model.value is not None:
                 action.run = self._scope.statements(f"{model.target} := {model.value};", where)
             elif model.target is not None:
-                action.run = self._scope.action(model.target)
-                if action.run is None:
-                    action.write = self._scope.setter(model.target)
+                action.run, action.write = execution(model.target, self._scope, where)
 
     def _translate(self, owner: Owner, model: ActionAssociation, association: Association) -> None:
         where = f"{self._path} / {owner.path}"

@@ -15,6 +15,7 @@ from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.actions import Owner, missing_time
 from plcopen_sfc.semantics.charts.plans import Run, Write
+from plcopen_sfc.semantics.charts.targets import execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import ELAPSED, ELEMENTARY, INSTANT
@@ -157,7 +158,7 @@ class GraphActions:
         elif model.target is not None and row.qualifier is Qualifier.CALL:
             row.run = self._scope.statements(f"{model.target}();", where)
         elif model.target is not None:
-            row.write = self._scope.setter(model.target)
+            row.run, row.write = execution(model.target, self._scope, where)
             if row.timer is not None:
                 row.timer.write = row.write
 
