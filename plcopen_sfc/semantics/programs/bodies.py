@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.diagnostics import Severity
@@ -16,7 +16,6 @@ from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import settled, truth
-from plcopen_sfc.semantics.programs.instruction_list import instruction_statements
 from plcopen_sfc.semantics.programs.layouts import Direction, Frame
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
@@ -37,7 +36,7 @@ class Bodies:
         """A body. What cannot be translated raises a `SimulationError` when it is executed."""
         writer = self._writer()
         try:
-            statements, text = self._statements(body)
+            statements, text, instances = self._statements(body) if not isinstance(body, IlBody) else ((), None, {})
         except SimulationError as error:
             self._refuse(error, path, writer)
             return self._routine(writer, path, function)
@@ -47,7 +46,11 @@ class Bodies:
                 if field.direction is Direction.TEMP:
                     writer.write(f"v[{field.slot}] = {field.initial}")
         translator = self._scope.translator(writer)
-        StatementTranslator(translator, path, text).body(statements)
+        translator.instances = instances
+        if isinstance(body, IlBody):
+            StatementTranslator(translator, path).instructions(body.text)
+        else:
+            StatementTranslator(translator, path, text).body(statements)
         return self._routine(writer, path, function)
 
     def text(self, text: str, path: str) -> Callable[[Frame], None]:
@@ -64,7 +67,9 @@ class Bodies:
             self._refuse(error, path, writer)
             return self._routine(writer, path)
         self._declare(read)
-        StatementTranslator(self._scope.translator(writer), path).body(read.tree.statements)
+        translator = self._scope.translator(writer)
+        translator.instances = _types(read)
+        StatementTranslator(translator, path).body(read.tree.statements)
         return self._routine(writer, path)
 
     def condition(self, condition: Condition, path: str, chart: SfcNetwork | None) -> Callable[[Frame], bool]:
@@ -85,6 +90,7 @@ class Bodies:
                 raise SimulationError("the condition has no value")
             self._declare(read)
             translator = self._scope.translator(writer)
+            translator.instances = _types(read)
             StatementTranslator(translator, path).body(read.before)
             code = truth(translator.value(read.tree, t.BOOL))
             writer.write(f"return {code.text}")
@@ -145,21 +151,19 @@ class Bodies:
         self._library.problems.append(error)
         writer.write(f"fail({self._library.linker.name(error, 'e')})")
 
-    def _statements(self, body: Body) -> tuple[Sequence[n.Statement], str | None]:
+    def _statements(self, body: Body) -> tuple[Sequence[n.Statement], str | None, Mapping[str, str]]:
         if isinstance(body, StBody):
             parsed = parse_statements(body.text, self._library.dialect)
             _check_syntax(parsed)
-            return parsed.tree.statements, body.text
+            return parsed.tree.statements, body.text, {}
         if isinstance(body, FbdBody | LdBody):
             read = body_statements(body, self._library.dialect, taken=self._taken())
             self._check(read)
             self._declare(read)
-            return read.tree.statements, None
-        if isinstance(body, IlBody):
-            return instruction_statements(body.text, self._library.dialect), body.text
+            return read.tree.statements, None, _types(read)
         if isinstance(body, SfcBody):
             raise SimulationError("a chart cannot be executed here")
-        raise SimulationError(f"a body in {body.source} is not known to the simulator")
+        raise SimulationError(f"a body in {body.language} is not known to the simulator")
 
     def _taken(self) -> list[str]:
         names = [field.name for field in self._scope.layout.fields]
@@ -178,6 +182,11 @@ class Bodies:
             if helper.type_name is not None:
                 type_ = self._library.types.named(helper.type_name, self._scope)
             self._scope.helper(helper.name, type_)
+
+
+def _types(read: NetworkText) -> Mapping[str, str]:
+    """The types of the instances in a network, by their paths without signs."""
+    return {name.replace('"', "").replace("#", "").casefold(): type_ for name, type_ in read.instances.items()}
 
 
 def _check_syntax(parsed: Parsed[Any]) -> None:

@@ -154,8 +154,6 @@ class Calls:
             return self._reference(field, value)
         code = settled(self._translator.fitted(self._translator.value(value, field.type), field.type))
         aggregate = isinstance(field.type, t.StructureType | t.ArrayType)
-        if aggregate and isinstance(field.type, t.ArrayType) and not field.type.dimensions:
-            return code.text
         return f"cloned({code.text})" if aggregate and copied else code.text
 
     def _reference(self, field: Field, value: n.Expression) -> str:
@@ -165,6 +163,11 @@ class Calls:
         self._library.written.add(place.root)
         if isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
             return f"Pointer({place.cells}, {place.index})"
+        if isinstance(field.type, t.ArrayType) and isinstance(place.type, t.ArrayType):
+            if not field.type.dimensions and place.type.dimensions:
+                return f"View({place.text}, {place.type.dimensions!r})"
+            if field.type.size != place.type.size:
+                raise SimulationError(f"{place.path} is passed to {field.name}, which is {field.type.name}")
         return place.text
 
     # -- arguments
@@ -267,8 +270,11 @@ class Calls:
             raise SimulationError(f"{place.path} is a {type_.name}, which cannot be called")
         unit = self._unit_of(type_)
         block = self._library.block_of(type_.layout)
+        called = self._translator.instances.get(place.path.casefold(), "")
         if unit is not None:
             run: Any = unit.run
+        elif block is not None and called.upper() in block.methods:
+            run = block.methods[called.upper()]
         elif block is not None and block.run is not None:
             run = block.run
         else:

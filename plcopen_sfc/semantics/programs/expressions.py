@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import SimulationError
@@ -10,7 +11,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.literals import SHORT_TYPES, LiteralError, LiteralKind, literal_value
 from plcopen_sfc.semantics.programs import types as t
-from plcopen_sfc.semantics.programs.code import Code, constant, settled, wrapping
+from plcopen_sfc.semantics.programs.code import Code, constant, ranged, settled, wrapping
 from plcopen_sfc.semantics.programs.layouts import Direction
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.operators import Operators
@@ -35,6 +36,9 @@ class Translator:
         self.library = scope.library
         self.writer = writer
         self.fitted = self.library.converter.fitted
+        self._held: dict[str, Code] = {}
+        self.instances: Mapping[str, str] = {}
+        """The types of instances by their names in lower case, where a network tells what is called on them."""
         self._operators = Operators(self)
         self._calls = Calls(self)
 
@@ -147,6 +151,8 @@ class Translator:
         return self.value(node, expected)
 
     def _name(self, node: n.Name, expected: t.Type | None, *, called: bool) -> Any:
+        if node.identifier in self._held:
+            return self._held[node.identifier]
         word = node.identifier.upper()
         if word in ("THIS", "SUPER") and self.library.is_codesys and self.scope.unit is not None:
             return self._own(word)
@@ -248,13 +254,28 @@ class Translator:
         base = self.followed(base, None)
         if isinstance(base.type, t.OpaqueType):
             return self._index(Unknown(f"{self.scope.path}.{base.path}"), indices)
+        if isinstance(base.type, t.ElementaryType) and base.type.family is t.Family.STRING and len(codes) == 1:
+            return self._character(base, base.type, codes[0])
         if not isinstance(base.type, t.ArrayType):
             raise SimulationError(f"{base.path} is a {base.type.name}, no array")
         return self._element(base, base.type, codes)
 
+    def _character(self, base: Place, string: t.ElementaryType, index: Code) -> Code:
+        """A character of a string: in S7 one, counted from 1; in CODESYS its code, counted from 0. To read only."""
+        if self.library.is_codesys:
+            type_ = t.ELEMENTARY["BYTE" if string.bits == 8 else "WORD"]
+            text = f"code_at({base.text}, {index.text}, {string.length})"
+        else:
+            type_ = t.ELEMENTARY["CHAR" if string.bits == 8 else "WCHAR"]
+            text = f"character_at({base.text}, {index.text}, {string.length})"
+        return ranged(text, type_, acts=index.acts)
+
     def _element(self, base: Place, array: t.ArrayType, codes: list[Code]) -> Place:
         if not array.dimensions:
-            raise SimulationError(f"{base.path} is an array of any length, which the simulator does not know")
+            indices = ", ".join(code.text for code in codes)
+            acts = base.acts or any(code.acts for code in codes)
+            path = f"{base.path}[?]"
+            return Place(f"{base.text}.cells", f"{base.text}.at({indices})", array.base, path, "", base.root, acts=acts)
         if len(codes) < len(array.dimensions):
             raise SimulationError(f"{base.path} has {len(array.dimensions)} dimensions, but {len(codes)} indices")
         used, rest = codes[: len(array.dimensions)], codes[len(array.dimensions) :]
@@ -309,6 +330,12 @@ class Translator:
         """The external variable that stands for something nobody declares."""
         type_ = expected if isinstance(expected, t.ElementaryType) and expected is not t.ANY else t.BOOL
         return self.library.implicit(unknown.path, type_)
+
+    def hold(self, code: Code) -> n.Name:
+        """A name that means a value in this translation."""
+        name = f"(value {len(self._held) + 1})"
+        self._held[name] = code
+        return n.Name(name)
 
     def guessed(self, value: n.Expression) -> t.Type:
         """The type of a variable that nobody declares, from what is assigned to it."""

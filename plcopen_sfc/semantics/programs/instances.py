@@ -182,6 +182,11 @@ class Instance:
         cells = [self.cell(path) for path in paths]
         return lambda: tuple([values[index] for values, index in cells])
 
+    def inputs(self) -> Mapping[str, t.Type]:
+        """What a user gives a value: the inputs that are read and that nothing writes, by path, with their types."""
+        found = self._library.inputs.items()
+        return {path: field.type for key, (path, field) in found if self._library.is_given(key)}
+
     def variables(self) -> Mapping[str, Variable]:
         """All variables that a user sees, by path: those of the instance, then global ones that are used."""
         found: dict[str, Variable] = {}
@@ -226,13 +231,15 @@ class Instance:
         return found
 
     def _find(self, path: str) -> _Cell:
+        if self._library.implicit_type(path) is not None:
+            field = self._library.globals.by_name[path.casefold()]
+            return _Cell(self._library.frame.v, field.slot, field.type)
         parsed = parse_expression(path, self._library.dialect)
         if parsed.problems:
-            field = self._library.globals.find(path) or self.unit.layout.find(path)
-            if field is None:
+            own = self.unit.layout.find(path)
+            if own is None:
                 raise ModelError(f"{path!r} is no path of a variable: {parsed.problems[0].message}")
-            own = self.unit.layout.find(path) is field
-            return _Cell(self.frame.v if own else self._library.frame.v, field.slot, field.type)
+            return _Cell(self.frame.v, own.slot, own.type)
         try:
             place = self._place(parsed.tree)
         except SimulationError as error:

@@ -1,16 +1,223 @@
-"""Instruction list as statements."""
+"""Translation of instruction list (ed. 3, 7.2): the current result is kept in a variable of Python.
+
+Its type is known wherever an instruction stands: behind a label it is that which it has where jumps to it stand before
+it, and at the end of the instructions before it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il import Instruction, instructions
+from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Operator
+from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.code import Code, ranged, settled, truth
+from plcopen_sfc.semantics.programs.operators import Operators
+
+if TYPE_CHECKING:
+    from plcopen_sfc.semantics.programs.expressions import Translator
+    from plcopen_sfc.semantics.programs.statements import StatementTranslator
+
+_LOGIC = {"AND": Operator.AND, "&": Operator.AND, "OR": Operator.OR, "XOR": Operator.XOR}
+_ARITHMETIC = {
+    "ADD": Operator.ADD,
+    "SUB": Operator.SUBTRACT,
+    "MUL": Operator.MULTIPLY,
+    "DIV": Operator.DIVIDE,
+    "MOD": Operator.MODULO,
+}
+_COMPARISONS = {
+    "GT": Operator.GREATER,
+    "GE": Operator.GREATER_OR_EQUAL,
+    "EQ": Operator.EQUAL,
+    "NE": Operator.UNEQUAL,
+    "LE": Operator.LESS_OR_EQUAL,
+    "LT": Operator.LESS,
+}
+_RESULT = "_cr"
+_COMBINING = {*_LOGIC, *_ARITHMETIC, *_COMPARISONS}
 
 
-def instruction_statements(text: str, dialect: Dialect) -> Sequence[n.Statement]:
-    """The instructions of a body as statements."""
-    if not text.strip():
-        return ()
-    raise SimulationError(f"instruction list ({dialect}) is not known to the simulator")
+@dataclass(frozen=True, slots=True)
+class _Open:
+    """An operation whose operand stands in parentheses over several lines: ``AND(``."""
+
+    operator: str
+    negated: bool
+    before: Code
+
+
+class InstructionTranslator:
+    """Writes the instructions of a body."""
+
+    def __init__(self, translator: Translator, statements: StatementTranslator) -> None:
+        self._translator = translator
+        self._statements = statements
+        self._writer = translator.writer
+        self._operators = Operators(translator)
+        self._result: Code | None = None
+        self._open: list[_Open] = []
+        self._text = ""
+        self._at_labels: dict[str, list[Code]] = {}
+
+    def body(self, text: str, translate_labels: Callable[[list[str], list[Callable[[], None]]], None]) -> None:
+        """All instructions. `translate_labels` writes parts between which labels stand."""
+        self._text = text
+        lines = Lines(text)
+        labels: list[str] = []
+        parts: list[list[Instruction]] = [[]]
+        for instruction in instructions(text, self._translator.library.dialect):
+            if instruction.label:
+                labels.append(instruction.label)
+                parts.append([])
+            if instruction.operator or instruction.operands:
+                parts[-1].append(instruction)
+
+        translate_labels(
+            labels, [partial(self._part, label, part, lines) for label, part in zip(["", *labels], parts, strict=True)]
+        )
+
+    def _part(self, label: str, part: list[Instruction], lines: Lines) -> None:
+        coming = self._at_labels.get(label.casefold(), [])
+        if self._result is not None:
+            coming = [*coming, self._result]
+        self._result = self._merged(coming)
+        self._open.clear()
+        for instruction in part:
+            self._writer.origin = lines.place(instruction.operator_span[0])[0]
+            self._one(instruction)
+
+    def _one(self, instruction: Instruction) -> None:
+        word = instruction.operator.upper()
+        trees: list[n.Expression] = []
+        for operand in instruction.operands:
+            if operand.parsed.problems:
+                raise SimulationError(operand.parsed.problems[0].message)
+            trees.append(cast("n.Expression", operand.parsed.tree))
+        base = word.removesuffix("N")
+        if word in ("LD", "LDN"):
+            self._load(self._value(trees, word == "LDN"))
+        elif word in ("ST", "STN"):
+            self._store(trees, negated=word == "STN")
+        elif word in ("S", "R"):
+            with self._writer.block(f"if {truth(self._current()).text}:"):
+                place = self._translator.place(self._operand(trees), t.BOOL)
+                self._translator.note_write(place)
+                self._translator.write(place, Code(repr(word == "S"), t.BOOL))
+        elif word == "NOT":
+            self._load(self._operators.inverted(self._current()))
+        elif word in _COMBINING or base in ("AND", "OR", "XOR", "&"):
+            operator = word if word in _COMBINING else base
+            start = instruction.operands[0].start if instruction.operands else len(self._text)
+            between = self._text[instruction.operator_span[1] : start].lstrip()
+            opens = between.startswith("(") and not between.startswith("(*")
+            self._combine(operator, trees, negated=operator != word, opens=opens)
+        elif word == ")":
+            self._close()
+        elif word in ("JMP", "JMPC", "JMPCN"):
+            label = self._operand(trees)
+            if not isinstance(label, n.Name):
+                raise SimulationError("what a jump leads to is no label")
+            if self._result is not None:
+                self._at_labels.setdefault(label.identifier.casefold(), []).append(self._result)
+            self._when(word.removeprefix("JMP"), lambda: self._statements.goto(label.identifier))
+            if word == "JMP":
+                self._result = None
+        elif word in ("RET", "RETC", "RETCN"):
+            self._when(word.removeprefix("RET"), lambda: self._writer.write("return"))
+            if word == "RET":
+                self._result = None
+        elif word in ("CAL", "CALC", "CALCN"):
+            call = self._operand(trees)
+            self._when(word.removeprefix("CAL"), lambda: self._statements.call(call))
+        elif instruction.is_function:
+            self._function(instruction.operator, trees)
+        else:
+            raise SimulationError(f"{instruction.operator or 'this'} is no instruction that the simulator knows")
+
+    def _merged(self, results: list[Code]) -> Code | None:
+        """The current result where several ways meet."""
+        types = [code.type for code in results if isinstance(code.type, t.ElementaryType)]
+        if not types or len(types) < len(results):
+            return None
+        widest = max(types, key=lambda type_: type_.bits)
+        if any(type_.is_number != widest.is_number for type_ in types):
+            return None
+        return ranged(_RESULT, widest)
+
+    def _operand(self, trees: list[n.Expression]) -> n.Expression:
+        if len(trees) != 1:
+            raise SimulationError("the instruction wants one operand")
+        return trees[0]
+
+    def _value(self, trees: list[n.Expression], negated: bool, expected: t.Type | None = t.BOOL) -> Code:
+        code = self._translator.value(self._operand(trees), expected)
+        return self._operators.inverted(code) if negated else code
+
+    def _current(self) -> Code:
+        if self._result is None:
+            raise SimulationError("the current result is used before it is loaded")
+        return self._result
+
+    def _load(self, code: Code) -> None:
+        """Make a value the current result."""
+        code = settled(code)
+        self._writer.write(f"{_RESULT} = {code.text}")
+        self._result = Code(_RESULT, code.type, code.low, code.high)
+
+    def _store(self, trees: list[n.Expression], *, negated: bool) -> None:
+        current = self._current()
+        place = self._translator.place(self._operand(trees), current.type)
+        self._translator.note_write(place)
+        value = self._operators.inverted(current) if negated else current
+        self._translator.write(place, settled(self._translator.fitted(value, place.type)))
+
+    def _combine(self, operator: str, trees: list[n.Expression], *, negated: bool, opens: bool) -> None:
+        current = self._current()
+        if opens:
+            name = self._writer.temporary()
+            self._writer.write(f"{name} = {current.text}")
+            self._open.append(_Open(operator, negated, replace(current, text=name)))
+            self._result = None
+            if trees:
+                self._load(self._value(trees, negated=False, expected=current.type))
+            return
+        for tree in trees:
+            self._load(self._combined(operator, self._current(), self._value([tree], negated, current.type)))
+
+    def _close(self) -> None:
+        if not self._open:
+            raise SimulationError("a parenthesis is closed that was not opened")
+        opened = self._open.pop()
+        operand = self._current()
+        operand = self._operators.inverted(operand) if opened.negated else operand
+        self._load(self._combined(opened.operator, opened.before, operand))
+
+    def _combined(self, operator: str, left: Code, right: Code) -> Code:
+        if operator in _LOGIC:
+            return self._operators.logic(_LOGIC[operator], [left, right])
+        if operator in _COMPARISONS:
+            return self._operators.comparison(_COMPARISONS[operator], left, right)
+        return self._operators.arithmetic(_ARITHMETIC[operator], left, right)
+
+    def _when(self, suffix: str, write: Callable[[], None]) -> None:
+        """What happens always, or only if the current result is TRUE (C) or FALSE (CN)."""
+        if not suffix:
+            write()
+            return
+        current = truth(self._current()).text
+        with self._writer.block(f"if {current}:" if suffix == "C" else f"if not {current}:"):
+            write()
+
+    def _function(self, name: str, trees: list[n.Expression]) -> None:
+        """A function: the current result is its first argument."""
+        current = self._current()
+        held = self._translator.hold(current)
+        arguments = tuple(n.Argument(tree) for tree in (held, *trees))
+        self._load(self._translator.value(n.Call(n.Name(name), arguments), None))

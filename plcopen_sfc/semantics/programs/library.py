@@ -44,8 +44,8 @@ ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]
 
 _LIBRARIES = frozenset({"standard", "tc2_standard", "tc2_system", "util", "standard64"})
 _RUNTIME = """
-    assign bit_set bits_set cloned divided endless fail half_away half_even narrow out_of_bounds power preset put
-    remainder single truncated wrapped Frame Pointer
+    Frame Pointer View assign bit_set bits_set character_at cloned code_at divided endless fail half_away
+    half_even narrow out_of_bounds power preset put remainder single truncated wrapped
 """.split()
 
 
@@ -158,8 +158,12 @@ class Library:
             added()
 
     def is_free(self, key: str) -> bool:
-        """Whether nothing gives the variable of this key a value."""
-        if self.read_input is None or key not in self.inputs:
+        """Whether the variable of this key is read from `read_input`."""
+        return self.read_input is not None and self.is_given(key)
+
+    def is_given(self, key: str) -> bool:
+        """Whether the variable of this key has its value from outside: it is an input, and nothing writes it."""
+        if key not in self.inputs:
             return False
         parts = key.split(".")
         if parts[0] != "g" and not any(self.linker.name(unit.layout) == parts[0] for unit in self.roots):

@@ -40,6 +40,33 @@ class Pointer:
         return hash((id(self.cells), self.index))
 
 
+class View:
+    """An array passed to a parameter of any length, ``ARRAY[*]``: its elements and bounds (ed. 3, 6.5.3)."""
+
+    __slots__ = ("bounds", "cells")
+
+    def __init__(self, cells: list[Any], bounds: tuple[tuple[int, int], ...]) -> None:
+        self.cells = cells
+        self.bounds = bounds
+
+    def at(self, *indices: int) -> int:
+        """Where the element of these indices is in `cells`."""
+        if len(indices) != len(self.bounds):
+            raise SimulationError(f"an array of {len(self.bounds)} dimensions has {len(indices)} indices here")
+        offset = 0
+        for index, (lower, upper) in zip(indices, self.bounds, strict=True):
+            if not lower <= index <= upper:
+                out_of_bounds(index, lower, upper)
+            offset = offset * (upper - lower + 1) + index - lower
+        return offset
+
+    def bound(self, dimension: int, which: int) -> int:
+        """LOWER_BOUND (`which` 0) or UPPER_BOUND (1)."""
+        if not 1 <= dimension <= len(self.bounds):
+            raise SimulationError(f"the array has no dimension {dimension}")
+        return self.bounds[dimension - 1][which]
+
+
 class Unread:
     """Stands in the place of a free input that the scan has not asked for yet."""
 
@@ -124,6 +151,20 @@ def _not_finite(value: float) -> int:
 def out_of_bounds(index: int, lower: int, upper: int) -> int:
     """An index that an array does not have."""
     raise SimulationError(f"the index {index} is outside of {lower}..{upper}")
+
+
+def character_at(text: str, index: int, length: int) -> str:
+    """A character of a string of S7, from 1; behind its end there is none."""
+    if not 1 <= index <= length:
+        return str(out_of_bounds(index, 1, length))
+    return text[index - 1] if index <= len(text) else "\0"
+
+
+def code_at(text: str, index: int, length: int) -> int:
+    """The code of a character of a string of CODESYS, from 0; behind its end there is 0."""
+    if not 0 <= index <= length:
+        return out_of_bounds(index, 0, length)
+    return ord(text[index]) if index < len(text) else 0
 
 
 def narrow(value: int, least: int, greatest: int) -> int:

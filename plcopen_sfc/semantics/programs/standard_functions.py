@@ -43,6 +43,9 @@ _ORDINARY = {
     "T_DIFF": ("IN1", "IN2"),
     "T_COMBINE": ("IN1", "IN2"),
     "CONCAT_DATE_TOD": ("IN1", "IN2"),
+    "SWAP": ("IN",),
+    "CONVERT": ("IN",),
+    "S_MOVE": ("IN",),
     "TIME": (),
     "LTIME": (),
 }
@@ -162,8 +165,12 @@ class StandardFunctions:
         if array is None or dimension is None:
             raise SimulationError(f"{key} is called without an argument")
         place, code = self._translator.place(array), self._translator.value(dimension, t.DINT)
-        if not isinstance(place.type, t.ArrayType) or not code.constant:
+        if not isinstance(place.type, t.ArrayType):
             raise SimulationError(f"{key} of something that is no array")
+        if not place.type.dimensions:
+            return ranged(f"{place.text}.bound({settled(code).text}, {int(key == 'UPPER_BOUND')})", t.DINT)
+        if not code.constant:
+            raise SimulationError(f"{key} of a dimension that is no constant")
         if not 1 <= code.value <= len(place.type.dimensions):
             raise SimulationError(f"{place.path} has no dimension {code.value}")
         return constant(place.type.dimensions[code.value - 1][key == "UPPER_BOUND"], t.DINT)
@@ -319,7 +326,7 @@ class StandardFunctions:
         code = settled(self._translator.value(nodes[0], expected))
         if not isinstance(code.type, t.ElementaryType) or code.type.family not in (t.Family.INTEGER, t.Family.BITS):
             raise SimulationError(f"{name} of {code.type.name}")
-        if "LITTLE" in name:
+        if "LITTLE" in name or code.type.bits == 8:
             return code
         return self._call("swapped", [code], code.type, code.type.bits // 8, code.type.least < 0)
 
@@ -395,7 +402,7 @@ class StandardFunctions:
 
 _Function = Callable[[StandardFunctions, str, list[n.Expression], t.Type | None], Code]
 _FUNCTIONS: dict[str, _Function] = {
-    "MOVE": StandardFunctions._move,
+    **dict.fromkeys(("MOVE", "S_MOVE", "CONVERT"), StandardFunctions._move),
     "ABS": StandardFunctions._abs,
     **dict.fromkeys(("MAX", "MIN", "LIMIT"), StandardFunctions._choice),
     **dict.fromkeys(("SEL", "MUX"), StandardFunctions._select),
@@ -415,7 +422,7 @@ _FUNCTIONS: dict[str, _Function] = {
     **dict.fromkeys(("NORM_X", "SCALE_X"), StandardFunctions._scaled),
     **dict.fromkeys(("TIME", "LTIME"), StandardFunctions._clock),
     **dict.fromkeys(
-        "TO_BIG_ENDIAN TO_LITTLE_ENDIAN FROM_BIG_ENDIAN FROM_LITTLE_ENDIAN".split(), StandardFunctions._endian
+        "SWAP TO_BIG_ENDIAN TO_LITTLE_ENDIAN FROM_BIG_ENDIAN FROM_LITTLE_ENDIAN".split(), StandardFunctions._endian
     ),
     **dict.fromkeys(("IS_VALID", "IS_VALID_BCD"), StandardFunctions._valid),
 }

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.problems import Lines
@@ -13,6 +14,7 @@ from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.calls import Calls
 from plcopen_sfc.semantics.programs.code import Code, settled, truth
 from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Place
 
 _MANY_LABELS = 6
@@ -41,24 +43,37 @@ class StatementTranslator:
     def body(self, statements: Sequence[Statement], *, returns: str = "return") -> None:
         """A whole body: labels may stand between its statements. `returns` is what RETURN becomes."""
         self._returns = returns
-        labels = [s.label.identifier.casefold() for s in statements if isinstance(s, n.Label)]
-        if not labels:
-            self.all(statements)
-            return
-        self._labels = {label: index + 1 for index, label in enumerate(labels)}
+        labels = [s.label.identifier for s in statements if isinstance(s, n.Label)]
         parts: list[list[Statement]] = [[]]
         for statement in statements:
             if isinstance(statement, n.Label):
                 parts.append([])
             else:
                 parts[-1].append(statement)
+        self.parts(labels, [partial(self.all, part) for part in parts])
+
+    def parts(self, labels: Sequence[str], parts: Sequence[Callable[[], None]]) -> None:
+        """Parts of a body, between which labels stand."""
+        if not labels:
+            parts[0]()
+            return
+        self._labels = {label.casefold(): index + 1 for index, label in enumerate(labels)}
         self._writer.write("_to = 0")
         with self._writer.block("while True:"):
             self._count_turn()
             for index, part in enumerate(parts):
                 with self._writer.block(f"if _to <= {index}:"):
-                    self.all(part)
+                    part()
             self._writer.write("break")
+
+    def instructions(self, text: str) -> None:
+        """A body in instruction list."""
+        mark = self._writer.mark()
+        try:
+            InstructionTranslator(self._translator, self).body(text, self.parts)
+        except SimulationError as error:
+            self._writer.rollback(mark)
+            self._fail(error, at_line=True)
 
     def all(self, statements: Sequence[Statement]) -> None:
         """Statements behind each other."""
@@ -76,10 +91,11 @@ class StatementTranslator:
             self._writer.rollback(mark)
             self._fail(error)
 
-    def _fail(self, error: SimulationError) -> None:
+    def _fail(self, error: SimulationError, *, at_line: bool = False) -> None:
         """What cannot be translated is an error where it is reached."""
         if error.location.path is None:
-            error.location = Location(path=self._path, line=self._writer.origin if self._lines is not None else None)
+            known = at_line or self._lines is not None
+            error.location = Location(path=self._path, line=self._writer.origin if known else None)
         self._library.problems.append(error)
         self._writer.write(f"fail({self._library.linker.name(error, 'e')})")
 
@@ -88,7 +104,7 @@ class StatementTranslator:
             case n.Assignment():
                 self._assignment(statement)
             case n.CallStatement(call=call):
-                self._calls.statement(call)
+                self.call(call)
             case n.If(branches=branches, otherwise=otherwise):
                 self._if(branches, otherwise)
             case n.Case():
@@ -112,7 +128,7 @@ class StatementTranslator:
                     raise SimulationError("RETURN with a value is not known to the simulator")
                 self._writer.write(self._returns)
             case n.Goto(label=label):
-                self._goto(label.identifier)
+                self.goto(label.identifier)
             case n.Empty():
                 pass
             case n.Label():
@@ -121,6 +137,10 @@ class StatementTranslator:
                 raise SimulationError("__TRY is not known to the simulator")
             case _:
                 raise SimulationError("this is no statement")
+
+    def call(self, node: n.Expression) -> None:
+        """Write a call."""
+        self._calls.statement(node)
 
     def _truth(self, node: n.Expression) -> Code:
         return truth(self._translator.value(node, t.BOOL))
@@ -164,7 +184,7 @@ class StatementTranslator:
             if isinstance(one, t.StructureType) and isinstance(other, t.StructureType):
                 same = one.layout is other.layout
             if isinstance(one, t.ArrayType) and isinstance(other, t.ArrayType):
-                same = one.base == other.base and one.size == other.size
+                same = one.base == other.base and one.size == other.size and bool(one.dimensions and other.dimensions)
             if not same and other is not t.ANY:
                 raise SimulationError(f"{other.name} is assigned to {place.path}, which is {one.name}")
 
@@ -318,7 +338,8 @@ class StatementTranslator:
             self._count_turn()
             self._inside("", statements)
 
-    def _goto(self, label: str) -> None:
+    def goto(self, label: str) -> None:
+        """Write a jump to a label."""
         index = self._labels.get(label.casefold())
         if index is None:
             raise SimulationError(f"the label {label} is not among the outermost statements of the body")

@@ -60,6 +60,9 @@ class Callee:
                     place = Location(path=f"{self.scope.path}.{variable.name}")
                     broken = SimulationError(error.message, location=place, hint=error.hint)
                     self.scope.aliases[variable.name.casefold()] = Broken(broken)
+                    unusable = self.layout.find(variable.name)
+                    if unusable is not None:
+                        unusable.hidden = True
                     self.library.problems.append(broken)
         if interface.return_type is not None:
             type_ = self.library.types.read(interface.return_type, self.scope)
@@ -87,6 +90,8 @@ class Callee:
                 variable.address, type_, path, variable.initial
             )
             return
+        if isinstance(type_, t.ArrayType) and not type_.dimensions and section.kind is not SectionKind.IN_OUT:
+            raise SimulationError(f"{variable.name} is {type_.name}: the simulator knows that of VAR_IN_OUT only")
         direction = Direction.CONSTANT if section.constant else _DIRECTIONS.get(section.kind, Direction.LOCAL)
         field = self.layout.add(variable.name, type_, direction)
         field.retained = direction is not Direction.TEMP

@@ -227,3 +227,26 @@ def test_temporary_variables_start_anew() -> None:
     instance.scan()
     instance.scan()
     assert instance["n"] == 12
+
+
+def test_arrays_of_any_length() -> None:
+    more = """FUNCTION Total : DINT
+    VAR_IN_OUT a : ARRAY[*] OF INT; END_VAR
+    VAR i : DINT; END_VAR
+    FOR i := LOWER_BOUND(a, 1) TO UPPER_BOUND(a, 1) DO Total := Total + a[i]; a[i] := 0; END_FOR
+    END_FUNCTION
+    FUNCTION Both : DINT
+    VAR_IN_OUT a : ARRAY[*] OF INT; END_VAR
+    Both := Total(a) + a[7];
+    END_FUNCTION"""
+    declared = "x : ARRAY[-1..1] OF INT := [1, 2, 3]; y : ARRAY[5..7] OF INT := [10, 20, 30]; n, m : DINT;"
+    instance = main(declared, "n := Total(x); m := Both(y);", more=more)
+    assert (instance["n"], instance["m"], instance["x[0]"], instance["y[5]"]) == (6, 60, 0, 0)
+    with pytest.raises(SimulationError, match=r"the index 7 is outside of -1\.\.1"):
+        main(declared, "m := Both(x);", more=more)
+
+
+def test_characters_of_strings() -> None:
+    declared = "s : STRING := 'abc'; c : CHAR; b : BYTE; i : INT := 1;"
+    assert main(declared, "#c := #s[#i];", Dialect.SCL)["c"] == "a"
+    assert main(declared, "b := s[i];", Dialect.CODESYS)["b"] == ord("b")
