@@ -62,7 +62,9 @@ class Parameters:
             if scope.lookup(name) is not None
         }
         self._edges = {
-            name: scope.declare(f"{path}: {name} before", BOOL, hidden=True) for name in [*_COMMANDS, *_MODES]
+            name: scope.declare(f"{path}: {name} before", BOOL, hidden=True)
+            for name in [*_COMMANDS, *_MODES]
+            if name in self._declared
         }
         self._mode = scope.declare(f"{path}: mode", ELEMENTARY["INT"], hidden=True)
         self._get: dict[str, Callable[[Frame], Any]] = {}
@@ -78,35 +80,37 @@ class Parameters:
 
     def commands(self, frame: Frame) -> Commands:
         """What has changed at the inputs."""
-        rising = {name: self._rises(name, frame) for name in self._edges}
-        if not self._locked:
+        rising = {name for name in self._edges if self._rises(name, frame)}
+        if rising and not self._locked:
             for name, (mode, _) in _MODES.items():
-                if rising[name]:
+                if name in rising:
                     frame.v[self._mode] = int(mode)
         selected = self._get["S_SEL"](frame) if "S_SEL" in self._get else 0
         return Commands(
-            off=rising["OFF_SQ"],
-            init=rising["INIT_SQ"],
-            acknowledge=rising["ACK_EF"],
-            register=rising["REG_EF"] or rising["REG_S"],
-            on_step=rising["S_ON"],
-            off_step=rising["S_OFF"],
-            push=rising["T_PUSH"],
-            previous=rising["S_PREV"],
-            next=rising["S_NEXT"],
+            off="OFF_SQ" in rising,
+            init="INIT_SQ" in rising,
+            acknowledge="ACK_EF" in rising,
+            register="REG_EF" in rising or "REG_S" in rising,
+            on_step="S_ON" in rising,
+            off_step="S_OFF" in rising,
+            push="T_PUSH" in rising,
+            previous="S_PREV" in rising,
+            next="S_NEXT" in rising,
             selected=selected,
             mode=Mode(frame.v[self._mode]),
         )
 
     def _rises(self, name: str, frame: Frame) -> bool:
-        get = self._get.get(name)
-        if get is None:
-            return False
         v, slot = frame.v, self._edges[name]
-        value = bool(get(frame))
+        value = bool(self._get[name](frame))
         rises = value and not v[slot]
         v[slot] = value
         return rises
+
+    @property
+    def has_outputs(self) -> bool:
+        """Whether there is anything to report to."""
+        return bool(self._set)
 
     def report(self, frame: Frame, mode: Mode, values: dict[str, Any]) -> None:
         """Write the outputs."""

@@ -16,8 +16,8 @@ from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.charts.graph.actions import GraphActions, Happening
 from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions
 from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
-from plcopen_sfc.semantics.charts.moves import Move, choice
-from plcopen_sfc.semantics.charts.plans import Run
+from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice
+from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run
 from plcopen_sfc.semantics.charts.step_actions import check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, indexes
@@ -74,6 +74,7 @@ class GraphProgram:
         self._choose = choice(profile)
         self._moves: tuple[Move, ...] = ()
         self._enabled: dict[int, tuple[Move, ...]] = {}
+        self._timed: dict[int, tuple[tuple[int, int], ...]] = {}
         self._pre: tuple[Run, ...] = ()
         self._post: tuple[Run, ...] = ()
         self._refused: UnknownBehaviourError | None = None
@@ -180,7 +181,7 @@ class GraphProgram:
         before = v[self._shown]
         commands = self._parameters.commands(frame)
         self._clear_events(frame)
-        tick(frame, self._steps.timed(before), now)
+        tick(frame, self._timed_in(before), now)
         checked = self._conditions.check(frame, before, acknowledge=commands.acknowledge)
         self._count_undisturbed(frame, now, before, checked.disturbed)
         situation = self._next(frame, commands, checked)
@@ -213,7 +214,8 @@ class GraphProgram:
             frame, now, Happening(left, situation, self._events(frame, situation | left), checked.released)
         )
         v[self._situation] = situation & ~off | on
-        self._report(frame, commands, situation, checked)
+        if self._parameters.has_outputs:
+            self._report(frame, commands, situation, checked)
 
     def _next(self, frame: Frame, commands: Commands, checked: Checked) -> int:
         """The situation of this cycle."""
@@ -236,8 +238,8 @@ class GraphProgram:
         enabled = self._enabled_in(situation)
         satisfied = {move.bit: bool(move.condition(frame)) for move in enabled}
         free = [move for move in enabled if not move.sources & checked.held]
-        switching = [move for move in free if _switches(commands, satisfied[move.bit])]
-        left, entered, bits = self._choose(frame, [move._replace(condition=_satisfied) for move in switching])
+        switching = [move._replace(condition=_satisfied) for move in free if _switches(commands, satisfied[move.bit])]
+        left, entered, bits = self._choose(frame, switching) if switching else NOTHING
         if self._skips and entered:
             entered = self._skip(frame, situation & ~left, entered)
         self._show_transitions(frame, enabled, satisfied, bits)
@@ -264,7 +266,17 @@ class GraphProgram:
     def _enabled_in(self, situation: int) -> tuple[Move, ...]:
         found = self._enabled.get(situation)
         if found is None:
+            if len(self._enabled) >= MOST_PLANS:
+                self._enabled.clear()
             found = self._enabled[situation] = tuple(self._moves[i] for i in self.net.enabled(situation))
+        return found
+
+    def _timed_in(self, situation: int) -> tuple[tuple[int, int], ...]:
+        found = self._timed.get(situation)
+        if found is None:
+            if len(self._timed) >= MOST_PLANS:
+                self._timed.clear()
+            found = self._timed[situation] = self._steps.timed(situation)
         return found
 
     def _show_transitions(
