@@ -55,11 +55,13 @@ class Chain(ABC):
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
             self.add_actions()
             self.evolve()
+            self.memory.finish(self.texts.first_scan)
             return
         reentered = self.evolve()
         restarts = [s for step, when in reentered.items() for s in self.times.restarts(step, when)]
         self.code.add(self.texts.times, [*restarts, *times])
         self.add_actions()
+        self.memory.finish(self.texts.first_scan)
 
     def add_actions(self) -> None:
         """Append what steps execute, then the actions."""

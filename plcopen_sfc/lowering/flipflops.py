@@ -39,11 +39,14 @@ class FlipFlopChain(StepFlags):
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
             self._add_step(step, set_, [self.active(i) for i in sorted(following)])
         self.add_actions()
+        self.memory.finish(self.texts.first_scan)
 
     def _add_step(self, step: NetStep, set_: list[Expression], reset: list[Expression]) -> None:
         initial = bool(self.net.initial & step.bit)
         if self.init is not None:
             set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
+        if initial:
+            set_ = [self.memory.starting(), *set_]
         flag = self.flags[step.index]
         statements: list[Statement] = []
         self.memory.latch(f"FF_{flag.identifier}", disjunction(set_), disjunction(reset), statements, flag)

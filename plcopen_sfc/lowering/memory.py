@@ -10,7 +10,7 @@ from typing import Protocol
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import assignment, call, conjunction, disjunction, negation
+from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, negation
 from plcopen_sfc.model.types import DerivedType
 
 
@@ -21,6 +21,12 @@ class Memory(Protocol):
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
     ) -> Expression:
         """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
+
+    def starting(self) -> Expression:
+        """What sets a flip-flop whose `flag` is TRUE at the start; FALSE where that is enough."""
+
+    def finish(self, title: str) -> None:
+        """Append what must stand behind everything else."""
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """The value as a variable, to be used several times."""
@@ -40,6 +46,7 @@ class BlockMemory:
 
     def __init__(self, code: Code) -> None:
         self._code = code
+        self._pulse: n.Name | None = None
 
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
@@ -52,6 +59,17 @@ class BlockMemory:
             return value
         into.append(assignment(flag, value))
         return flag
+
+    def starting(self) -> Expression:
+        """A pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
+        if self._pulse is None:
+            self._pulse = self._code.declare("FirstScan", initial="TRUE")
+        return self._pulse
+
+    def finish(self, title: str) -> None:
+        """The end of the pulse."""
+        if self._pulse is not None:
+            self._code.add(title, [assignment(self._pulse, FALSE)])
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """An assignment."""
@@ -88,6 +106,13 @@ class BitMemory:
         value = flag or self._code.declare(wanted)
         into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
         return value
+
+    def starting(self) -> Expression:
+        """The flag is the memory itself."""
+        return FALSE
+
+    def finish(self, title: str) -> None:
+        """Nothing."""
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """An assignment."""

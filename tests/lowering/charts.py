@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from plcopen_sfc import model as m
 
 
@@ -16,8 +18,17 @@ def training_chain() -> m.Pou:
     act(chart, steps[1], "Q2", m.Qualifier.S)
     act(chart, steps[2], "Q3", condition="B5")
     act(chart, steps[3], "Q2", m.Qualifier.R)
-    inputs = m.VariableSection(kind=m.SectionKind.INPUT, variables=[boolean(f"B{i}") for i in range(1, 6)])
-    outputs = m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[boolean(f"Q{i}") for i in range(1, 4)])
+    return pou_with(chart)
+
+
+def pou_with(chart: m.SfcNetwork) -> m.Pou:
+    """A function block with a chart. The names in its conditions are inputs, the targets of its actions outputs."""
+    texts = [t.condition.text for t in chart.transitions if isinstance(t.condition, m.Expression)]
+    texts += [a.condition.text for _, a in chart.associations() if isinstance(a.condition, m.Expression)]
+    read = {name for text in texts for name in re.findall(r"[A-Za-z]\w*", text)} - {"AND", "OR", "NOT", "TRUE", "FALSE"}
+    written = {a.target for _, a in chart.associations() if a.target is not None}
+    inputs = m.VariableSection(kind=m.SectionKind.INPUT, variables=[boolean(name) for name in sorted(read)])
+    outputs = m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[boolean(name) for name in sorted(written)])
     return m.Pou(
         name="Ablauf",
         kind=m.PouKind.FUNCTION_BLOCK,
