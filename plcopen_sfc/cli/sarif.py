@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from hashlib import sha256
 from pathlib import PurePath, PurePosixPath
 from typing import Any
 from urllib.parse import quote
@@ -61,6 +62,9 @@ def _result(finding: Diagnostic, places: dict[str, int]) -> dict[str, Any]:
         "message": {"text": text},
     }
     locations = _locations(finding.location)
+    if finding.location.path:  # the same finding after an edit that moves it to another line
+        what = f"{finding.code} {finding.location.path}"
+        result["partialFingerprints"] = {"objectPath/v1": sha256(what.encode()).hexdigest()}
     return result | ({"locations": locations} if locations else {})
 
 

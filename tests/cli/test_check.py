@@ -182,6 +182,7 @@ class TestSarif:
             assert location["physicalLocation"]["artifactLocation"]["uri"] in (PRESS, WRONG)
             assert location["physicalLocation"]["region"]["startLine"] > 0
             assert location["logicalLocations"][0]["fullyQualifiedName"].startswith("POU ")
+            assert result["partialFingerprints"]["objectPath/v1"].isalnum()
 
     def test_unreadable_files_are_notifications(self, cli, fixtures):
         outcome = cli("check", "broken/truncated.xml", "--format", "sarif")

@@ -21,7 +21,7 @@ from plcopen_sfc.model.types import DataType
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
 
-_MOST_MARKINGS = 20_000
+MOST_MARKINGS = 5_000
 """Markings that are visited for each chart before questions about all of them are left unanswered."""
 
 
@@ -129,7 +129,7 @@ class CheckedChart:
     @cached_property
     def graph(self) -> MarkingGraph:
         """The situations that the net can come into. Rivals never fire together here: a rule of its own is on those."""
-        return marking_graph(self.net, cap=_MOST_MARKINGS)
+        return marking_graph(self.net, cap=MOST_MARKINGS)
 
     @cached_property
     def types(self) -> dict[str, DataType]:

@@ -12,7 +12,7 @@ from plcopen_sfc.analysis.checks.rules import Finding, Rule
 from plcopen_sfc.analysis.marking import Firing
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
 _LONGEST_WAY = 6
 
@@ -61,13 +61,13 @@ def started_elsewhere(chart: CheckedChart) -> int:
 def structurally_reachable(net: Net, start: int) -> int:
     """The steps that tokens may come to if no two of them ever miss each other: never too few."""
     reached = start
-    waiting = [t for t in net.transitions if t.sources]
-    while True:
-        firing = [t for t in waiting if not t.pre & ~reached]
-        if not firing:
-            return reached
-        reached = reduce(or_, (t.post for t in firing), reached)
-        waiting = [t for t in waiting if t.pre & ~reached]
+    waiting = list(indexes(start))
+    while waiting:
+        for transition in (net.transitions[i] for i in net.leaving[waiting.pop()]):
+            if not transition.pre & ~reached:
+                waiting += indexes(transition.post & ~reached)
+                reached |= transition.post
+    return reached
 
 
 def unreachable(chart: CheckedChart) -> tuple[NetStep, ...]:

@@ -53,6 +53,16 @@ def _never_set(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(use.sheet.at(use.step, use.association), message)
 
 
+def _both_at_once(chart: CheckedChart) -> Iterator[Finding]:
+    for found in by_operand(chart).values():
+        setting = {id(use.step): use for use in found if use.manner is Manner.SET and use.association.event is None}
+        for use in found:
+            other = setting.get(id(use.step))
+            if other is not None and use.manner is Manner.RESET and use.association.event is None:
+                message = f"the step sets {use.name} ({_how(other)}) and resets it: the reset wins"
+                yield Finding(use.sheet.at(use.step, use.association), message)
+
+
 def _chart(first: str, second: str) -> str:
     return f"""
 INITIAL_STEP S1: {first} END_STEP
@@ -96,4 +106,15 @@ ACT10 = Rule(
     example=_chart("q(R);", ""),
     check=_never_set,
     severity=Severity.INFO,
+)
+
+ACT18 = Rule(
+    code="ACT18",
+    title="A step does not set and reset the same operand",
+    why="R dominates in the action control of IEC 61131-3 (ed. 3, 6.7.4.6), so that the operand is never set; where "
+    "the actions are coils, the last line counts.",
+    hint="Remove one of them, or use P1 and P0.",
+    example=_chart("q(S); q(R);", ""),
+    check=_both_at_once,
+    severity=Severity.WARNING,
 )

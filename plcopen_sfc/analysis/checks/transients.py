@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.checks.charts import CheckedChart
 from plcopen_sfc.analysis.checks.rules import Finding, Rule
-from plcopen_sfc.analysis.exclusivity import Truth
+from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.networks import NetworkExpression
 
 
 def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
@@ -39,6 +41,30 @@ def _endless(chart: CheckedChart) -> Iterator[Finding]:
         yield Finding(chart.place_of(chart.net.transitions[cycle[0]]), f"always true in a circle: {names}")
 
 
+def _run_through(chart: CheckedChart) -> Iterator[Finding]:
+    net = chart.net
+    for step in net.steps:
+        entering = [net.transitions[i] for i in net.entering[step.index]]
+        leaving = [net.transitions[i] for i in net.leaving[step.index] if len(net.transitions[i].sources) == 1]
+        after = [chart.condition(chart.sheet_of(t), t.transition) for t in leaving]
+        plain = [condition for condition in after if not condition.before]
+        if not entering or not plain or any(chart.truth(chart.sheet_of(t), t.transition) in _SAID for t in leaving):
+            continue
+        before = [chart.condition(chart.sheet_of(t), t.transition) for t in entering]
+        if all(_implies(condition, plain, chart) for condition in before):
+            message = "whenever the step is entered, a transition that leaves it is true already"
+            yield Finding(chart.place_of(step), message)
+
+
+_SAID = frozenset({Truth.ALWAYS})
+"""Of conditions that are always true another rule speaks."""
+
+
+def _implies(condition: NetworkExpression, others: list[NetworkExpression], chart: CheckedChart) -> bool:
+    """Whether one of the others is true with it. What is called before conditions may change from one to the next."""
+    return not condition.before and covered(condition, others, dialect=chart.dialect) is Answer.YES
+
+
 EVO01 = Rule(
     code="EVO01",
     title="The chart comes to rest",
@@ -54,4 +80,23 @@ TRANSITION FROM S2 TO S1 := a OR NOT a; END_TRANSITION
     check=_endless,
     severity=Severity.INFO,
     severities={"grafcet": Severity.ERROR},
+)
+
+EVO02 = Rule(
+    code="EVO02",
+    title="Steps are not run through",
+    why="The condition that enters the step lets it be left again, too. In GRAFCET the step is transient: its "
+    "continuous actions never happen. Elsewhere it is active for one scan, unless its actions change the variables.",
+    hint="Ask for something that comes later, or for an edge: the next press of the button, not the same.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := button AND ready; END_TRANSITION
+TRANSITION FROM S2 TO S3 := button; END_TRANSITION
+TRANSITION FROM S3 TO S1 := b; END_TRANSITION
+""",
+    check=_run_through,
+    severity=Severity.INFO,
+    severities={"grafcet": Severity.WARNING},
 )

@@ -481,6 +481,8 @@ case(
 )
 case("ACT17", guarded(None, interlock=True), guarded(None), "depends on the interlock", "s7graph")
 
+case("ACT18", steps("q(S); q(R);"), steps("q(S);", "q(R);"), "the step sets q (S) and resets it")
+
 # -- evolution, times, limits, lowering
 
 CIRCLE = """
@@ -490,6 +492,15 @@ TRANSITION FROM S2 TO S3 := TRUE; END_TRANSITION
 TRANSITION FROM S3 TO S2 := %s; END_TRANSITION
 """
 case("EVO01", text(CIRCLE % "b OR NOT b"), text(CIRCLE % "b"), "always true in a circle: S2 -> S3, S3 -> S2", "grafcet")
+
+
+RUN = """
+INITIAL_STEP S1: END_STEP STEP S2: END_STEP STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := button AND ready; END_TRANSITION
+TRANSITION FROM S2 TO S3 := %s; END_TRANSITION
+TRANSITION FROM S3 TO S1 := b; END_TRANSITION
+"""
+case("EVO02", text(RUN % "button"), text(RUN % "button AND x"), "whenever the step is entered", "grafcet")
 
 
 def timed(least: str, most: str) -> Callable[[], Subject]:

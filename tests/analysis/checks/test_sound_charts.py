@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest.mock import patch
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -55,6 +57,13 @@ def test_nothing_is_wrong_with_the_structure_of_nested_branches(chart: SfcNetwor
     assert structure == []
     prepare(project, DrawingStyle.PLAIN, positions=False)
     assert [str(f) for f in sfc.check(project, profile=profile, select=["STR"])] == []
+
+
+@settings(max_examples=60, deadline=None)
+@given(blocks(), st.integers(1, 10))
+def test_nothing_is_made_up_where_there_are_too_many_situations(chart: SfcNetwork, most: int) -> None:
+    with patch("plcopen_sfc.analysis.checks.charts.MOST_MARKINGS", most):
+        assert [str(f) for f in sfc.check(chart, profile="iec", select=["STR"])] == []
 
 
 @settings(max_examples=150, deadline=None)
