@@ -113,10 +113,11 @@ class VersionNeed(NamedTuple):
 class OldVersionError(SfcError):
     """A file was to be written for an older version of its tool than its content needs. Nothing was written.
 
-    `needs` lists what needs which newer version.
+    `needs` lists what in a file written for `version` needs which newer one.
     """
 
     def __init__(self, version: str, needs: Iterable[VersionNeed]) -> None:
+        self.version = version
         self.needs = tuple(needs)
         lines = [f"{need.path}: {need.feature} needs {need.version}" for need in self.needs[:_SHOWN]]
         if len(self.needs) > len(lines):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from plcopen_sfc.documents import encode, normalized, note_unreadable, prepared, refuse_losses, verify
-from plcopen_sfc.errors import FileAccessError, Location
+from plcopen_sfc.errors import FileAccessError, Location, OldVersionError
 from plcopen_sfc.files import read_bytes, write_all
 from plcopen_sfc.folders.loading import add_document, files_below, settle
 from plcopen_sfc.folders.merging import merged, shared_fields, with_objects, without_objects
@@ -126,13 +126,28 @@ def _encode(
     fresh: bool,
 ) -> dict[str, bytes]:
     """The bytes of each document, by path."""
-    contents: dict[str, bytes] = {}
-    for document in planned:
+
+    def write(document: PlannedDocument) -> bytes:
         wanted = name if document.source is not None or name != origin.format else f"{name}-{origin.version}"
         data, found = encode(document.project(), wanted, flavour=flavour, fresh=fresh)
-        contents[document.path] = data
         report.extend(found.items)
         report.unchanged = report.unchanged and found.unchanged and document.path == document.source
+        return data
+
+    return _write_each(planned, write)
+
+
+def _write_each(planned: list[PlannedDocument], write: Callable[[PlannedDocument], bytes]) -> dict[str, bytes]:
+    """The bytes of each document, by path. Raises one `OldVersionError` for all documents that need a newer version."""
+    contents: dict[str, bytes] = {}
+    refused: list[OldVersionError] = []
+    for document in planned:
+        try:
+            contents[document.path] = write(document)
+        except OldVersionError as error:
+            refused.append(error)
+    if refused:
+        raise OldVersionError(refused[0].version, [need for error in refused for need in error.needs])
     return contents
 
 
@@ -146,7 +161,7 @@ def _convert(
     if not copy.header.product:
         copy.header = codec.new_document(version).header
     planned = plan_anew(copy, kind, version)
-    contents = {document.path: codec.write(document.project(), options, report) for document in planned}
+    contents = _write_each(planned, lambda document: codec.write(document.project(), options, report))
     back = FolderOrigin(kind.name, version, "", {}, {}, {}, [], [])
     things: list[ProjectObject] = []
     for document in planned:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import FileAccessError, LossError, ModelError, UnknownFormatError
+from plcopen_sfc.errors import FileAccessError, LossError, ModelError, OldVersionError, UnknownFormatError
 from plcopen_sfc.model import Project
 from tests.folders.exports import PLACES, block, changes, contents, export
 
@@ -272,6 +272,17 @@ def test_twins_and_versions_are_told(tmp_path: Path) -> None:
         assert data.replace(b"_neu", b"") == before[path]
     sfc.save(project, tmp_path, format="simaticml-V16")
     assert {document[40:120].count(b"V16") for document in contents(tmp_path).values()} == {1}
+
+
+def test_a_version_that_is_too_old_names_what_all_documents_need(tmp_path: Path) -> None:
+    folder = export(tmp_path)
+    motor = (folder / "Program blocks" / "FB_Motor.xml").read_bytes()
+    (folder / "Motor2.xml").write_bytes(motor.replace(b">FB_Motor<", b">FB_Motor2<"))
+    project = sfc.load(folder)
+    with pytest.raises(OldVersionError) as caught:
+        sfc.save(project, tmp_path / "old", format="simaticml", tia="V14 SP1")
+    assert {need.path.partition(" / ")[0] for need in caught.value.needs} >= {"POU FB_Motor", "POU FB_Motor2"}
+    assert not (tmp_path / "old").exists()
 
 
 def test_a_file_changed_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
