@@ -253,7 +253,7 @@ def write_path(
 
 
 def _is_first_schema(element: etree._Element) -> bool:
-    """Whether an element is of the first schemas of programs, those of V14 SP1: an index has no mark of its own there."""
+    """Whether an element is of the first schemas of programs (V14 SP1), where an index has no mark of its own."""
     found = schema_of(etree.QName(element).namespace or "")
     return found is not None and found[1] == 1 and found[0] != "StructuredText"
 

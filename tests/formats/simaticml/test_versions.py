@@ -29,7 +29,6 @@ from plcopen_sfc.report import Fate
 from tests.formats.simaticml.documents import ALL_PARAMS, CORPUS_PARAMS, FIXTURES, GRAPH_PARAMS, parsed
 from tests.formats.simaticml.official import official, outer_parts, without_namespace
 
-
 LARGE = 300_000
 """Documents of more bytes are tried in few versions."""
 
@@ -45,6 +44,12 @@ def test_namespaces() -> None:
     assert schema_of("http://example.org/v5") is None
     markup = f'<a xmlns="{uri}"/>'
     assert concrete(neutral(markup), {"Graph": 6}) == f'<a xmlns="{namespace("Graph", 6)}"/>'
+
+
+def the_chart(project: sfc.Project) -> sfc.SfcNetwork:
+    chart = project.pou("FB_Drill").sfc
+    assert chart is not None
+    return chart
 
 
 def check(element: etree._Element, kind: str, number: int) -> None:
@@ -131,7 +136,7 @@ def canonical(project: sfc.Project) -> sfc.Project:
 
 def test_what_needs_a_newer_version_is_listed() -> None:
     project = sfc.load(FIXTURES / "FB_Drill.xml")
-    chart = project.pou("FB_Drill").sfc
+    chart = the_chart(project)
     chart.step("Drill").title = MultilingualText(texts={"de-DE": "Bohren"})
     chart.step("Drill").comment = MultilingualText(texts={"zh-Hans-CN": "Bohren"})
     with pytest.raises(OldVersionError) as caught:
@@ -151,14 +156,14 @@ def test_an_edit_that_the_version_of_the_file_cannot_say_is_refused() -> None:
     old = sfc.dumps(sfc.load(FIXTURES / "FB_Drill.xml"), tia="V14 SP1")
     project = sfc.loads(old)
     assert sfc.dumps(project) == old
-    project.pou("FB_Drill").sfc.step("Drill").title = MultilingualText(texts={"de-DE": "Bohren"})
+    the_chart(project).step("Drill").title = MultilingualText(texts={"de-DE": "Bohren"})
     with pytest.raises(OldVersionError, match="step Drill"):
         sfc.dumps(project)
 
 
 def test_categories_of_alarms_follow_the_version() -> None:
     project = sfc.load(FIXTURES / "FB_Drill.xml")
-    settings = project.pou("FB_Drill").sfc.graph_settings
+    settings = the_chart(project).graph_settings
     assert settings is not None
     usual = [AlarmCategory(name=n, id=i, display_class=d, text=t) for n, i, d, t in USUAL_CATEGORIES[True]]
     usual[0].display_class = 3
@@ -167,7 +172,7 @@ def test_categories_of_alarms_follow_the_version() -> None:
     old = sfc.dumps(project, tia="V15")
     assert b"AlarmSubcategory1Interlock" not in old
     assert sfc.loads(sfc.dumps(sfc.loads(old), tia="V20")) == project
-    settings = project.pou("FB_Drill").sfc.graph_settings
+    settings = the_chart(project).graph_settings
     assert settings is not None
     settings.alarm_categories[-1].id = 7
     with pytest.raises(OldVersionError, match="categories of alarms"):
@@ -199,7 +204,7 @@ def test_a_newer_version_is_read_as_the_one_before_it(name: str) -> None:
     assert [d.code for d in project.diagnostics] == ["XML210"]
     assert name in project.diagnostics[0].message
     assert sfc.dumps(project) == data
-    project.pou("FB_Drill").sfc.step("Drill").max_time = "T#99s"
+    the_chart(project).step("Drill").max_time = "T#99s"
     edited = sfc.dumps(project)
     assert f'version="{name}"'.encode() in edited
     assert sum(a != b for a, b in zip(data.splitlines(), edited.splitlines(), strict=True)) == 1
