@@ -16,6 +16,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_comments,
     read_languages,
 )
+from plcopen_sfc.formats.simaticml.start_values import read_elements
 from plcopen_sfc.formats.simaticml.types import read_type, write_type
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, StringType, StructType
 from plcopen_sfc.model.variables import SectionKind
@@ -97,6 +98,7 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
     spelled = left.pop("Datatype", "")
     fields: Fields = {"name": left.pop("Name", "")}
     members: list[Fields] = []
+    elements: list[etree._Element] = []
     listed: dict[str, str] = {name: left.pop(name) for name in MEMBER_ATTRIBUTES if name in left}
     for child in element:
         kind = local(child)
@@ -110,6 +112,8 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
         elif kind == "StartValue" and "initial" not in fields:
             fields["initial"] = {"kind": "simple", "text": child.text}
             _marks(fields, child, kind)
+        elif kind == "Subelement":
+            elements.append(child)
         else:
             carry_element(fields, child)
     if listed:
@@ -117,6 +121,11 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
     if left:
         carried(fields)["attributes"].update(left)
     fields["type"] = read_type(spelled, members)
+    initial = read_elements(fields["type"], elements) if elements and "initial" not in fields else None
+    if initial is not None:
+        fields["initial"] = initial
+    for child in elements if initial is None else ():
+        carry_element(fields, child)
     if members and spelled.rpartition(" ")[2] != "Struct":
         for child in children(element):
             if local(child) == "Member":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, SECTIONS, usual_form
+from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
 from plcopen_sfc.formats.xml.carrying import legal
@@ -84,6 +85,8 @@ def write_member(ctx: WriteContext, parent: etree._Element, variable: Variable, 
     native = {"name", "type", "comment", "attributes"}
     if isinstance(variable.initial, SimpleValue):
         sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(variable.initial.text or "") or None
+        native.add("initial")
+    elif variable.initial is not None and write_elements(element, variable.type, variable.initial):
         native.add("initial")
     if not is_sayable(variable.type):
         native.discard("type")
