@@ -10,9 +10,14 @@ from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.model import (
     ActionAssociation,
     ActionEvent,
+    BodyCondition,
+    Coil,
     Dialect,
     Expression,
+    FbdBody,
     GraphSettings,
+    InputPin,
+    LogicNetwork,
     PermanentOperation,
     Qualifier,
     SfcNetwork,
@@ -361,6 +366,22 @@ def test_an_empty_condition_is_always_satisfied() -> None:
     chart = with_actions()
     chart.transitions[0].condition = None
     assert rig(chart).scan(2).active == "S2"
+
+
+def test_networks_with_nothing_but_their_coil_are_empty() -> None:
+    """What the FBD editor shows of a condition that nobody has programmed."""
+
+    def empty(name: str) -> BodyCondition:
+        coil = Coil(id=1, variable=name, input=InputPin())
+        return BodyCondition(name=name, body=FbdBody(networks=[LogicNetwork(nodes=[coil])]))
+
+    chart = with_actions(act("N", interlock=True))
+    chart.step("S2").interlock = Supervised(condition=empty("IlCoil"))
+    chart.step("S2").supervision = Supervised(condition=empty("SvCoil"))
+    chart.transitions[0].condition = empty("TrCoil")
+    bench = rig(chart, "Q").scan(2)
+    assert (bench.active, bench["Q"]) == ("S2", True)
+    assert bench.scan(c2=True).active == "S3"
 
 
 @pytest.mark.parametrize("qualifier", ["P", "P0", "P1", "SD", "DS", "SL"])

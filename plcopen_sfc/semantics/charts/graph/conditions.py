@@ -11,15 +11,29 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.model import BodyCondition, Coil, FbdBody, InputPin, LdBody
 from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
-    from plcopen_sfc.model import Step
+    from plcopen_sfc.model import Condition as ModelCondition
     from plcopen_sfc.semantics.programs import Scope
 
 Condition = Callable[[Frame], bool]
+
+
+def _leads(pin: InputPin | None) -> bool:
+    return pin is not None and bool(pin.connections or pin.expression)
+
+
+def programmed(condition: ModelCondition | None) -> ModelCondition | None:
+    """The condition, unless it is an empty network: its coil alone, which nothing leads to."""
+    if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
+        nodes = [node for network in condition.body.networks for node in network.nodes]
+        if all(isinstance(node, Coil) and not _leads(node.input) for node in nodes):
+            return None
+    return condition
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,12 +58,14 @@ class StepConditions:
     def translate(self, scope: Scope, path: str) -> None:
         """Prepare the conditions."""
         for step in self._net.steps:
-            model: Step = step.step
             where = f"{path} / {step.path}"
-            if model.interlock is not None and model.interlock.condition is not None:
-                self._interlocks[step.index] = scope.condition(model.interlock.condition, where, chart=step.chart)
-            if model.supervision is not None and model.supervision.condition is not None:
-                self._supervisions[step.index] = scope.condition(model.supervision.condition, where, chart=step.chart)
+            for supervised, found in (
+                (step.step.interlock, self._interlocks),
+                (step.step.supervision, self._supervisions),
+            ):
+                condition = programmed(supervised.condition if supervised is not None else None)
+                if condition is not None:
+                    found[step.index] = scope.condition(condition, where, chart=step.chart)
 
     def check(self, frame: Frame, active: int, *, acknowledge: bool) -> Checked:
         """Evaluate the conditions of active steps; sets their events."""

@@ -14,13 +14,13 @@ from plcopen_sfc.semantics.charts.actions import Owner, check_associations
 from plcopen_sfc.semantics.charts.declaring import override
 from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.charts.graph.actions import GraphActions, Happening
-from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions
+from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions, programmed
 from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run
 from plcopen_sfc.semantics.charts.step_actions import check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, tick
-from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
@@ -106,19 +106,7 @@ class GraphProgram:
         self._actions.translate()
         self._parameters.translate()
         self._conditions.translate(self._scope, self.path)
-        self._moves = tuple(
-            Move(
-                t.pre,
-                t.post,
-                t.bit,
-                self._scope.condition(t.transition.condition, f"{self.path} / {t.path}", chart=t.chart)
-                if t.transition.condition is not None
-                else _satisfied,
-                t.transition.priority is not None,
-                t.path,
-            )
-            for t in self.net.transitions
-        )
+        self._moves = tuple(self._move(transition) for transition in self.net.transitions)
         self._pre = self._bodies([(p.body, "before") for p in self._chart.permanent_pre])
         if self._chart.logic:
             self._pre += (self._scope.chart_logic(self._chart, self.path),)
@@ -129,6 +117,14 @@ class GraphProgram:
             for slot, text in ((data.T_MAX, s.step.max_time), (data.T_WARN, s.step.warning_time))
             if text
         )
+
+    def _move(self, transition: NetTransition) -> Move:
+        model = transition.transition
+        stated = programmed(model.condition)
+        where = f"{self.path} / {transition.path}"
+        condition = self._scope.condition(stated, where, chart=transition.chart) if stated is not None else _satisfied
+        numbered = model.priority is not None
+        return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
 
     def _bodies(self, bodies: list[tuple[Any, str]]) -> tuple[Run, ...]:
         return tuple(
