@@ -6,9 +6,7 @@ it holds for every chart, also for one that is not safe.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.nodes import Statement
 from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, when
 from plcopen_sfc.lowering.steps import StepFlags
 
@@ -16,13 +14,12 @@ from plcopen_sfc.lowering.steps import StepFlags
 class StepBits(StepFlags):
     """Lowers one chart into `code`."""
 
-    def evolve(self) -> Mapping[int, Expression]:
-        """Transitions, resets, sets."""
-        fired = self.add_transitions()
+    def move(self) -> None:
+        """Append all resets, then all sets."""
         resets: list[Statement] = []
         sets: list[Statement] = []
         for transition in self.net.transitions:
-            flag = fired[transition.index]
+            flag = self.fired[transition.index]
             leaving = [assignment(self.flags[i], FALSE) for i in transition.sources]
             entering = [assignment(self.flags[i], TRUE) for i in transition.targets]
             resets += [when(flag, *leaving)] if leaving else []
@@ -33,4 +30,3 @@ class StepBits(StepFlags):
             sets.append(when(self.init, *(assignment(flag, TRUE) for flag in initial)))
         self.code.add(self.texts.resets, resets)
         self.code.add(self.texts.sets, sets)
-        return self.reentered(fired)

@@ -61,8 +61,15 @@ class CaseChain(Chain):
         """A comparison of the state."""
         return n.Operation(Operator.EQUAL, (self._state, n.Literal(str(self._numbers[step]))))
 
-    def evolve(self) -> Mapping[int, Expression]:
-        """The CASE with the transitions of each step."""
+    def move(self) -> None:
+        """Nothing: the CASE has moved already."""
+
+    def reentered(self) -> Mapping[int, Expression]:
+        """Nothing tells: where it matters the chart is refused."""
+        return {}
+
+    def choose(self) -> None:
+        """Append the CASE with the transitions of each step."""
         lines = [f"CASE {self._text(self._state)} OF"]
         for step in self.net.steps:
             lines.append(f"{_INDENT}{self._numbers[step.index]}: // {self._heading(step)}")
@@ -75,7 +82,6 @@ class CaseChain(Chain):
                 "END_IF;",
             ]
         self.code.networks.append(TextNetwork(self.texts.chain, "\n".join(lines)))
-        return {}
 
     def classic(self) -> None:
         """Each branch: the actions of the step, then its transition."""

@@ -20,7 +20,10 @@ from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class Chain(ABC):
-    """Lowers one chart into `code`. A construction says what a step is (`active`) and how it changes (`evolve`)."""
+    """Lowers one chart into `code`.
+
+    A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`).
+    """
 
     def __init__(self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules) -> None:
         self.code, self.memory, self.rules = code, memory, rules
@@ -44,23 +47,33 @@ class Chain(ABC):
         """Whether a step, given by its index in the net, is active."""
 
     @abstractmethod
-    def evolve(self) -> Mapping[int, Expression]:
-        """Append the networks of one evolution; for steps that can be left and entered at once, when they are."""
+    def choose(self) -> None:
+        """Append the networks that tell which transitions fire."""
+
+    @abstractmethod
+    def move(self) -> None:
+        """Append the networks that change the situation as the transitions want it, if choosing does not."""
+
+    @abstractmethod
+    def reentered(self) -> Mapping[int, Expression]:
+        """For steps that can be left and entered at once: when they are."""
 
     def exact(self) -> None:
         """One scan, as the chart has it."""
         self.code.add(self.texts.logic, self.source.logic)
         times = self.times.calls()
-        self.code.add(self.texts.times, times)
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            self.move()  # what was chosen in the last scan
+            self.code.add(self.texts.times, times)
             self.add_actions()
-            self.evolve()
-            self.memory.finish(self.texts.first_scan)
-            return
-        reentered = self.evolve()
-        restarts = [s for step, when in reentered.items() for s in self.times.restarts(step, when)]
-        self.code.add(self.texts.times, [*restarts, *times])
-        self.add_actions()
+            self.choose()
+        else:
+            self.code.add(self.texts.times, times)
+            self.choose()
+            self.move()
+            restarts = [s for step, when in self.reentered().items() for s in self.times.restarts(step, when)]
+            self.code.add(self.texts.times, [*restarts, *times])
+            self.add_actions()
         self.memory.finish(self.texts.first_scan)
 
     def add_actions(self) -> None:

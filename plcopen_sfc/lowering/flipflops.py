@@ -8,8 +8,6 @@ the step behind. It does something else than the chart; see docs/lowering.md.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.logic import conjunction, disjunction
 from plcopen_sfc.lowering.steps import StepFlags
@@ -20,16 +18,14 @@ from plcopen_sfc.semantics.net import NetStep
 class FlipFlopChain(StepFlags):
     """Lowers one chart into `code`."""
 
-    def evolve(self) -> Mapping[int, Expression]:
-        """Transitions first, then a network for each step."""
-        fired = self.add_transitions()
+    def move(self) -> None:
+        """Append a network for each step."""
         for step in self.net.steps:
             entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
             loops = set(entering) & set(leaving)  # such a step stays active: neither set nor reset
-            set_: list[Expression] = [fired[i] for i in entering if i not in loops]
-            reset: list[Expression] = [fired[i] for i in leaving if i not in loops]
+            set_: list[Expression] = [self.fired[i] for i in entering if i not in loops]
+            reset: list[Expression] = [self.fired[i] for i in leaving if i not in loops]
             self._add_step(step, set_, reset)
-        return self.reentered(fired)
 
     def classic(self) -> None:
         """The textbook chain: steps one after the other, each looks at the flags as they are at that moment."""

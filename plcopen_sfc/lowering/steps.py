@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
@@ -16,10 +18,14 @@ class StepFlags(Chain):
     def declare_states(self, source: ChartSource) -> None:
         """The flags, those of initial steps TRUE at the start."""
         self.flags: list[n.Name] = []
+        self.fired: list[n.Name] = []
         for step in source.net.steps:
             initial = "TRUE" if source.net.initial & step.bit else None
             comment = self.texts.flag_of(step.path)
             self.flags.append(self.code.declare(self.texts.flag_name(step.step), initial=initial, comment=comment))
+        for transition in source.net.transitions:
+            comment = self.texts.transition_of(transition.path)
+            self.fired.append(self.code.declare(f"T{transition.index + 1}", comment=comment))
 
     def active(self, step: int) -> Expression:
         """The flag of a step."""
@@ -29,23 +35,19 @@ class StepFlags(Chain):
         """All its steps are active."""
         return conjunction(self.flags[i] for i in transition.sources)
 
-    def add_transitions(self) -> list[n.Name]:
+    def choose(self) -> None:
         """Append a bit for each transition: enabled, its condition TRUE, and no rival before it has fired."""
-        fired: list[n.Name] = []
         statements: list[Statement] = []
         for transition in self.net.transitions:
-            comment = self.texts.transition_of(transition.path)
-            flag = self.code.declare(f"T{transition.index + 1}", comment=comment)
             rivals = transition.rivals if self.profile.rivals is Rivals.PRIORITY else ()
             enabled = [self.enabled(transition)]
-            free = [negation(fired[i]) for i in rivals] + ([negation(self.init)] if self.init is not None else [])
+            free = [negation(self.fired[i]) for i in rivals]
+            free += [negation(self.init)] if self.init is not None else []
             statements += self.prepared(transition.index, conjunction([*enabled, *free]))
             condition = self.source.conditions[transition.index]
-            statements.append(assignment(flag, conjunction([*enabled, condition, *free])))
-            fired.append(flag)
+            statements.append(assignment(self.fired[transition.index], conjunction([*enabled, condition, *free])))
         self.code.add(self.texts.transitions, statements)
-        return fired
 
-    def reentered(self, fired: list[n.Name]) -> dict[int, Expression]:
-        """For steps that a transition leaves and enters at once: its bit."""
-        return {i: fired[t.index] for t in self.net.transitions for i in t.sources if i in t.targets}
+    def reentered(self) -> Mapping[int, Expression]:
+        """Steps that a transition leaves and enters at once: its bit."""
+        return {i: self.fired[t.index] for t in self.net.transitions for i in t.sources if i in t.targets}
