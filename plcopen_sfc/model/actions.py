@@ -20,6 +20,11 @@ class Qualifier(StrEnum):
     IEC 61131-3 (ed. 3, table 59): N R S L D P P0 P1 SD DS SL; R0 is its alias for R. TC6 also lists DL. S7-GRAPH: N S
     R D L CALL, the step switches ON and OFF, counters CS CU CD CR and timers TL TD TR TF (used with an event). NONE:
     the association has no qualifier at all.
+
+    In S7-GRAPH, ON and OFF activate and deactivate the step that is the target (``S_ALL``: all of them). CS sets a
+    counter to the value, CU and CD count up and down, CR resets it. TL starts a timer as an extended pulse, TD as a
+    retentive on-delay, TR stops and resets it; TF, an off-delay, is the one that needs no event. Their time is the
+    duration. CALL calls the block in the body.
     """
 
     NONE = "None"
@@ -62,7 +67,8 @@ class ActionEvent(StrEnum):
 
     S1/S0 the step becomes active/inactive, V1/V0 a supervision error comes/goes, L1/L0 the interlock is lost/restored,
     A1 an error is acknowledged, R1 a registration comes. C: the action depends on the interlock (see
-    `ActionAssociation.interlock`, which is where files say it).
+    `ActionAssociation.interlock`, which is where files say it). An action with an event is executed in one cycle, that
+    in which the event comes, and not while the step is active; with an interlock it needs that in this cycle too.
     """
 
     S1 = "S1"

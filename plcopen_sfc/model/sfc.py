@@ -48,6 +48,14 @@ class Step(Element):
     expressions: `min_time` and `max_time` of CODESYS, `max_time` and `warning_time` of S7-GRAPH. `entry_action`,
     `main_action` and `exit_action` are the CODESYS step actions: the name of an action of the POU or of an instance
     (``Motor.ACT_Stop``), or a body in place. `negated`: the output to its action blocks is inverted (TC6).
+
+    S7-GRAPH declares a static member of the block for each step, of its name (``G7_StepPlus``). Programs read: ``.X``
+    active; ``.T`` how long it is active, ``.U`` the same without the time of disturbances; ``.S1`` ``.S0`` TRUE for
+    the cycle in which it becomes active, inactive; ``.LA`` ``.VA`` the interlock is not satisfied, there is a
+    supervision error; ``.L1`` ``.L0`` ``.V1`` ``.V0`` these come and go; ``.A1`` an error is acknowledged; ``.LS``
+    ``.VS`` what the networks say now; ``.SNO`` its number; ``.T_MAX`` ``.T_WARN`` its times. For a transition
+    (``G7_TransitionPlus``): ``.TV`` its steps are active, ``.TT`` its condition is satisfied, ``.TS`` it switches.
+    From other blocks: ``"Instance_DB".Step1.X``. (S7-GRAPH V6)
     """
 
     id: ElementId
@@ -73,7 +81,14 @@ class Step(Element):
 
 
 class Supervised(Model):
-    """The interlock or the supervision of an S7-GRAPH step: a condition, its title and the text of its alarm."""
+    """The interlock or the supervision of an S7-GRAPH step: a condition, its title and the text of its alarm.
+
+    An interlock (C) is what the actions marked with it need: they are executed only while it is TRUE. It does not hold
+    up the chart; while it is FALSE the step has an interlock error (events L1 when that comes, L0 when it goes). A
+    supervision (V) is a fault: while it is TRUE the step has a supervision error (events V1 and V0), and the chart
+    stays in the step until it is gone, and acknowledged where `GraphSettings.acknowledge_errors_required` says so.
+    No condition: there is none, the interlock is always satisfied, the supervision never disturbed. (S7-GRAPH V6)
+    """
 
     condition: Condition | None = None
     title: Text | None = None
@@ -155,14 +170,20 @@ class SfcSettings(Model):
 
 
 class PermanentOperation(Element):
-    """A network or call that S7-GRAPH executes in every cycle, before or after the sequences."""
+    """A network or call that S7-GRAPH executes in every cycle, before or after the sequences.
+
+    It does so always: in every operating mode, and while the sequences are off (``OFF_SQ``).
+    """
 
     title: Text | None = None
     body: Body | None = None
 
 
 class Sequence(Element):
-    """A sequence of an S7-GRAPH block (up to 8): the steps that belong to it."""
+    """A sequence of an S7-GRAPH block (up to 8): the steps that belong to it.
+
+    It ends where a transition leads to no step; only INIT_SQ starts it again then.
+    """
 
     title: Text | None = None
     steps: list[ElementId] = Field(default_factory=list)
@@ -178,7 +199,21 @@ class AlarmCategory(Model):
 
 
 class GraphSettings(Model):
-    """Block settings of S7-GRAPH (block attributes of TIA Openness). None: not stated."""
+    """Block settings of S7-GRAPH (block attributes of TIA Openness). None: not stated.
+
+    `acknowledge_errors_required`: a supervision error stays until ACK_EF acknowledges it. `lock_operating_mode`: the
+    operating mode cannot be changed. `permanent_interlock_processing_in_manual_mode`: interlocks are evaluated in
+    manual mode too. `skip_steps`: a step is skipped when the transitions before and after it are satisfied at once.
+    `with_alarm_handling`: errors make alarms, in the `alarm_categories`. `version` is that of the library of
+    S7-GRAPH (``GraphVersion``), `network_language` that of new networks.
+
+    Inputs of the block control the chart: INIT_SQ activates the initial steps and no others; OFF_SQ deactivates all
+    steps; ACK_EF acknowledges errors. SW_AUTO, SW_TAP, SW_TOP and SW_MAN choose the operating mode: automatic (a
+    satisfied transition switches), inching (it needs a rising edge of T_PUSH too), automatic or inching (one of both
+    is enough), and manual (S_SEL says which step, S_ON and S_OFF activate and deactivate it). S_PREV and S_NEXT choose
+    the step whose number the output S_NO shows; S_MORE: more steps are active, S_ACTIVE: this one is; ERR_FLT: there
+    is an error; AUTO_ON, TAP_ON, TOP_ON, MAN_ON: the mode. (S7-GRAPH V6)
+    """
 
     version: str | None = None
     acknowledge_errors_required: bool | None = None
