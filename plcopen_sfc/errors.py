@@ -162,7 +162,7 @@ class SimulationError(SfcError):
     @property
     def pou(self) -> str:
         """The POU in which it happened."""
-        return (self.location.path or "").partition(".")[0]
+        return (self.location.path or "").partition(" / ")[0].partition(".")[0]
 
     def __str__(self) -> str:
         return super().__str__() if self.scan is None else f"scan {self.scan}: {super().__str__()}"
@@ -181,8 +181,9 @@ class LoweringError(SfcError):
 
 
 class UnknownBehaviourError(SimulationError):
-    """A chart has something of which the profile does not say what it does: a qualifier of another tool, an event of
-    S7-GRAPH in a chart of CODESYS. It is not guessed.
+    """A chart has something of which the profile does not say what it does. It is not guessed.
+
+    A qualifier of another tool, for example, or an event of S7-GRAPH in a chart of CODESYS.
     """
 
 

@@ -118,7 +118,7 @@ class Actions:
             for (owner, model), association in zip(action.model, action.associations, strict=True):
                 self._translate(owner, model, association)
             model = action.model[0][1]
-            where = f"{self._path} / {action.model[0][0].path}"
+            where = f"{self._path} / step {action.model[0][0].path}"
             if action.name == "":
                 if model.body is not None:
                     action.run = self._scope.body(model.body, where)
@@ -128,7 +128,7 @@ class Actions:
                 action.run, action.write = execution(model.target, self._scope, where)
 
     def _translate(self, owner: Owner, model: ActionAssociation, association: Association) -> None:
-        where = f"{self._path} / {owner.path}"
+        where = f"{self._path} / step {owner.path}"
         if model.condition is not None:
             association.condition = self._scope.condition(model.condition, where)
         if model.duration:
@@ -248,7 +248,7 @@ def check_associations(owned: Sequence[tuple[Owner, ActionAssociation]], profile
     """Refuse what the profile does not know. Raises `UnknownBehaviourError`."""
     knows_grafcet = profile.order is ScanOrder.TRANSITIONS_FIRST and not profile.graph_parameters
     for owner, model in owned:
-        where = Location(path=f"{path} / {owner.path}")
+        where = Location(path=f"{path} / step {owner.path}")
         what = model.target or "a body"
         if model.qualifier not in profile.qualifiers:
             raise UnknownBehaviourError(

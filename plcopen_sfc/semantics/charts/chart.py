@@ -105,7 +105,7 @@ class ChartProgram:
             self._logic = self._scope.chart_logic(self._chart, self.path)
         self._moves = tuple(self._move(transition) for transition in self.net.transitions)
         for step in self.net.steps:
-            where = f"{self.path} / {step.path}"
+            where = f"{self.path} / step {step.path}"
             if self._profile.minimum_times and step.step.min_time:
                 self._waits[step.index] = self._wait(step.index, step.step.min_time, where)
             if self._profile.maximum_times and step.step.max_time and SfcFlag.ERROR in self._flags.used:
@@ -115,7 +115,7 @@ class ChartProgram:
 
     def _move(self, transition: NetTransition) -> Move:
         model = transition.transition
-        where = f"{self.path} / {transition.path}"
+        where = f"{self.path} / transition {transition.path}"
         stated = self._grafcet.condition(transition.index) if self._grafcet is not None else model.condition
         if stated is None:
             condition = _missing_condition(where)

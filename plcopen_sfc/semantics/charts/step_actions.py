@@ -23,7 +23,7 @@ def check_step_actions(net: Net, profile: Profile, path: str) -> None:
         if step.step.entry_action or step.step.main_action or step.step.exit_action:
             raise UnknownBehaviourError(
                 f"step {step.path} has entry, main or exit actions, which the profile {profile.name} does not have",
-                location=Location(path=f"{path} / {step.path}"),
+                location=Location(path=f"{path} / step {step.path}"),
             )
 
 
@@ -39,7 +39,7 @@ class StepActions:
     def translate(self, scope: Scope, path: str) -> None:
         """Prepare the bodies."""
         for index, step in enumerate(s.step for s in self._net.steps):
-            where = f"{path} / {self._net.steps[index].path}"
+            where = f"{path} / step {self._net.steps[index].path}"
             for action, found in (
                 (step.entry_action, self._entry),
                 (step.main_action, self._main),

@@ -267,3 +267,13 @@ def test_random_nets_do_what_the_rules_say(exclusive: bool, seed: int) -> None:
         marking = _reference(marking, transitions, true, exclusive=exclusive)
         assert rig.active.split() == [f"S{index}" for index in sorted(marking)]
         assert all(rig[f"S{index}.X"] is (index in marking) for index in range(size))
+
+
+def test_errors_say_the_scan_the_pou_and_the_place() -> None:
+    chart = chain("A", "B", conditions="c1;n/m>0")
+    rig = Rig(chart, variables="c1 n:INT m:INT").scan(3)
+    rig.scan(c1=True)
+    with pytest.raises(SimulationError) as found:
+        rig.scan()
+    assert (found.value.pou, found.value.location.path) == ("Main", "Main / transition B -> A")
+    assert "division by zero" in str(found.value)

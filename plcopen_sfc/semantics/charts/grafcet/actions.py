@@ -47,7 +47,7 @@ def _event(model: ActionAssociation, terms: Terms | None, path: str, owner: Owne
     if model.condition is None or terms is None:
         raise UnknownBehaviourError(
             f"the stored action on {model.target} has no event that the profile knows",
-            location=Location(path=f"{path} / {owner.path}"),
+            location=Location(path=f"{path} / step {owner.path}"),
         )
     return terms.rising(model.condition)
 
@@ -70,7 +70,7 @@ class GrafcetActions:
             if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
                 raise UnknownBehaviourError(
                     f"a continuous action gives {model.target} the value {model.value}: only Booleans have one",
-                    location=Location(path=f"{path} / {owner.path}"),
+                    location=Location(path=f"{path} / step {owner.path}"),
                 )
         continuous = [
             (
@@ -108,7 +108,7 @@ class GrafcetActions:
         """Prepare conditions and assignments."""
         self._continuous.translate()
         for stored in self._stored:
-            where = f"{self._path} / {stored.owner.path}"
+            where = f"{self._path} / step {stored.owner.path}"
             model = stored.model
             if model.body is not None:
                 stored.run = self._scope.body(model.body, where)

@@ -145,7 +145,7 @@ class Hierarchy:
         return tuple(ordered)
 
     def _place(self, where: str) -> Location:
-        return Location(path=f"{self._path} / {where}")
+        return Location(path=f"{self._path} / step {where}")
 
     def apply(self, before: int, situation: int, entered: int) -> int:
         """The situation after an evolution, as the charts above want it.

@@ -100,7 +100,7 @@ class GraphActions:
             self._rows[owner.steps.bit_length() - 1].append((row, model))
 
     def _check(self, owner: Owner, model: ActionAssociation) -> None:
-        where = Location(path=f"{self._path} / {owner.path}")
+        where = Location(path=f"{self._path} / step {owner.path}")
         if model.qualifier in _NEED_EVENT and model.event in (None, ActionEvent.C):
             raise UnknownBehaviourError(f"{model.qualifier} of {model.target} needs an event", location=where)
         if model.qualifier in (Qualifier.D, Qualifier.L, Qualifier.TF) and model.event not in (None, ActionEvent.C):
@@ -129,12 +129,14 @@ class GraphActions:
         for step in self._net.steps:
             if bare in (step.step.name.casefold(), f"s{step.step.number}"):
                 return step.bit
-        raise UnknownBehaviourError(f"there is no step {name}", location=Location(path=f"{self._path} / {owner.path}"))
+        raise UnknownBehaviourError(
+            f"there is no step {name}", location=Location(path=f"{self._path} / step {owner.path}")
+        )
 
     def translate(self) -> None:
         """Prepare operands, bodies and times."""
         for index, rows in enumerate(self._rows):
-            where = f"{self._path} / {self._net.steps[index].path}"
+            where = f"{self._path} / step {self._net.steps[index].path}"
             for row, model in rows:
                 self._translate(row, model, where)
 

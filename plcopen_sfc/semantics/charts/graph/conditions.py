@@ -58,7 +58,7 @@ class StepConditions:
     def translate(self, scope: Scope, path: str) -> None:
         """Prepare the conditions."""
         for step in self._net.steps:
-            where = f"{path} / {step.path}"
+            where = f"{path} / step {step.path}"
             for supervised, found in (
                 (step.step.interlock, self._interlocks),
                 (step.step.supervision, self._supervisions),

@@ -112,7 +112,11 @@ class GraphProgram:
             self._pre += (self._scope.chart_logic(self._chart, self.path),)
         self._post = self._bodies([(p.body, "after") for p in self._chart.permanent_post])
         self._limits = tuple(
-            (self._slots[s.index], slot, self._scope.expression(text, f"{self.path} / {s.path}", ELEMENTARY["TIME"]))
+            (
+                self._slots[s.index],
+                slot,
+                self._scope.expression(text, f"{self.path} / step {s.path}", ELEMENTARY["TIME"]),
+            )
             for s in self.net.steps
             for slot, text in ((data.T_MAX, s.step.max_time), (data.T_WARN, s.step.warning_time))
             if text
@@ -121,7 +125,7 @@ class GraphProgram:
     def _move(self, transition: NetTransition) -> Move:
         model = transition.transition
         stated = programmed(model.condition)
-        where = f"{self.path} / {transition.path}"
+        where = f"{self.path} / transition {transition.path}"
         condition = self._scope.condition(stated, where, chart=transition.chart) if stated is not None else _satisfied
         numbered = model.priority is not None
         return Move(transition.pre, transition.post, transition.bit, condition, numbered, transition.path)
