@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, SfcError
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
     from plcopen_sfc.report import ConversionReport, Fate
+    from plcopen_sfc.semantics.inputs import RandomInputs
+    from plcopen_sfc.semantics.simulation import simulate
+    from plcopen_sfc.semantics.trace import Trace
 
 _HOMES = {
     "check": "checking",
@@ -43,6 +46,9 @@ _HOMES = {
     "Transition": "model",
     "ConversionReport": "report",
     "Fate": "report",
+    "RandomInputs": "semantics.inputs",
+    "simulate": "semantics.simulation",
+    "Trace": "semantics.trace",
 }
 
 __all__ = [
@@ -54,10 +60,12 @@ __all__ = [
     "LossError",
     "ModelError",
     "Project",
+    "RandomInputs",
     "Severity",
     "SfcError",
     "SfcNetwork",
     "Step",
+    "Trace",
     "Transition",
     "__version__",
     "check",
@@ -67,6 +75,7 @@ __all__ = [
     "load",
     "loads",
     "save",
+    "simulate",
 ]
 
 

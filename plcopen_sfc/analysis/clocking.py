@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.semantics.subjects import Subject
 
 __all__ = ["Clocking", "clocking"]
@@ -21,6 +23,7 @@ _COMPARED = re.compile(
 )
 _CLOCK = re.compile(r"\bTIME\s*\(\s*\)|\bRD_SYS_T\b|\bTIME_TCK\b", re.IGNORECASE)
 _CALCULATED = re.compile(r"(?:[-+*/]|\bMOD)\s*$", re.IGNORECASE)
+_TIME_PIN = '"pin":"T"'  # of a step that a wire leads from
 _DEFAULT_SCAN = 10_000_000
 
 
@@ -29,16 +32,20 @@ class Clocking:
     """How time goes on in a search.
 
     `scan_time` in nanoseconds; `constants` are the durations in the programs; elapsed times beyond `limit` make no
-    difference any more (None: they may); `reason` says why no finite number of states can stand for all times.
+    difference any more (None: they may); `reason` says why no finite number of states can stand for all times. `timed`
+    are the steps whose time anything depends on, `anywhere` those of which it is read elsewhere than in the conditions
+    behind them. Names are in lower case.
     """
 
     scan_time: int
     constants: tuple[int, ...] = ()
     limit: int | None = None
     reason: str = ""
+    timed: frozenset[str] = frozenset()
+    anywhere: frozenset[str] = frozenset()
 
 
-def clocking(subjects: Iterable[Subject], scan_time: int | None) -> Clocking:
+def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
     """Look through programs for what they do with times.
 
     Without `scan_time` it is half of the greatest one that all durations are multiples of, so that every duration ends
@@ -60,7 +67,33 @@ def clocking(subjects: Iterable[Subject], scan_time: int | None) -> Clocking:
     durations = (a.duration for s in subjects if s.pou.sfc is not None for _, a in s.pou.sfc.associations())
     known = all(duration is None or _DURATION.fullmatch(duration.strip()) for duration in durations)
     limit = max(constants, default=0) + scan_time if plain and known else None
-    return Clocking(scan_time, tuple(constants), limit, reason)
+    timed, anywhere = _timed_steps(subjects, texts)
+    return Clocking(scan_time, tuple(constants), limit, reason, timed, anywhere)
+
+
+def _timed_steps(subjects: Sequence[Subject], texts: Sequence[str]) -> tuple[frozenset[str], frozenset[str]]:
+    """The names of steps whose time is used, and of those for which it is used when they are not active."""
+    read = Counter(name for text in texts for name in _times_read(text))
+    own: Counter[str] = Counter()
+    if any(_TIME_PIN in text for text in texts):
+        read.update(step.name.casefold() for s in subjects if s.pou.sfc is not None for step in s.pou.sfc.steps)
+    timed = set(read)
+    for subject in subjects:
+        chart = subject.pou.sfc
+        for step in chart.steps if chart is not None else ():
+            key = step.name.casefold()
+            if step.min_time or step.max_time or step.warning_time or any(a.duration for a in step.actions):
+                timed.add(key)
+            if chart is not None and key in read:
+                conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
+                own[key] += sum(_times_read(each.model_dump_json()).count(key) for each in conditions)
+    return frozenset(timed), frozenset(name for name, count in read.items() if count != own[name])
+
+
+def _times_read(text: str) -> list[str]:
+    """The steps whose time a text reads, each as often as it does."""
+    paths = (match.group().rpartition(".")[0].strip() for match in _STEP_TIME.finditer(text))
+    return [path.rpartition(".")[2].casefold() for path in paths]
 
 
 def _texts(subject: Subject) -> list[str]:

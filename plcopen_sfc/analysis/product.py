@@ -19,6 +19,7 @@ from plcopen_sfc.semantics.signals import Value
 
 __all__ = ["Branching", "Explored", "System", "compare", "explore", "failure_of"]
 
+_RUNS_FOR_A_STATE = 8
 InputReader = Callable[[str], Any]
 
 
@@ -96,7 +97,10 @@ class Explored:
 
 
 def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
-    """Search the product of two systems up to `cap` states. The domains grow by the constants that are found."""
+    """Search the product of two systems up to `cap` states, and eight scans for each of them.
+
+    The domains grow by the constants that are found.
+    """
     try:
         while True:
             try:
@@ -119,10 +123,15 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
     seen: set[Any] = set()
     branching = Branching(domains)
     waiting = deque([0])
+    runs = 0
     while waiting:
         number = waiting.popleft()
         before_left, before_right = states[number]
         for values in branching.combinations():
+            runs += 1
+            if runs > cap * _RUNS_FOR_A_STATE:
+                reason = f"more than {cap * _RUNS_FOR_A_STATE:,} scans to search"
+                return Explored(len(seen), depths[number], complete=False, reason=reason)
             left.restore(before_left)
             right.restore(before_right)
             ended = _scan(left, right, branching.read, first=number == 0)

@@ -12,7 +12,7 @@ from plcopen_sfc.cli.guard import guarded
 from plcopen_sfc.cli.streams import is_terminal, prepare_streams
 from plcopen_sfc.version import __version__
 
-Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files; patterns such as *.xml are expanded.")]
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files, folders of TIA exports, patterns (*.xml).")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No messages but errors.")]
 Verbose = Annotated[int, typer.Option("--verbose", "-v", count=True, help="More messages; twice: tracebacks.")]
@@ -37,7 +37,7 @@ def _app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_common)
-    for command in (_formats, _info, _validate, _check, _rules, _convert, _rename, _schema):
+    for command in (_formats, _info, _validate, _check, _rules, _convert, _rename, _simulate, _schema):
         app.command(command.__name__.removeprefix("_"))(command)
     return app
 
@@ -138,10 +138,11 @@ def _rules(
 
 
 def _convert(  # noqa: PLR0917  # typer calls it by name
-    source: Annotated[str, typer.Argument(metavar="SRC", help="The file to convert.")],
+    source: Annotated[str, typer.Argument(metavar="SRC", help="The file, or folder of a TIA export, to convert.")],
     to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="The format; `plcopen-sfc formats` lists them.")],
     target: Annotated[
-        str | None, typer.Argument(metavar="[DST]", help="Where to write; - is standard output. Usual: next to SRC.")
+        str | None,
+        typer.Argument(metavar="[DST]", help="A file, a folder (out/), - for standard output. Usual: next to SRC."),
     ] = None,
     flavour: Annotated[str, typer.Option("--for", metavar="TOOL", help="Write for a tool: beremiz.")] = "",
     tia: Annotated[str, typer.Option("--tia", metavar="VERSION", help="Write for a version of TIA Portal: V16.")] = "",
@@ -166,7 +167,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
 
 
 def _rename(  # noqa: PLR0917  # typer calls it by name
-    file: Annotated[str, typer.Argument(metavar="FILE", help="The file to change.")],
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The file, or folder of a TIA export, to change.")],
     old: Annotated[str, typer.Argument(metavar="OLD", help="What to rename: Main, Main.S3, GVL.x, Type.member.")],
     new: Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")],
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Show the changes of the file; write nothing.")] = False,
@@ -179,6 +180,46 @@ def _rename(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import rename  # noqa: PLC0415
 
         screen.exit_code = rename.run(screen, file, old, new, dry_run=dry_run)
+
+
+def _simulate(  # noqa: PLR0917  # typer calls it by name
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The file with the chart or program.")],
+    pou: Annotated[
+        str | None, typer.Option("--pou", metavar="NAME", help="Which of its POUs: Main, or Main.Fill for an action.")
+    ] = None,
+    inputs: Annotated[
+        str | None, typer.Option("--inputs", metavar="FILE.csv", help="Inputs: a column each, a row for each scan.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", metavar="N", help="Random inputs, the same for the same N.")
+    ] = None,
+    scans: Annotated[
+        int | None,
+        typer.Option("--scans", metavar="N", min=0, help="How many scans; usual: as many as inputs, or 100."),
+    ] = None,
+    scan_time: Annotated[str, typer.Option("--scan-time", metavar="TIME", help="The time from scan to scan.")] = "10ms",
+    profile: Annotated[
+        str | None,
+        typer.Option("--profile", metavar="NAME", help="iec, codesys, codesys23, s7graph, grafcet or matiec."),
+    ] = None,
+    settings: Annotated[
+        list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A value before the first scan; repeatable.")
+    ] = None,
+    record: Annotated[
+        list[str] | None, typer.Option("--record", metavar="NAME", help="Record only this variable; repeatable.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Save every scan as CSV.")] = None,
+    vcd: Annotated[Path | None, typer.Option("--vcd", metavar="FILE", help="Save a wave file, for GTKWave.")] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """Run a chart or a program scan by scan, and show what it does."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import simulate  # noqa: PLC0415
+
+        how = simulate.How(pou, inputs, seed, scans, profile, scan_time, settings or (), record or ())
+        screen.exit_code = simulate.run(screen, file, how, csv=csv, vcd=vcd)
 
 
 def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:

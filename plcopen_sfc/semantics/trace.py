@@ -30,19 +30,31 @@ _MILLISECOND = 1_000_000
 class _Runs(Sequence[_Item]):
     """A sequence that keeps a value only where it changes: long recordings take memory by what happens in them."""
 
-    __slots__ = ("_length", "_starts", "_values")
+    __slots__ = ("_scans", "_starts", "_values")
 
     def __init__(self) -> None:
         self._starts = array("Q")
         self._values: list[_Item] = []
-        self._length = 0
+        self._scans = [0]  # in a trace one for all columns
+
+    @property
+    def _length(self) -> int:
+        return self._scans[0]
+
+    def note(self, value: _Item) -> None:
+        """The value from the next scan on; somebody else counts the scans."""
+        if not self._values or self._values[-1] != value:
+            self._starts.append(self._scans[0])
+            self._values.append(value)
 
     def append(self, value: _Item) -> None:
         """Add the value of the next scan."""
-        if not self._values or self._values[-1] != value:
-            self._starts.append(self._length)
-            self._values.append(value)
-        self._length += 1
+        self.note(value)
+        self._scans[0] += 1
+
+    def share(self, scans: list[int]) -> None:
+        """Let somebody else count the scans."""
+        self._scans = scans
 
     def runs(self) -> Iterator[tuple[int, _Item]]:
         """Every value with the scan from which on it stands."""
@@ -126,12 +138,21 @@ class Trace:
         self._columns = {column.name.casefold(): column for column in columns}
         self._list = list(self._columns.values())
         self._marking: _Runs[int] = _Runs()
+        self._scans = [0]
+        self._last: tuple[Value, ...] = ()
+        self._marking.share(self._scans)
+        for column in self._list:
+            column.share(self._scans)
 
-    def record(self, values: Iterable[Value], marking: int = 0) -> None:
+    def record(self, values: Sequence[Value], marking: int = 0) -> None:
         """Add a row: a value for each column in their order, and the active steps as bits in the order of `steps`."""
-        for column, value in zip(self._list, values, strict=True):
-            column.append(value)
-        self._marking.append(marking)
+        row = tuple(values)
+        if row != self._last:
+            for column, value in zip(self._list, row, strict=True):
+                column.note(value)
+            self._last = row
+        self._marking.note(marking)
+        self._scans[0] += 1
 
     # -- questions
 

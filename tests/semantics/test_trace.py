@@ -184,7 +184,7 @@ def test_vcd_is_read_by_another_library(tmp_path: Path) -> None:
 def test_vcd_of_many_and_odd_names() -> None:
     columns = [Column(f"a[{number}].Größe", Signal.elementary("DINT")) for number in range(200)]
     trace = Trace(columns, scan_time=1500, name="")
-    trace.record(range(200))
+    trace.record(list(range(200)))
     found, scale = read_vcd(trace.vcd())
     assert scale == "1 ns"
     assert list(found.values()) == [[(0, number)] for number in range(200)]

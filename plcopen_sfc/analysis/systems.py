@@ -1,0 +1,224 @@
+"""Charts and programs as systems whose product can be searched: their inputs, and what is compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from plcopen_sfc.analysis.clocking import Clocking
+from plcopen_sfc.analysis.scratch import scratch_variables
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.charts import compile_chart
+from plcopen_sfc.semantics.charts.chart import ChartProgram
+from plcopen_sfc.semantics.profile import Profile, StepVariables
+from plcopen_sfc.semantics.programs.controller import Controller
+from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+from plcopen_sfc.semantics.subjects import Subject
+from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, watched
+
+__all__ = ["Observation", "ProgramSystem", "step_observations"]
+
+InputReader = Callable[[str], Any]
+
+
+@dataclass(frozen=True)
+class Observation:
+    """Something to compare: a variable, whether it has a value (``state = 3``), or whether a step is active (`bit`)."""
+
+    path: str
+    equals: Value | None = None
+    bit: int = 0
+
+    def __str__(self) -> str:
+        if self.bit:
+            return f"{self.path}.X"
+        return self.path if self.equals is None else f"{self.path} = {self.equals}"
+
+
+class ProgramSystem:
+    """A POU with its project, run scan by scan; see `plcopen_sfc.analysis.product.System`.
+
+    `names` translates its inputs to the names that both systems share, `fixed` are inputs that keep a value.
+    """
+
+    def __init__(
+        self,
+        subject: Subject,
+        profile: Profile,
+        clock: Clocking,
+        *,
+        functions: Mapping[str, Callable[..., Any]] | None = None,
+    ) -> None:
+        self.subject = subject
+        self.clock = clock
+        self._names: dict[str, str] = {}
+        self._fixed: dict[str, Value] = {}
+        self._source: InputReader = _no_input
+        self._controller = Controller(
+            subject.project,
+            profile,
+            functions=functions or {},
+            chart_compiler=compile_chart,
+            read_input=self._input,
+        )
+        self.instance: Instance = self._controller.instance(subject.pou)
+        self.variables: dict[str, Watched] = watched(self.instance)
+        self.steps, self._marking = step_marking(self.instance)
+        self._forget = self._forgetting(profile)
+        self._scratch = self._scratch_cells()
+        self._initial = self.snapshot()
+        self._observe: Callable[[], tuple[Any, ...]] = tuple
+
+    @property
+    def inputs(self) -> dict[str, Signal]:
+        """The inputs that nothing writes, with their types."""
+        return {name: each.signal for name, each in self.variables.items() if each.is_input}
+
+    def marking(self) -> int:
+        """The active steps as bits in the order of `steps`."""
+        return self._marking()
+
+    def connect(self, names: Mapping[str, str], fixed: Mapping[str, Value]) -> None:
+        """Read inputs by the names that both systems share (`names`: own to shared), some of them as constants."""
+        self._names = {own.casefold(): shared for own, shared in names.items()}
+        self._fixed = {own.casefold(): value for own, value in fixed.items()}
+
+    def observe(self, observations: Iterable[Observation]) -> None:
+        """Say what `observed` gives."""
+        wanted = list(observations)
+        read = self.instance.reader([each.path for each in wanted if not each.bit])
+        if not any(each.bit or each.equals is not None for each in wanted):
+            self._observe = read
+            return
+
+        def observed() -> tuple[Any, ...]:
+            values = iter(read())
+            marking = self._marking() if any(each.bit for each in wanted) else 0
+            return tuple(_seen(each, values, marking) for each in wanted)
+
+        self._observe = observed
+
+    def reset(self) -> None:
+        """Go to the state before the first scan."""
+        self.restore(self._initial)
+
+    def scan(self, read: InputReader, *, first: bool) -> None:
+        """Run one scan."""
+        self._source = read
+        if not first:
+            self._controller.now += self.clock.scan_time
+        self.instance.scan()
+
+    def observed(self) -> tuple[Any, ...]:
+        """What is compared."""
+        return self._observe()
+
+    def snapshot(self) -> Any:
+        """The state, without absolute times, and without what no later scan will see."""
+        now = self._controller.now
+        for frame, forget in self._forget:
+            forget(frame, now)
+        for cells, index, value in self._scratch:
+            cells[index] = value
+        return self.instance.snapshot(self.clock.limit)
+
+    def restore(self, snapshot: Any) -> None:
+        """Go back to a state."""
+        self.instance.restore(snapshot)
+
+    def values(self, names: Iterable[str]) -> tuple[Any, ...]:
+        """The present values of variables."""
+        return tuple(self.instance.reader(list(names))())
+
+    def _forgetting(self, profile: Profile) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
+        """What sets back the times of steps; in GRAPH and GRAFCET more depends on them than what reads them."""
+        if profile.step_variables not in (StepVariables.ELAPSED, StepVariables.FLAG):
+            return []
+        charts = [(chart, frame) for _, chart, frame in self.instance.charts() if isinstance(chart, ChartProgram)]
+        return [(frame, chart.forgetting(self.clock.anywhere, self.clock.timed)) for chart, frame in charts]
+
+    def _scratch_cells(self) -> list[tuple[list[Any], int, Value]]:
+        """Where variables are that every scan writes before it reads them, and any value for them."""
+        names = scratch_variables(self.subject.pou, self.subject.project.dialect)
+        own = {name: each for name, each in self.variables.items() if each.direction in ("local", "output")}
+        return [(*self.instance.cell(name), own[name].signal.default) for name in own if name.casefold() in names]
+
+    def _input(self, path: str) -> Any:
+        key = path.casefold()
+        if key in self._fixed:
+            return self._fixed[key]
+        return self._source(self._names.get(key, path))
+
+
+def _no_input(path: str) -> Any:
+    raise ModelError(f"{path} is read outside of a scan")
+
+
+def _seen(observation: Observation, values: Any, marking: int) -> Any:
+    if observation.bit:
+        return bool(marking & observation.bit)
+    value = next(values)
+    return value if observation.equals is None else bool(value == observation.equals)
+
+
+# -- steps
+
+
+def step_observations(
+    left: ProgramSystem, right: ProgramSystem, flags: Mapping[str, str] | None
+) -> list[tuple[str, Observation, Observation]]:
+    """What tells of each step of `left` that it is active, on both sides. Raises `ModelError` for names not there.
+
+    `flags`: by the path of a step a variable of the other side (``X2``), or what a variable must equal (``s = 2``).
+    Where they are not given, equal step paths of two charts, and variables with usual names (``X_Fill``, ``Fill_X``,
+    ``XFill``, ``Fill``, and ``X2`` for a step of number 2), tell.
+    """
+    bits = {path: 1 << index for index, path in enumerate(left.steps)}
+    if flags is not None:
+        found = []
+        for step, text in flags.items():
+            path = next((each for each in bits if each.casefold() == step.casefold()), None)
+            if path is None:
+                raise ModelError(f"there is no step {step!r}", hint="There are: " + ", ".join(list(bits)[:20]))
+            found.append((path, Observation(path, bit=bits[path]), _flag(right, text)))
+        return found
+    others = {path.casefold(): 1 << index for index, path in enumerate(right.steps)}
+    usual = {
+        name.casefold(): name
+        for name, each in right.variables.items()
+        if each.signal.kind is SignalKind.BOOL and not each.is_input
+    }
+    numbers = _numbers(left)
+    recognised = []
+    for path, bit in bits.items():
+        own = Observation(path, bit=bit)
+        if path.casefold() in others:
+            recognised.append((path, own, Observation(path, bit=others[path.casefold()])))
+            continue
+        plain = path.replace(".", "_")
+        names = [f"X_{plain}", f"{plain}_X", f"X{plain}", f"_{plain}", plain]
+        if path in numbers:
+            names += [f"X{numbers[path]}", f"X_{numbers[path]}"]
+        flag = next((usual[name.casefold()] for name in names if name.casefold() in usual), None)
+        if flag is not None:
+            recognised.append((path, own, Observation(flag)))
+    return recognised
+
+
+def _flag(system: ProgramSystem, text: str) -> Observation:
+    path, equals, value = text.partition("=")
+    path = path.strip()
+    signal = signal_of(system.instance.type_of(path))
+    if signal is None:
+        raise ModelError(f"{path} is no single value, so it tells nothing of a step")
+    return Observation(path, equals=signal.parse(value) if equals else None)
+
+
+def _numbers(system: ProgramSystem) -> dict[str, int]:
+    chart = system.subject.pou.sfc
+    steps = chart.steps if isinstance(chart, SfcNetwork) else []
+    return {step.name: step.number for step in steps if step.number is not None}

@@ -1,0 +1,100 @@
+"""``plcopen-sfc simulate``: run a chart or a program, and show or save what it does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcopen_sfc.api import load
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.cli.tables import Table
+from plcopen_sfc.errors import InputError, SimulationError
+from plcopen_sfc.semantics.inputs import CsvInputs, InputSource, RandomInputs
+from plcopen_sfc.semantics.simulation import Simulation
+from plcopen_sfc.semantics.subjects import resolve
+from plcopen_sfc.semantics.trace import Trace
+
+_DEFAULT_SCANS = 100
+_FINDINGS = 1
+
+
+@dataclass(frozen=True)
+class How:
+    """What to run and with what: the options of the command."""
+
+    pou: str | None = None
+    inputs: str | None = None
+    seed: int | None = None
+    scans: int | None = None
+    profile: str | None = None
+    scan_time: str = "10ms"
+    settings: Sequence[str] = ()
+    record: Sequence[str] = ()
+
+
+def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | None) -> int:
+    """Run what is asked for; prints the scans in which something happens."""
+    if how.inputs is not None and how.seed is not None:
+        raise InputError("inputs come from a file or from chance, not from both", hint="Leave out --inputs or --seed.")
+    project = load(file)
+    simulation = Simulation(
+        resolve(project, how.pou),
+        profile=how.profile,
+        scan_time=how.scan_time,
+        record=how.record or None,
+    )
+    for setting in how.settings:
+        name, sign, value = setting.partition("=")
+        if not sign:
+            raise InputError(f"{setting!r} sets nothing", hint="Write it as NAME=VALUE.")
+        simulation.set(name.strip(), value.strip())
+    failure = _drive(screen, simulation, how)
+    trace = simulation.trace
+    if screen.as_json:
+        data = trace.as_dict() | {"file": file}
+        screen.json(data | ({"error": str(failure)} if failure is not None else {}))
+    else:
+        _show(screen, trace)
+    for path, save in ((csv, trace.save_csv), (vcd, trace.save_vcd)):
+        if path is not None:
+            save(path)
+            screen.note(f"written: {path}")
+    if failure is not None:
+        screen.error(failure)
+        return _FINDINGS
+    return 0
+
+
+def _drive(screen: Screen, simulation: Simulation, how: How) -> SimulationError | None:
+    """Run all scans; the error that ends them, if one does."""
+    source: InputSource | None = None
+    if how.inputs is not None:
+        source = CsvInputs.load(how.inputs)
+    elif how.seed is not None:
+        source = RandomInputs(how.seed)
+    given = source.scans(simulation.scan_time) if source is not None else None
+    scans = next((each for each in (how.scans, given) if each is not None), _DEFAULT_SCANS)
+    inputs = source.bind(simulation.variables, simulation.scan_time) if source is not None else lambda _: {}
+    if isinstance(source, CsvInputs) and source.ignored:
+        screen.note(f"{how.inputs}: no inputs, so left out: {', '.join(source.ignored)}")
+    for name, type_ in simulation.undeclared.items():
+        screen.detail(f"{name} is not declared: an input of the type {type_}")
+    try:
+        simulation.run(inputs, scans)
+    except SimulationError as error:
+        return error
+    return None
+
+
+def _show(screen: Screen, trace: Trace) -> None:
+    scans = trace.eventful_scans()
+    changing = [index for index, column in enumerate(trace.columns) if screen.verbose or len(set(column)) > 1]
+    first = len(trace.headers()) - len(trace.columns)
+    kept = [*range(first), *(first + index for index in changing)]
+    table = Table([trace.headers()[index] for index in kept])
+    table.rows = [[row[index] for index in kept] for row in trace.rows(scans)]
+    screen.table(table)
+    still = [column for index, column in enumerate(trace.columns) if index not in changing]
+    if still and len(trace):
+        screen.note("unchanged: " + ", ".join(f"{column.name} = {column.signal.text(column[0])}" for column in still))

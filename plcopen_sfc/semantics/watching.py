@@ -1,0 +1,89 @@
+"""What of a running instance can be set, recorded and compared: its variables as signals, and its steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import EnumType
+from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Type
+from plcopen_sfc.semantics.signals import Signal, SignalKind
+
+__all__ = ["Watched", "signal_of", "step_marking", "watched"]
+
+_NOT_SHOWN = frozenset({"constant", "temp"})
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """A variable: ``input`` where it is one or nothing writes it, else its direction as declared."""
+
+    signal: Signal
+    direction: str
+
+    @property
+    def is_input(self) -> bool:
+        """Whether a user gives it its value."""
+        return self.direction == "input"
+
+
+def watched(instance: Instance) -> dict[str, Watched]:
+    """The single variables of an instance, and the global and undeclared ones that it uses.
+
+    Inputs are those of the interface, and what nothing writes. Members of structures, timers and steps have paths of
+    their own and are not among them, unless they are inputs.
+    """
+    inputs = {path.casefold(): (path, type_) for path, type_ in instance.inputs().items()}
+    found: dict[str, Watched] = {}
+    for path, variable in instance.variables().items():
+        direction = str(variable.direction)
+        if "." in path or direction in _NOT_SHOWN:
+            continue
+        if inputs.pop(path.casefold(), None) is not None:
+            direction = "input"
+        _watch(found, instance, path, variable.type, direction)
+    for path, type_ in inputs.values():
+        _watch(found, instance, path, type_, "input")
+    return found
+
+
+def _watch(found: dict[str, Watched], instance: Instance, path: str, type_: Type, direction: str) -> None:
+    signal = signal_of(type_)
+    if signal is not None:
+        if signal.kind is SignalKind.ENUMERATION:
+            signal = _as_declared(signal, instance.controller.project)
+        found[path] = Watched(signal, direction)
+
+
+def _as_declared(signal: Signal, project: Project) -> Signal:
+    """An enumeration with its names as they are written in the project; programs know them in lower case."""
+    for declared in project.data_types:
+        if isinstance(declared.type, EnumType) and declared.name.casefold() == signal.type.casefold():
+            written = {value.name.casefold(): value.name for value in declared.type.values}
+            names = {number: written.get(name.casefold(), name) for number, name in signal.names.items()}
+            return Signal.enumeration(declared.name, names)
+    return signal
+
+
+def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]]:
+    """The paths of the steps of the chart that an instance is, and what gives the active ones as bits."""
+    for path, chart, frame in instance.charts():
+        if not path:
+            return tuple(step.path for step in chart.net.steps), partial(chart.marking, frame)
+    return (), lambda: 0
+
+
+def signal_of(type_: Type) -> Signal | None:
+    """The signal for a type of a running program; None for what is no single value."""
+    if not isinstance(type_, ElementaryType) or type_.family is Family.SPECIAL:
+        return None
+    if type_.names:
+        return Signal.enumeration(type_.name, {value: name for name, value in type_.names.items()})
+    plain = Signal.elementary("TIME" if type_.family is Family.DURATION else type_.name)
+    if type_.narrowed is not None:
+        least, greatest = type_.narrowed
+        return Signal(type_.name, plain.kind, least=least, greatest=greatest)
+    return plain

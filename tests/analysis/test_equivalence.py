@@ -1,0 +1,465 @@
+"""Schemes of programming a chart: the right ones are proven equal to it, the wrong ones are found out."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork
+from plcopen_sfc.semantics.net import Rivals
+from plcopen_sfc.semantics.profile import PROFILES
+from tests.analysis.schemes import (
+    EXACT,
+    WRONG_ANYWHERE,
+    Flow,
+    chart_of,
+    clear_then_set,
+    exact_case,
+    flows,
+    if_chain,
+    if_chain_reversed,
+    program,
+    ring,
+    step_flags,
+    textbook,
+    textbook_set_dominant,
+    unguarded,
+)
+
+IEC_ALL = replace(PROFILES["iec"], name="all", rivals=Rivals.ALL)
+SELECTION = Flow(4, (((0,), (1,)), ((0,), (2,)), ((1,), (3,)), ((2,), (3,)), ((3,), (0,))))
+SELF_LOOP = Flow(2, (((0,), (0,)), ((0,), (1,)), ((1,), (0,))))
+PARALLEL = Flow(6, (((0,), (1, 2)), ((1,), (3,)), ((2,), (4,)), ((3, 4), (5,)), ((5,), (0,))))
+CHARTS = {
+    "ring of two": ring(2),
+    "ring of four": ring(4),
+    "selection": SELECTION,
+    "self-loop": SELF_LOOP,
+    "simultaneous": PARALLEL,
+    "two initial steps": Flow(4, (((0,), (1,)), ((1,), (0,)), ((2,), (3,)), ((3,), (2,))), initial=(0, 2)),
+}
+
+
+def compare(flow: Flow, code: Pou) -> Verdict:
+    return equivalent(chart_of(flow), code, "iec", step_flags=step_flags(flow))
+
+
+def assert_different(verdict: Verdict, scans: int | None = None) -> None:
+    assert verdict.outcome is Outcome.DIFFERENT, str(verdict)
+    assert verdict.counterexample is not None
+    assert verdict.counterexample.differences
+    if scans is not None:
+        assert len(verdict.counterexample.inputs) == scans, str(verdict)
+
+
+# -- what is right
+
+
+@pytest.mark.parametrize("scheme", EXACT)
+@pytest.mark.parametrize("chart", CHARTS)
+def test_exact_schemes_are_proven(scheme: str, chart: str) -> None:
+    verdict = compare(CHARTS[chart], EXACT[scheme](CHARTS[chart]))
+    assert verdict.proven, str(verdict)
+    assert len(verdict.compared) == CHARTS[chart].steps
+
+
+@pytest.mark.parametrize("chart", ["ring of two", "ring of four", "selection", "self-loop"])
+def test_a_case_on_one_variable_is_proven(chart: str) -> None:
+    flow = CHARTS[chart]
+    code = exact_case(flow)
+    assert compare(flow, code).proven
+    by_value = equivalent(chart_of(flow), code, "iec", step_flags={f"S{n}": f"s = {n}" for n in range(flow.steps)})
+    assert by_value.proven
+    assert by_value.states == flow.steps
+
+
+@settings(deadline=None, max_examples=25)
+@given(flow=flows())
+def test_exact_schemes_are_proven_for_random_charts(flow: Flow) -> None:
+    for scheme in EXACT.values():
+        verdict = compare(flow, scheme(flow))
+        assert verdict.proven, str(verdict)
+    if flow.single():
+        assert compare(flow, exact_case(flow)).proven
+
+
+# -- what is wrong
+
+
+@settings(deadline=None, max_examples=20)
+@given(flow=flows())
+def test_textbook_chains_are_found_different_for_random_charts(flow: Flow) -> None:
+    for scheme in WRONG_ANYWHERE.values():
+        assert_different(compare(flow, scheme(flow)))
+
+
+@settings(deadline=None, max_examples=25)
+@given(flow=flows())
+def test_rivals_without_a_guard_are_found_wherever_there_are_rivals(flow: Flow) -> None:
+    verdict = compare(flow, unguarded(flow))
+    rivals = any(flow.rivals(number) for number in range(len(flow.transitions)))
+    assert verdict.proven is not rivals, str(verdict)
+
+
+@settings(deadline=None, max_examples=10)
+@given(flow=flows(parallel=False, most=6))
+def test_rivals_without_a_guard_are_right_where_all_are_cleared(flow: Flow) -> None:
+    assert equivalent(chart_of(flow), unguarded(flow), IEC_ALL, step_flags=step_flags(flow)).proven
+
+
+def test_overlap_and_run_through_of_the_textbook_chain() -> None:
+    # with c0 and c1 the token is in S2 after one scan, and S1 and S2 are active together
+    assert_different(compare(ring(4), textbook(ring(4))), 1)
+
+
+def test_two_step_loops_of_the_textbook_chain_never_move() -> None:
+    verdict = compare(ring(2), textbook(ring(2)))
+    assert_different(verdict, 1)
+    assert verdict.counterexample is not None
+    names = {each.name for each in verdict.counterexample.differences}
+    assert names == {"S0.X", "S1.X"}
+    assert_different(compare(ring(2), textbook_set_dominant(ring(2))))
+
+
+def test_chains_of_ifs() -> None:
+    assert_different(compare(ring(4), if_chain(ring(4))), 1)
+    # backwards nothing runs through but from the last step to the first
+    assert_different(compare(ring(4), if_chain_reversed(ring(4))))
+    backwards = Flow(3, (((2,), (0,)), ((1,), (2,)), ((0,), (1,))))
+    assert_different(compare(backwards, if_chain_reversed(backwards)), 1)
+
+
+def test_selection_without_priority_doubles_the_token() -> None:
+    verdict = compare(SELECTION, unguarded(SELECTION))
+    assert_different(verdict, 1)
+    assert verdict.counterexample is not None
+    assert dict(verdict.counterexample.inputs[0]) == {"c0": True, "c1": True}
+
+
+def test_to_clear_and_set_transition_by_transition() -> None:
+    # two tokens, one behind the other: the step that is left is entered in the same scan
+    flow = Flow(3, (((0,), (1,)), ((1,), (2,)), ((2,), (0,))), initial=(0, 1))
+    assert_different(compare(flow, clear_then_set(flow)), 1)
+    assert compare(flow, EXACT["two phases"](flow)).proven
+
+
+def test_a_self_loop_with_reset_dominance() -> None:
+    lines = [
+        "T0 := X0 AND c0;",
+        "T1 := X0 AND c1 AND NOT T0;",
+        "T2 := X1 AND c2;",
+        "X0 := (T0 OR T2 OR X0) AND NOT (T0 OR T1);",
+        "X1 := (T1 OR X1) AND NOT T2;",
+    ]
+    variables = ["X0 : BOOL := TRUE", "X1 : BOOL", "T0 : BOOL", "T1 : BOOL", "T2 : BOOL"]
+    assert_different(compare(SELF_LOOP, program(lines, ["c0", "c1", "c2"], variables)), 1)
+
+
+def test_an_init_pulse_of_one_scan_empties_the_textbook_chain() -> None:
+    exact = [
+        "T0 := X0 AND c0 AND NOT Init;",
+        "T1 := X1 AND c1 AND NOT Init;",
+        "T2 := X2 AND c2 AND NOT Init;",
+        "X0 := (Init OR T2 OR X0) AND NOT T0;",
+        "X1 := (T0 OR X1) AND NOT (T1 OR Init);",
+        "X2 := (T1 OR X2) AND NOT (T2 OR Init);",
+    ]
+    bits = ["T0 : BOOL", "T1 : BOOL", "T2 : BOOL"]
+    flags = ["X0 : BOOL := TRUE", "X1 : BOOL", "X2 : BOOL"]
+    inputs = ["c0", "c1", "c2", "Init"]
+    # Init is right for the chain but where the second step is active: there R wins in the first network
+    wrong = [*exact[:3], "X0 := (Init OR T2 OR X0) AND NOT (X1 OR T0);", *exact[4:]]
+    verdict = equivalent(program(exact, inputs, flags + bits), program(wrong, inputs, flags + bits), "iec")
+    assert_different(verdict, 2)
+    assert verdict.counterexample is not None
+    assert verdict.counterexample.inputs[1]["Init"] is True
+    without = equivalent(
+        program(exact, inputs, flags + bits), program(wrong, inputs, flags + bits), "iec", fixed={"init": False}
+    )
+    assert without.proven
+
+
+REGIONS = """
+CASE {s0} OF
+  1: IF c0 THEN s0 := 9; s1 := 10; s2 := 20; END_IF;
+  9: IF {s1} = 11 AND {s2} = 21 AND c3 THEN s0 := 4; s1 := 0; s2 := 0; END_IF;
+  4: IF c4 THEN s0 := 1; END_IF;
+END_CASE;
+"""
+CHILDREN = """
+CASE {s1} OF 10: IF c1 THEN s1 := 11; END_IF; END_CASE;
+CASE {s2} OF 20: IF c2 THEN s2 := 21; END_IF; END_CASE;
+"""
+LIVE = {"s0": "s0", "s1": "s1", "s2": "s2"}
+OLD = {"s0": "o0", "s1": "o1", "s2": "o2"}
+REGION_FLAGS = {"S0": "s0 = 1", "S1": "s1 = 10", "S2": "s2 = 20", "S3": "s1 = 11", "S4": "s2 = 21", "S5": "s0 = 4"}
+
+
+def regions(text: str) -> Verdict:
+    variables = ["s0 : INT := 1", *(f"{name} : INT" for name in ("s1", "s2", "o0", "o1", "o2"))]
+    code = program(text, [f"c{n}" for n in range(5)], variables)
+    return equivalent(chart_of(PARALLEL), code, "iec", step_flags=REGION_FLAGS)
+
+
+def test_one_case_for_each_region_is_right_from_a_snapshot_only() -> None:
+    snapshot = "o0 := s0; o1 := s1; o2 := s2;\n"
+    assert regions(snapshot + REGIONS.format_map(OLD) + CHILDREN.format_map(OLD)).proven
+    assert regions(snapshot + CHILDREN.format_map(OLD) + REGIONS.format_map(OLD)).proven
+    # parents first: the children move in the scan of the fork; children first: the join sees their last move
+    assert_different(regions(REGIONS.format_map(LIVE) + CHILDREN.format_map(LIVE)), 1)
+    assert_different(regions(CHILDREN.format_map(LIVE) + REGIONS.format_map(LIVE)), 2)
+
+
+# -- outputs
+
+
+def acting(flow: Flow, actions: dict[int, list[tuple[Qualifier, str, str | None]]]) -> SfcNetwork:
+    chart = chart_of(flow)
+    number = 1000
+    for step, associations in actions.items():
+        for qualifier, target, duration in associations:
+            number += 1
+            association = ActionAssociation(id=number, qualifier=qualifier, target=target, duration=duration)
+            chart.steps[step].actions.append(association)
+    return chart
+
+
+N, S, R = Qualifier.N, Qualifier.S, Qualifier.R
+MOVES = """
+CASE s OF
+  0: {q0} IF c0 THEN s := 1; {leave} END_IF;
+  1: {q1} IF c1 THEN s := 2; {leave} END_IF;
+  2: {q2} IF c2 THEN s := 0; {leave} END_IF;
+END_CASE;
+"""
+STATE = ["s : INT", "Q : BOOL"]
+
+
+def test_an_output_of_two_neighbours_has_no_gap() -> None:
+    chart = acting(ring(3), {1: [(N, "Q", None)], 2: [(N, "Q", None)]})
+    behind = MOVES.format(q0="", q1="", q2="", leave="") + "Q := s = 1 OR s = 2;"
+    inside = MOVES.format(q0="", q1="Q := TRUE;", q2="Q := TRUE;", leave="Q := FALSE;")
+    flags = {f"S{n}": f"s = {n}" for n in range(3)}
+    right = equivalent(chart, program(behind, ["c0", "c1", "c2"], STATE), "iec", step_flags=flags)
+    assert right.proven, str(right)
+    assert "Q" in right.compared
+    wrong = equivalent(chart, program(inside, ["c0", "c1", "c2"], STATE), "iec", step_flags=flags)
+    assert_different(wrong)
+
+
+def test_an_output_of_two_steps_is_no_matter_of_the_last_writer() -> None:
+    chart = acting(PARALLEL, {1: [(N, "Q", None)], 2: [(N, "Q", None)]})
+    code = EXACT["two phases"](PARALLEL)
+    variables = ["X0 : BOOL := TRUE", *(f"X{n} : BOOL" for n in range(1, 6)), *(f"T{n} : BOOL" for n in range(5))]
+    text = code.body.text if code.body is not None and code.body.language == "ST" else ""
+    last = "\nIF X1 THEN Q := TRUE; ELSE Q := FALSE; END_IF;\nIF X2 THEN Q := TRUE; ELSE Q := FALSE; END_IF;"
+    for addition, proven in (("\nQ := X1 OR X2;", True), (last, False)):
+        changed = program(text + addition, PARALLEL.inputs(), [*variables, "Q : BOOL"])
+        verdict = equivalent(chart, changed, "iec", step_flags=step_flags(PARALLEL))
+        assert verdict.proven is proven, str(verdict)
+
+
+def test_stored_outputs() -> None:
+    chart = acting(ring(3), {1: [(S, "Q", None)], 2: [(R, "Q", None)]})
+    moves = MOVES.format(q0="", q1="", q2="", leave="")
+    flags = {f"S{n}": f"s = {n}" for n in range(3)}
+    stored = moves + "IF s = 1 THEN Q := TRUE; ELSIF s = 2 THEN Q := FALSE; END_IF;"
+    assert equivalent(chart, program(stored, ["c0", "c1", "c2"], STATE), "iec", step_flags=flags).proven
+    not_stored = moves + "Q := s = 1;"
+    verdict = equivalent(chart, program(not_stored, ["c0", "c1", "c2"], STATE), "iec", step_flags=flags)
+    assert verdict.proven  # S1 is always followed by S2, where Q is reset
+    back = Flow(3, (((0,), (1,)), ((1,), (0,)), ((1,), (2,)), ((2,), (0,))))
+    wide = acting(back, {1: [(S, "Q", None)], 2: [(R, "Q", None)]})
+    text = exact_case(back)
+    body = text.body.text if text.body is not None and text.body.language == "ST" else ""
+    variables = ["s : INT", "Q : BOOL", *(f"X{n} : BOOL" for n in range(3))]
+    wrong = program(body + "\nQ := s = 1;", back.inputs(), variables)
+    assert_different(equivalent(wide, wrong, "iec", step_flags=step_flags(back)))
+
+
+# -- times
+
+
+def timed_chart(condition: str) -> SfcNetwork:
+    return chart_of(replace(ring(2), conditions=("c0", condition)))
+
+
+TIMED = """
+t(IN := s = 1, PT := {time});
+CASE s OF
+  0: IF c0 THEN s := 1; END_IF;
+  1: IF t.Q THEN s := 0; END_IF;
+END_CASE;
+t(IN := s = 1, PT := {time});
+"""
+TIMED_STATE = ["s : INT", "t : TON"]
+TIMED_FLAGS = {"S0": "s = 0", "S1": "s = 1"}
+
+
+def test_step_times_are_followed_to_their_end() -> None:
+    chart = timed_chart("S1.T >= T#5s")
+    right = equivalent(chart, program(TIMED.format(time="T#5s"), ["c0"], TIMED_STATE), "iec", step_flags=TIMED_FLAGS)
+    assert right.proven, str(right)
+    assert right.timed
+    assert right.scan_time == 2_500_000_000  # one scan before, in, and after T#5s
+    finer = equivalent(
+        chart,
+        program(TIMED.format(time="T#5s"), ["c0"], TIMED_STATE),
+        "iec",
+        step_flags=TIMED_FLAGS,
+        scan_time="100ms",
+    )
+    assert finer.proven
+    assert finer.states > right.states
+    wrong = program(TIMED.format(time="T#4.9s"), ["c0"], TIMED_STATE)
+    assert_different(equivalent(chart, wrong, "iec", step_flags=TIMED_FLAGS))
+
+
+def test_greater_is_not_greater_or_equal_in_the_scan_of_the_limit() -> None:
+    assert_different(
+        equivalent(
+            timed_chart("S1.T > T#5s"),
+            program(TIMED.format(time="T#5s"), ["c0"], TIMED_STATE),
+            "iec",
+            step_flags=TIMED_FLAGS,
+        )
+    )
+
+
+def test_a_timer_inside_a_case_is_not_reset() -> None:
+    inside = """
+    CASE s OF
+      0: IF c0 THEN s := 1; END_IF;
+      1: t(IN := TRUE, PT := T#5s); IF t.Q THEN s := 0; END_IF;
+    END_CASE;
+    """
+    code = program(inside, ["c0"], TIMED_STATE)
+    verdict = equivalent(timed_chart("S1.T >= T#5s"), code, "iec", step_flags=TIMED_FLAGS)
+    assert_different(verdict)
+
+
+def test_times_that_are_calculated_with_are_not_proven_where_they_go_on_growing() -> None:
+    growing = timed_chart("S1.T - T#1s >= T#4s AND c1")
+    code = program(TIMED.format(time="T#5s").replace("t.Q", "t.Q AND c1"), ["c0", "c1"], TIMED_STATE)
+    verdict = equivalent(growing, code, "iec", step_flags=TIMED_FLAGS, cap=200, runs=20, scans=50)
+    assert verdict.outcome is Outcome.TESTED
+    assert "elapsed times" in verdict.reason
+    limited = timed_chart("S1.T >= T#5s AND c1")
+    assert equivalent(limited, code, "iec", step_flags=TIMED_FLAGS, cap=200).proven
+
+
+# -- numbers
+
+
+def numeric(condition: str, test: str) -> Verdict:
+    chart = chart_of(replace(ring(2), conditions=(condition, "c1")))
+    text = f"CASE s OF 0: IF {test} THEN s := 1; END_IF; 1: IF c1 THEN s := 0; END_IF; END_CASE;"
+    lines = [
+        "PROGRAM Code",
+        "VAR_INPUT n : INT; m : INT; c1 : BOOL; END_VAR",
+        "VAR s : INT; END_VAR",
+        text,
+        "END_PROGRAM",
+    ]
+    code = sfc.loads("\n".join(lines).encode(), format="iec-text").pous[0]
+    return equivalent(chart, code, "iec", step_flags={"S0": "s = 0", "S1": "s = 1"}, runs=30)
+
+
+def test_numbers_are_compared_in_their_intervals() -> None:
+    assert numeric("n > 5", "n >= 6").proven
+    assert numeric("n > 5 AND n < 100", "NOT (n <= 5 OR n > 99)").proven
+    verdict = numeric("n > 5", "n > 6")
+    assert_different(verdict, 1)
+    assert verdict.counterexample is not None
+    assert verdict.counterexample.inputs[0]["n"] == 6
+
+
+def test_numbers_that_are_calculated_with_are_tried() -> None:
+    verdict = numeric("n + 1 > 6", "n > 5")
+    assert verdict.outcome is Outcome.TESTED
+    assert "n is used otherwise" in verdict.reason
+    assert_different(numeric("n + 1 > 6", "n > 4"))
+    assert_different(numeric("n > m", "n >= m"))
+
+
+# -- the verdict
+
+
+def test_a_verdict_tells_what_it_stands_on() -> None:
+    verdict = compare(PARALLEL, EXACT["two phases"](PARALLEL))
+    assert str(verdict) == f"equal (proof: {verdict.states} states, all inputs)"
+    data = json.loads(json.dumps(verdict.as_dict()))
+    assert data["proven"] is True
+    assert data["compared"] == [f"S{n}.X" for n in range(6)]
+    assert data["inputs"] == [f"c{n}" for n in range(5)]
+
+
+def test_a_counterexample_is_a_table_and_json() -> None:
+    verdict = compare(SELECTION, unguarded(SELECTION))
+    text = str(verdict)
+    assert text.startswith("different after 1 scan (shortest input trace)\n")
+    assert "S2.X is FALSE in the first and TRUE in the second" in text
+    data = json.loads(json.dumps(verdict.as_dict()))
+    assert data["counterexample"]["inputs"] == [{"c0": True, "c1": True}]
+    assert data["counterexample"]["shortest"] is True
+
+
+def test_beyond_the_cap_it_is_tried() -> None:
+    flow = Flow(
+        8, tuple(each for n in range(0, 8, 2) for each in (((n,), (n + 1,)), ((n + 1,), (n,)))), (), (0, 2, 4, 6)
+    )
+    equal = equivalent(
+        chart_of(flow), EXACT["two phases"](flow), "iec", step_flags=step_flags(flow), cap=5, runs=12, scans=30
+    )
+    assert equal.outcome is Outcome.TESTED
+    assert (equal.runs, equal.scans) == (12, 30)
+    assert "more than 5 states" in equal.reason
+    assert "random runs" in str(equal)
+    deep = textbook(flow)
+    different = equivalent(chart_of(flow), deep, "iec", step_flags=step_flags(flow), cap=0, runs=30, scans=30)
+    assert_different(different)
+
+
+def test_the_same_question_has_the_same_answer() -> None:
+    flow = PARALLEL
+    verdicts = [compare(flow, textbook(flow)).as_dict() for _ in range(2)]
+    assert verdicts[0] == verdicts[1]
+
+
+def test_two_charts_are_compared_by_their_steps() -> None:
+    assert equivalent(chart_of(PARALLEL), chart_of(PARALLEL), "iec").proven
+    renamed = replace(SELECTION, transitions=(*SELECTION.transitions[:2][::-1], *SELECTION.transitions[2:]))
+    assert_different(equivalent(chart_of(SELECTION), chart_of(renamed), "iec"))
+
+
+def test_usual_names_of_flags_are_recognised() -> None:
+    flow = ring(3)
+    lines = ["T0 := X_S0 AND c0; T1 := S1_X AND c1; T2 := XS2 AND c2;"]
+    lines += ["IF T0 THEN X_S0 := FALSE; S1_X := TRUE; END_IF;", "IF T1 THEN S1_X := FALSE; XS2 := TRUE; END_IF;"]
+    lines += ["IF T2 THEN XS2 := FALSE; X_S0 := TRUE; END_IF;"]
+    variables = ["X_S0 : BOOL := TRUE", "S1_X, XS2 : BOOL", "T0, T1, T2 : BOOL"]
+    verdict = equivalent(chart_of(flow), program(lines, flow.inputs(), variables), "iec")
+    assert verdict.proven
+    assert verdict.compared == ("S0.X", "S1.X", "S2.X")
+
+
+def test_what_cannot_be_compared_is_said() -> None:
+    with pytest.raises(ModelError, match="nothing in common"):
+        equivalent(chart_of(ring(2)), program(["y := c0;"], ["c0"], ["y : BOOL"]), "iec")
+    with pytest.raises(ModelError, match="no step 'S7'"):
+        equivalent(chart_of(ring(2)), textbook(ring(2)), "iec", step_flags={"S7": "X0"})
+    with pytest.raises(ModelError, match="the second has no variable 'Q'"):
+        equivalent(
+            acting(ring(2), {0: [(N, "Q", None)]}), textbook(ring(2)), "iec", outputs=["Q"], step_flags={"S0": "X0"}
+        )
+    partly = equivalent(
+        acting(ring(2), {0: [(N, "Q", None)]}), EXACT["two phases"](ring(2)), "iec", step_flags={"S0": "X0"}
+    )
+    assert partly.proven
+    assert set(partly.uncompared) == {"Q", "S1.X"}

@@ -1,0 +1,107 @@
+"""``plcopen-sfc simulate``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Outcome
+from tests.semantics.test_simulate import PLANT, SUM
+
+Cli = Callable[..., Outcome]
+
+
+@pytest.fixture
+def plant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plant.st").write_text(PLANT, encoding="utf-8")
+    (tmp_path / "sum.st").write_text(SUM, encoding="utf-8")
+    lines = ["time ms;Start;Selected;Level", "0;0;Auto;0", "20;1;;", "30;0;;", "60;;;3.5", "150;;;"]
+    (tmp_path / "in.csv").write_bytes("\r\n".join(lines).encode("utf-8-sig"))
+    return tmp_path
+
+
+def test_shows_the_scans_in_which_something_happens(cli: Cli, plant: Path) -> None:
+    done = cli("simulate", "plant.st", "--inputs", "in.csv")
+    assert done.code == 0
+    rows = [line.split() for line in done.out.splitlines()]
+    assert rows[0] == ["scan", "time", "active", "steps", "Start", "Level", "Valve", "Lamp"]
+    assert [row[:3] for row in rows[1:]] == [
+        ["0", "0s", "Wait"],
+        ["2", "20ms", "Fill"],
+        ["3", "30ms", "Fill"],
+        ["6", "60ms", "Settle"],
+        ["11", "110ms", "Wait"],
+        ["15", "150ms", "Wait"],
+    ]
+    assert "unchanged: " in done.err
+    assert "Selected = Auto, Count = 0, Total = 0" in done.err
+
+
+def test_files_that_it_writes_are_inputs_again(cli: Cli, plant: Path) -> None:
+    done = cli("simulate", "plant.st", "--seed", "3", "--scans", "80", "--csv", "out.csv", "--vcd", "out.vcd", "-q")
+    assert (done.code, done.err) == (0, "")
+    assert (plant / "out.vcd").read_text(encoding="ascii").startswith("$version plcopen_sfc")
+    assert len((plant / "out.csv").read_text(encoding="utf-8-sig").splitlines()) == 81
+    again = cli("simulate", "plant.st", "--inputs", "out.csv")
+    assert again.out == done.out
+    assert "no inputs, so left out: Valve" in again.err
+
+
+def test_json(cli: Cli, plant: Path) -> None:
+    done = cli("simulate", "plant.st", "--set", "Start=TRUE", "--set", "selected = Auto", "--scans", "4", "--json")
+    data = json.loads(done.out)
+    assert data["file"] == "plant.st"
+    assert data["scans"] == 4
+    assert data["situations"] == [[0, ["Fill"]]]
+    assert data["profile"] == "iec"
+
+
+def test_options(cli: Cli, plant: Path) -> None:
+    done = cli(
+        "simulate", "plant.st", "--scan-time", "5ms", "--scans", "3", "--profile", "codesys", "--record", "lamp", "-v"
+    )
+    assert done.out.split() == "scan time active steps Lamp 0 0s Wait 1 2 10ms Wait 1".split()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--inputs", "none.csv"], "none.csv: the file does not exist"),
+        (["--inputs", "in.csv", "--seed", "1"], "not from both"),
+        (["--pou", "Other"], "no POU 'Other'"),
+        (["--profile", "other"], "no profile 'other'"),
+        (["--scan-time", "soon"], "'soon' is no scan time"),
+        (["--set", "Start"], "'Start' sets nothing"),
+        (["--set", "Start=often"], "'often' is no BOOL"),
+        (["--set", "Strat=1"], "Strat"),
+        (["--record", "Nothing"], "Nothing"),
+        (["--scans", "-1"], "--scans"),
+    ],
+)
+def test_what_is_wrong_is_said(cli: Cli, plant: Path, arguments: list[str], message: str) -> None:
+    done = cli("simulate", "plant.st", *arguments)
+    assert done.code == 2
+    assert message in done.err
+    assert done.out == ""
+
+
+def test_a_wrong_cell_is_named_by_its_line(cli: Cli, plant: Path) -> None:
+    (plant / "wrong.csv").write_text("Start\n1\n\nyes\n", encoding="utf-8")
+    done = cli("simulate", "plant.st", "--inputs", "wrong.csv")
+    assert done.code == 2
+    assert "wrong.csv:4: Start: 'yes' is no BOOL" in done.err
+
+
+def test_an_error_of_the_program_is_a_finding(cli: Cli, plant: Path) -> None:
+    (plant / "b.csv").write_text("A;B\n4;2\n4;1\n4;0\n", encoding="utf-8")
+    done = cli("simulate", "sum.st", "--inputs", "b.csv")
+    assert done.code == 1
+    assert "zero" in done.err
+    assert len(done.out.splitlines()) == 3  # what happened before is shown
+    data = json.loads(cli("simulate", "sum.st", "--inputs", "b.csv", "--json").out)
+    assert data["scans"] == 2
+    assert "zero" in data["error"]
