@@ -30,10 +30,10 @@ class Explored:
     enabled: int = 0
     came_from: dict[int, dict[int, int]] | None = None
 
-    def before(self, marking: int) -> set[int]:
-        """All markings from which this one can be reached, itself included."""
-        found = {marking}
-        frontier = {marking}
+    def before(self, markings: set[int]) -> set[int]:
+        """All markings from which one of these can be reached, themselves included."""
+        found = set(markings)
+        frontier = found
         while frontier:
             frontier = self._all_before(frontier) - found
             found |= frontier
@@ -88,17 +88,8 @@ class Explored:
                     yield previous, transition.bit
 
 
-def explore(net: Net, rivals: Rivals, cap: int) -> Explored:
-    """Visit the reachable markings until there are more than `cap`."""
-    if rivals is not Rivals.ALL:
-        found = _one_by_one(net, cap)
-        if found.unsafe is None:
-            return found
-    return _in_sets(net, rivals, cap)
-
-
-def _one_by_one(net: Net, cap: int) -> Explored:
-    """Fire one transition at a time; stops at the first one that enters an active step."""
+def explore_one_by_one(net: Net, cap: int) -> Explored:
+    """Fire one transition at a time, until more than `cap` markings were seen, or one enters an active step."""
     moves = [(t.pre, ~t.pre, t.post, t.post & ~t.pre, t.index) for t in net.transitions]
     seen = {net.initial}
     levels = [[net.initial]]
@@ -128,8 +119,8 @@ def _one_by_one(net: Net, cap: int) -> Explored:
     return found
 
 
-def _in_sets(net: Net, rivals: Rivals, cap: int) -> Explored:
-    """Fire every set of transitions that can fire in one scan."""
+def explore_in_sets(net: Net, rivals: Rivals, cap: int) -> Explored:
+    """Fire every set of transitions that can fire in one scan, until more than `cap` markings were seen."""
     came_from: dict[int, dict[int, int]] = {net.initial: {}}
     levels = [[net.initial]]
     found = Explored(net, {net.initial}, levels, came_from=came_from)

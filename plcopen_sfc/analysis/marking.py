@@ -12,7 +12,7 @@ from functools import cached_property, reduce
 from operator import or_
 
 from plcopen_sfc.analysis.answers import Answer
-from plcopen_sfc.analysis.exploring import Explored, explore
+from plcopen_sfc.analysis.exploring import Explored, explore_in_sets, explore_one_by_one
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, Rivals, indexes
 
@@ -56,7 +56,17 @@ class MarkingGraph:
 
     @cached_property
     def _explored(self) -> Explored:
-        return explore(self.net, self.rivals, self.cap)
+        found = self._first_search
+        if found.unsafe is not None and self.rivals is not Rivals.ALL:
+            return explore_in_sets(self.net, self.rivals, self.cap)
+        return found
+
+    @cached_property
+    def _first_search(self) -> Explored:
+        """Tells whether the net is safe, which needs no sets of transitions unless rivals fire together."""
+        if self.rivals is Rivals.ALL:
+            return explore_in_sets(self.net, self.rivals, self.cap)
+        return explore_one_by_one(self.net, self.cap)
 
     @property
     def complete(self) -> bool:
@@ -78,20 +88,20 @@ class MarkingGraph:
     @property
     def safe(self) -> Answer:
         """Whether no step can ever be entered while it stays active (1-safeness; IEC 61131-3 "unsafe" sequence)."""
-        if self._explored.unsafe is not None:
+        if self._first_search.unsafe is not None:
             return Answer.NO
-        return Answer.YES if self.complete else Answer.UNKNOWN
+        return Answer.YES if self._first_search.complete else Answer.UNKNOWN
 
     @cached_property
     def unsafe(self) -> Unsafe | None:
         """The shortest way to a second token on a step; None where none was found."""
-        found = self._explored.unsafe
+        found = self._first_search.unsafe
         if found is None:
             return None
         marking, index = found
         transition = self.net.transitions[index]
         step = next(indexes(marking & ~transition.pre & transition.post))
-        return Unsafe(self.net.steps[step], transition, marking, self.trace(marking))
+        return Unsafe(self.net.steps[step], transition, marking, self._way(self._first_search, marking))
 
     @cached_property
     def dead_transitions(self) -> tuple[NetTransition, ...] | None:
@@ -130,8 +140,21 @@ class MarkingGraph:
         """A marking from which there is no way to the initial one, as close to it as can be; None: none is known."""
         if not self.complete:
             return None
-        home = self._explored.before(self.net.initial)
+        home = self._explored.before({self.net.initial})
         return next((m for m in self if m not in home), None)
+
+    @cached_property
+    def live(self) -> Answer:
+        """Whether every transition can become enabled again, whatever happened, and no step is unreachable."""
+        if (self.deadlocks and self.net.transitions) or self.dead_transitions or self.unreachable_steps:
+            return Answer.NO
+        if not self.complete:
+            return Answer.UNKNOWN
+        return Answer.YES if self.way_home or all(map(self._stays_alive, self.net.transitions)) else Answer.NO
+
+    def _stays_alive(self, transition: NetTransition) -> bool:
+        enabling = {m for m in self if not transition.pre & ~m}
+        return len(self._explored.before(enabling)) == len(self)
 
     @cached_property
     def concurrency(self) -> tuple[int, ...] | None:
@@ -158,9 +181,12 @@ class MarkingGraph:
         """A shortest way from the initial marking to this one. `KeyError` where it was not reached."""
         if marking not in self._explored.seen:
             raise KeyError(marking)
+        return self._way(self._explored, marking)
+
+    def _way(self, explored: Explored, marking: int) -> tuple[Firing, ...]:
         return tuple(
             Firing(tuple(self.net.transitions[i] for i in indexes(fired)), after)
-            for fired, after in self._explored.way_to(marking)
+            for fired, after in explored.way_to(marking)
         )
 
 

@@ -7,7 +7,8 @@ from random import Random
 
 from hypothesis import strategies as st
 
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 
 Arcs = list[tuple[tuple[int, ...], tuple[int, ...]]]
 """Transitions as their sources and targets."""
@@ -28,12 +29,14 @@ def chart_of(text: str, initial: str = "1") -> SfcNetwork:
 
 def chart_of_arcs(steps: int, initial: Iterable[int], arcs: Arcs) -> SfcNetwork:
     """A chart of steps ``S0``, ``S1`` and so on."""
-    chart = SfcNetwork()
     starting = set(initial)
-    made = [chart.add_step(f"S{i}", initial=i in starting) for i in range(steps)]
-    for sources, targets in arcs:
-        chart.add_transition([made[i] for i in sources], [made[i] for i in targets], "TRUE")
-    return chart
+    return SfcNetwork(
+        steps=[Step(id=i, name=f"S{i}", initial=i in starting) for i in range(steps)],
+        transitions=[
+            Transition(id=steps + i, sources=list(sources), targets=list(targets), condition=Expression(text="TRUE"))
+            for i, (sources, targets) in enumerate(arcs)
+        ],
+    )
 
 
 @st.composite
@@ -47,18 +50,16 @@ def any_nets(draw: st.DrawFn, max_steps: int = 6, max_transitions: int = 7) -> t
     return steps, tuple(initial), arcs
 
 
-def block_chart(random: Random, size: int, *, loops: bool = True) -> SfcNetwork:
+def block_chart(seed: int, size: int, *, loops: bool = True) -> SfcNetwork:
     """A chart of nested selections, simultaneous branches, sequences and loops with about `size` steps: it is sound."""
-    chart = SfcNetwork()
-    first = chart.add_step("S0", initial=True)
-    names = iter(range(1, 10 * size + 10))
-
-    steps: list[int] = [first.id]
+    random = Random(seed)  # noqa: S311
     arcs: Arcs = []
+    steps = 1
 
     def new() -> int:
-        steps.append(next(names))
-        return len(steps) - 1
+        nonlocal steps
+        steps += 1
+        return steps - 1
 
     # a block is a piece between two steps that still has to be filled with so many steps
     waiting = [(0, 0, size)]
@@ -87,4 +88,4 @@ def block_chart(random: Random, size: int, *, loops: bool = True) -> SfcNetwork:
             arcs += [((begin,), tuple(starts)), (tuple(ends), (end,))]
             share = max(0, left - 2 * parts) // parts
             waiting += [(s, e, share) for s, e in zip(starts, ends, strict=True)]
-    return chart_of_arcs(len(steps), [0], arcs)
+    return chart_of_arcs(steps, [0], arcs)

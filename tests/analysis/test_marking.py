@@ -112,8 +112,8 @@ def test_simultaneous_branches_that_are_joined_by_a_selection_are_unsafe() -> No
     assert graph.safe is Answer.NO
     assert graph.unsafe is not None
     assert graph.unsafe.step.path == "4"
-    assert [names(chart, firing.marking) for firing in graph.unsafe.trace] == ["2+3", "3+4"]
-    assert graph.unsafe.transition.path == "3 -> 4"
+    assert [names(chart, firing.marking) for firing in graph.unsafe.trace] == ["2+3", "2+4"]
+    assert graph.unsafe.transition.path == "2 -> 4"
 
 
 def test_a_jump_out_of_a_simultaneous_branch_is_unsafe() -> None:
