@@ -70,9 +70,11 @@ def _is_scl(head: Head) -> bool:
 
 
 def _is_simaticml(head: Head) -> bool:
-    return head.root == "Document" and (
-        "<Engineering" in head.text or re.search(r"<SW\.(?:Blocks|Types|Tags)\.", head.text) is not None
-    )
+    if head.root == "Document":
+        return "<Engineering" in head.text or re.search(r"<(?:SW|Hmi)\.", head.text) is not None
+    # parts of documents, and what else Openness exports: the reader says what they are
+    openness = "http://www.siemens.com/automation/Openness/"
+    return head.root.startswith("SW.") or head.namespace.startswith(openness) or head.root in ("FlgNet", "CAEXFile")
 
 
 FORMATS: tuple[Format, ...] = (

@@ -20,7 +20,6 @@ from plcopen_sfc.formats.xml.writing import XmlStyle
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
-
 standard_folder = layout.standard_folder
 new_document = layout.new_document
 

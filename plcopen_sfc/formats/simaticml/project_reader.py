@@ -20,6 +20,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     local,
     read_comments,
 )
+from plcopen_sfc.formats.simaticml.strangers import look_at_object, no_document, no_object
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, VERSIONS, TiaVersion, schema_of, version_like, version_named
 from plcopen_sfc.formats.xml.source import SourceLines
 from plcopen_sfc.model.dialect import Dialect
@@ -36,11 +37,8 @@ def find_version(root: etree._Element, *, file: str | None = None) -> TiaVersion
     """The version of TIA Portal that wrote a document. Raises `StructureError` and `UnknownVersionError`."""
     place = Location(file, root.sourceline if isinstance(root.sourceline, int) else None, None, f"/{local(root)}")
     if root.tag != "Document":
-        raise StructureError(
-            f"this is no document of TIA Portal Openness: the root element is <{local(root)}>",
-            location=place,
-            hint="Exports of Openness start with <Document>; parts of them cannot be loaded by themselves.",
-        )
+        message, hint = no_document(root)
+        raise StructureError(message, location=place, hint=hint)
     engineering = root.find("Engineering")
     name = engineering.get("version", "") if engineering is not None else ""
     version = version_like(name)
@@ -93,10 +91,11 @@ def read_project(
         if kind == "DocumentInfo":
             _document_info(header, child)
         elif (where := _list_for(kind)) is not None:
+            look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))
         elif kind != "Engineering":
             carry_element(fields, child)
-            ctx.warn("XML201", f"<{kind}> is none of the objects that can be read; it is kept as it is", child)
+            ctx.warn("XML201", no_object(kind), child)
         else:
             for name, value in attributes(child).items():
                 if name != "version":
