@@ -74,9 +74,10 @@ class BooleanTargets(StrEnum):
 class StepVariables(StrEnum):
     """The variables that programs see of a step.
 
-    ELAPSED: ``Step.X`` and ``Step.T`` (IEC), which are also ``.x`` and ``.t`` of CODESYS. FLAG: a BOOL of the step's
-    name where the chart has no action associations (CoDeSys 2.3, "simplified steps"). GRAPH: also ``.U``, ``.S1``,
-    ``.V1`` .. and ``.SNO`` of S7-GRAPH. GRAFCET: also ``X12`` for step 12.
+    ELAPSED: ``Step.X`` and ``Step.T`` (IEC), which are also ``.x`` and ``.t`` of CODESYS; where actions come first also
+    ``._x``, whether it is active in the next scan. FLAG: a BOOL of the step's name where the chart has no action
+    associations (CoDeSys 2.3, "simplified steps"). GRAPH: also ``.U``, ``.S1``, ``.V1`` .. and ``.SNO`` of S7-GRAPH.
+    GRAFCET: also ``X12`` for step 12.
     """
 
     ELAPSED = "elapsed"

@@ -207,7 +207,8 @@ class ChartProgram:
         cleared = self._clear(frame, plan, situation)
         if not cleared.transitions:
             return False
-        v[self._situation] = situation & ~cleared.left | cleared.entered
+        v[self._situation] = following = situation & ~cleared.left | cleared.entered
+        self._steps.announce(frame, situation, following)
         return True
 
     def _transitions_then_actions(self, frame: Frame, now: int) -> bool:

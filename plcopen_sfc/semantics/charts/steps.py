@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from plcopen_sfc.semantics.charts.declaring import override
 from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.net import Net, indexes
-from plcopen_sfc.semantics.profile import Profile, StepVariables
+from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import BOOL, ELAPSED, INSTANT, ElementaryType, StructureType
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
 
 _STRUCTURE = "SFC_STEP"
-X, T = 0, 1
+X, T, NEXT = 0, 1, 2
 """Slots of the structure of a step."""
 
 
@@ -55,6 +55,9 @@ class Steps:
         members: Mapping[str, ElementaryType] = {"X": BOOL, "T": ELAPSED}
         if profile.step_variables is StepVariables.GRAPH:
             members = data.STEP
+        self._announces = profile.order is ScanOrder.ACTIONS_FIRST and not simple
+        if self._announces:
+            members = {**members, "_X": BOOL}
         structure = None if simple else scope.structure(_STRUCTURE, members)
         self.names = tuple(self._declare(scope, name, bits, structure) for name, bits in named.values())
         if profile.step_variables is StepVariables.GRAFCET:
@@ -116,6 +119,8 @@ class Steps:
                     elif not active:
                         v[name.since] = None
                 values[X] = active
+                if self._announces:
+                    values[NEXT] = active
                 if active:
                     values[T] = now - v[name.since]
 
@@ -146,6 +151,15 @@ class Steps:
                     values[T] = 0
 
         return forget
+
+    def announce(self, frame: Frame, situation: int, following: int) -> None:
+        """Tell which steps will be active in the next scan (``Step1._x`` of CODESYS)."""
+        if not self._announces:
+            return
+        for index in indexes(situation ^ following):
+            for name in self._by_step[index]:
+                if not name.flag:
+                    frame.v[name.slot].v[NEXT] = following & name.steps != 0
 
     def restart(self, frame: Frame, situation: int, now: int) -> None:
         """Let the times of all active steps begin anew."""

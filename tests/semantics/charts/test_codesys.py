@@ -63,6 +63,15 @@ def test_the_order_within_a_scan() -> None:
     assert bench.scan()["log"] == "Bmain Beta "
 
 
+def test_the_next_step_is_announced() -> None:
+    bench = rig(chain("A", "B")).scan(2)
+    assert (bench["A._x"], bench["B._x"]) == (True, False)
+    bench.scan(c1=True)
+    assert (bench["A.x"], bench["A._x"], bench["B.x"], bench["B._x"]) == (True, False, False, True)
+    bench.scan()
+    assert (bench["A.x"], bench["A._x"], bench["B.x"], bench["B._x"]) == (False, False, True, True)
+
+
 def test_a_pulse_action_runs_exactly_twice() -> None:
     chart = chain("A", "B")
     chart.step("B").actions = [ActionAssociation(id=1, qualifier=Qualifier.P, target="Count")]
