@@ -23,6 +23,8 @@ from plcopen_sfc.semantics.profile import PROFILES, Profile
 
 MOST_MARKINGS = 5_000
 """Markings that are visited for each chart before questions about all of them are left unanswered."""
+_MOST_FIRINGS = 2_000_000
+"""The same for markings times transitions: a second or so."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,22 @@ class Sheet:
         """The names of all steps by their id."""
         return {step.id: step.name for step in self.chart.steps}
 
+    @cached_property
+    def leaving(self) -> dict[int, list[Transition]]:
+        """The transitions that leave each step (by its id), in the order in which they are tried."""
+        found: dict[int, list[Transition]] = {}
+        for transition in sorted(self.transitions, key=lambda t: (t.priority is None, t.priority or 0)):
+            for source in dict.fromkeys(transition.sources):
+                found.setdefault(source, []).append(transition)
+        return found
+
+    def label(self, transition: Transition) -> str:
+        """What people call a transition: as `SfcNetwork.label`, which looks through all steps each time."""
+        if transition.name:
+            return transition.name
+        sides = (transition.sources, transition.targets)
+        return " -> ".join("+".join(self.names.get(i, "?") for i in side) or "nowhere" for side in sides)
+
     def actions(self) -> Iterator[tuple[Step, ActionAssociation]]:
         """The action associations that are in the program, with their steps."""
         for step in self.steps:
@@ -78,7 +96,7 @@ class Sheet:
     def at(self, element: Step | Transition, association: ActionAssociation | None = None) -> Place:
         """The place of a step, of an association of it, or of a transition."""
         if isinstance(element, Transition):
-            return self._below(f"transition {self.chart.label(element)}", element)
+            return self._below(f"transition {self.label(element)}", element)
         if association is None:
             return self._below(f"step {element.name}", element)
         name = f"step {element.name} / action {association.target or 'inline'}"
@@ -129,7 +147,8 @@ class CheckedChart:
     @cached_property
     def graph(self) -> MarkingGraph:
         """The situations that the net can come into. Rivals never fire together here: a rule of its own is on those."""
-        return marking_graph(self.net, cap=MOST_MARKINGS)
+        affordable = _MOST_FIRINGS // (len(self.net.transitions) + 1)
+        return marking_graph(self.net, cap=min(MOST_MARKINGS, affordable))
 
     @cached_property
     def types(self) -> dict[str, DataType]:

@@ -72,7 +72,7 @@ def _label(sheet: Sheet, symbol: Symbol) -> str:
     """What people call a symbol."""
     if symbol.kind is SymbolKind.TRANSITION:
         transition = next((t for t in sheet.chart.transitions if t.id == symbol.id), None)
-        return f"transition {sheet.chart.label(transition)}" if transition is not None else "a transition"
+        return f"transition {sheet.label(transition)}" if transition is not None else "a transition"
     if symbol.kind is SymbolKind.JUMP:
         target = sheet.names.get(symbol.target, symbol.name) if symbol.target is not None else symbol.name
         return f"the jump to {target or 'nowhere'}"

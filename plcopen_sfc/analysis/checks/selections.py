@@ -17,7 +17,7 @@ def _selections(chart: CheckedChart) -> Iterator[tuple[Sheet, Step, list[Transit
     """Each step with several transitions that leave it, in the order in which they are tried."""
     for sheet in chart.sheets:
         for step in sheet.steps:
-            leaving = [t for t in sheet.chart.outgoing(step) if not t.exclude]
+            leaving = sheet.leaving.get(step.id, [])
             if len(leaving) > 1:
                 yield sheet, step, leaving
 
@@ -51,7 +51,7 @@ def _witness(witness: object) -> str:
 def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, first, second, answer, why in _rivals(chart):
         if answer is Answer.NO:
-            other = sheet.chart.label(first)
+            other = sheet.label(first)
             message = f"it can be true together with {other}, which leaves {step.name} too"
             yield Finding(sheet.at(second), f"{message}: {why}" if why else message)
 
@@ -59,7 +59,7 @@ def _overlapping(chart: CheckedChart) -> Iterator[Finding]:
 def _undecided(chart: CheckedChart) -> Iterator[Finding]:
     for sheet, step, first, second, answer, why in _rivals(chart):
         if answer is Answer.UNKNOWN:
-            other = sheet.chart.label(first)
+            other = sheet.label(first)
             message = f"nobody can tell whether it excludes {other}, which leaves {step.name} too"
             yield Finding(sheet.at(second), f"{message}: {why}" if why else message)
 
@@ -72,7 +72,7 @@ def _shadowed(chart: CheckedChart) -> Iterator[Finding]:
                 continue
             conditions = [chart.condition(sheet, t) for t in (later, *before)]
             if covered(conditions[0], conditions[1:], dialect=chart.dialect) is Answer.YES:
-                names = ", ".join(sheet.chart.label(t) for t in before)
+                names = ", ".join(sheet.label(t) for t in before)
                 message = f"whenever its condition is true, one tried before it is: {names} (from {step.name})"
                 yield Finding(sheet.at(later), message)
 

@@ -10,6 +10,7 @@ from plcopen_sfc.analysis.checks.rules import Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks import NetworkExpression
+from plcopen_sfc.languages.networks.effects import reads
 
 
 def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:
@@ -62,7 +63,11 @@ _SAID = frozenset({Truth.ALWAYS})
 
 def _implies(condition: NetworkExpression, others: list[NetworkExpression], chart: CheckedChart) -> bool:
     """Whether one of the others is true with it. What is called before conditions may change from one to the next."""
-    return not condition.before and covered(condition, others, dialect=chart.dialect) is Answer.YES
+    if condition.before or condition.tree is None:
+        return False
+    read = reads(condition.tree)
+    near = [other for other in others if other.tree is not None and reads(other.tree) & read]
+    return bool(near) and covered(condition, others, dialect=chart.dialect) is Answer.YES
 
 
 EVO01 = Rule(
