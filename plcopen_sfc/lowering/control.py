@@ -28,22 +28,37 @@ class ActionControl:
         self._active = active
 
     def drive(self, action: ActionSource, into: list[Statement]) -> Expression:
-        """Whether the action is active: the output Q of its action control."""
+        """Whether the action is active: the output Q of its action control, with its pulses P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)
-        makers = (self._level, self._stored, self._limited, self._delayed, self._pulses, self._stored_and_timed)
-        terms = [term for make in makers for term in make(action, reset, into)]
-        resettable = {Q.S, Q.SD, Q.DS}  # their flip-flops have seen the reset already
-        if all(use.qualifier in resettable | {Q.R, Q.R0} for use in action.uses) and not self._input_is(action, Q.SD):
-            return disjunction(terms)
+        terms = [*self._lasting(action, reset, into), *self._single(action, into)]
+        if {use.qualifier for use in action.uses} <= {Q.S, Q.DS, Q.R, Q.R0}:
+            return disjunction(terms)  # their flip-flops have seen the reset already
         return conjunction([disjunction(terms), negation(reset)])
 
     def drive_with_final_scan(self, action: ActionSource, into: list[Statement]) -> Expression:
-        """Whether the action is executed: while it is active, and once more after it has ended (output A)."""
-        active = self._memory.named(f"{action.name}_Q", self.drive(action, into), into)
-        return disjunction([active, self._memory.falling(f"{action.name}_end", active, into)])
+        """Whether the action is executed: while it is active, and once more after it has ended (output A).
 
-    def _input_is(self, action: ActionSource, qualifier: Qualifier) -> bool:
-        return any(use.qualifier is qualifier for use in action.uses)
+        P1 and P0 are executed in one scan only.
+        """
+        reset = self._input(action, Q.R, Q.R0)
+        lasting = conjunction([disjunction(self._lasting(action, reset, into)), negation(reset)])
+        single = conjunction([disjunction(self._single(action, into)), negation(reset)])
+        if is_constant(lasting, FALSE):
+            return single
+        active = self._memory.named(f"{action.name}_Q", lasting, into)
+        return disjunction([active, single, self._memory.falling(f"{action.name}_end", active, into)])
+
+    def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        makers = (self._level, self._stored, self._limited, self._delayed, self._pulse, self._stored_and_timed)
+        return [term for make in makers for term in make(action, reset, into)]
+
+    def _single(self, action: ActionSource, into: list[Statement]) -> list[Expression]:
+        found: list[Expression] = []
+        for qualifier, edge in ((Q.P1, self._memory.rising), (Q.P0, self._memory.falling)):
+            value = self._input(action, qualifier)
+            if not is_constant(value, FALSE):
+                found.append(edge(f"{action.name}_{qualifier}", value, into))
+        return found
 
     def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
         """The input of the action control for these qualifiers: any step that uses the action with one of them."""
@@ -75,13 +90,9 @@ class ActionControl:
             return []
         return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D), into)]
 
-    def _pulses(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
-        found: list[Expression] = []
-        for qualifiers, edge in (((Q.P, Q.P1), self._memory.rising), ((Q.P0,), self._memory.falling)):
-            value = self._input(action, *qualifiers)
-            if not is_constant(value, FALSE):
-                found.append(edge(f"{action.name}_{qualifiers[0]}", value, into))
-        return found
+    def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        value = self._input(action, Q.P)
+        return [] if is_constant(value, FALSE) else [self._memory.rising(f"{action.name}_P", value, into)]
 
     def _stored_and_timed(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
         found: list[Expression] = []

@@ -24,14 +24,21 @@ class FlipFlopChain(StepFlags):
             entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
             loops = set(entering) & set(leaving)  # such a step stays active: neither set nor reset
             set_: list[Expression] = [self.fired[i] for i in entering if i not in loops]
+            if self.net.initial & step.bit:
+                set_.insert(0, self.memory.starting())
             reset: list[Expression] = [self.fired[i] for i in leaving if i not in loops]
             self._add_step(step, set_, reset)
 
     def classic(self) -> None:
-        """The textbook chain: steps one after the other, each looks at the flags as they are at that moment."""
+        """The textbook chain: steps one after the other, each looks at the flags as they are at that moment.
+
+        The input for starting anew also starts it first; without one the first scan does.
+        """
         for step in self.net.steps:
             entering = [self.net.transitions[i] for i in self.net.entering[step.index]]
             set_ = [conjunction([self.enabled(t), self.source.conditions[t.index]]) for t in entering]
+            if self.init is None and self.net.initial & step.bit:
+                set_.insert(0, self.memory.starting())
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
             self._add_step(step, set_, [self.active(i) for i in sorted(following)])
         self.add_actions()
@@ -41,8 +48,6 @@ class FlipFlopChain(StepFlags):
         initial = bool(self.net.initial & step.bit)
         if self.init is not None:
             set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
-        if initial:
-            set_ = [self.memory.starting(), *set_]
         flag = self.flags[step.index]
         statements: list[Statement] = []
         self.memory.latch(f"FF_{flag.identifier}", disjunction(set_), disjunction(reset), statements, flag)

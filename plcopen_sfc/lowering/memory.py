@@ -42,7 +42,7 @@ class Memory(Protocol):
 
 
 class BlockMemory:
-    """Instances of RS, R_TRIG, F_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
+    """Instances of RS, R_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
 
     def __init__(self, code: Code) -> None:
         self._code = code
@@ -77,20 +77,17 @@ class BlockMemory:
 
     def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """An R_TRIG."""
-        return self._edge("R_TRIG", wanted, value, into)
+        block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
+        into.append(call(block, CLK=value))
+        return n.Member(block, n.Name("Q"))
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """An F_TRIG."""
-        return self._edge("F_TRIG", wanted, value, into)
+        """A variable for the last value: an F_TRIG sees an edge in the first scan if its input is FALSE."""
+        return _edge(self._code, wanted, value, into, rising=False)
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
         """A TON."""
         return _timer(self._code, wanted, value, time, into)
-
-    def _edge(self, kind: str, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        block = self._code.declare(wanted, DerivedType(name=kind))
-        into.append(call(block, CLK=value))
-        return n.Member(block, n.Name("Q"))
 
 
 class BitMemory:
@@ -120,22 +117,23 @@ class BitMemory:
 
     def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """The value and not that of the last scan."""
-        return self._edge(wanted, value, into, rising=True)
+        return _edge(self._code, wanted, value, into, rising=True)
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """The value of the last scan and not that of this one."""
-        return self._edge(wanted, value, into, rising=False)
+        return _edge(self._code, wanted, value, into, rising=False)
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
         """A TON, called in every scan: it would not notice otherwise that its input went FALSE."""
         return _timer(self._code, wanted, value, time, into)
 
-    def _edge(self, wanted: str, value: Expression, into: list[Statement], *, rising: bool) -> Expression:
-        pulse, before = self._code.declare(wanted), self._code.declare(f"{wanted}_old")
-        now, then = (value, negation(before)) if rising else (negation(value), before)
-        into.append(assignment(pulse, conjunction([now, then])))
-        into.append(assignment(before, value))
-        return pulse
+
+def _edge(code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool) -> Expression:
+    pulse, before = code.declare(wanted), code.declare(f"{wanted}_old")
+    now, then = (value, negation(before)) if rising else (negation(value), before)
+    into.append(assignment(pulse, conjunction([now, then])))
+    into.append(assignment(before, value))
+    return pulse
 
 
 def _timer(code: Code, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:

@@ -18,7 +18,7 @@ from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
-from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.profile import Evolution, Profile
 
 
 def read_chart(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> ChartSource:
@@ -55,6 +55,8 @@ class _Reader:
         """The chart."""
         if self._net.problems:
             self._refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path)
+        if self._profile.evolution is Evolution.UNTIL_STABLE:
+            self._refuse("the search for stability is not lowered yet", "")
         if self._net.hierarchy or self._profile.graph_parameters:
             self._refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
         if self._chart.permanent_pre or self._chart.permanent_post:

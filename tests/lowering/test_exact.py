@@ -1,0 +1,64 @@
+"""Exact lowerings do what their charts do: proven by search of both together."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.lower import Construction, Language, Style, lower_chart
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.semantics.profile import PROFILES
+from tests.analysis.nets import block_chart
+from tests.lowering.charts import act, pou_with, training_chain
+
+FORMS = [
+    (Construction.FLIPFLOP, Language.ST),
+    (Construction.FLIPFLOP, Language.FBD),
+    (Construction.FLIPFLOP, Language.LD),
+    (Construction.CASE, Language.ST),
+    (Construction.BITS, Language.ST),
+]
+
+
+def verdict(pou: m.Pou, construction: Construction, language: Language, profile: str = "iec") -> Verdict:
+    chart = pou.sfc
+    assert chart is not None
+    rules = LoweringRules(PROFILES[profile], Texts())
+    lowered = lower_chart(
+        pou, chart, Dialect.IEC, rules, construction=construction, style=Style.EXACT, language=language
+    )
+    return equivalent(pou, lowered.pou, profile)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_the_training_chain(construction: Construction, language: Language, profile: str) -> None:
+    found = verdict(training_chain(), construction, language, profile)
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize("seed", range(12))
+def test_random_safe_charts(seed: int, profile: str) -> None:
+    random = Random(seed)
+    chart = block_chart(seed, 7)
+    for number, transition in enumerate(chart.transitions, 1):
+        transition.condition = m.Expression(text=f"c{number}")
+    qualifiers = ["N", "S", "R", "P", "P1", "P0"]
+    for step in chart.steps:
+        if random.random() < 0.6:
+            act(chart, step, random.choice(["q1", "q2"]), m.Qualifier(random.choice(qualifiers)))
+    pou = pou_with(chart)
+    for construction, language in FORMS:
+        try:
+            found = verdict(pou, construction, language, profile)
+        except LoweringError:
+            assert construction is Construction.CASE
+            continue
+        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
