@@ -277,3 +277,38 @@ def test_errors_say_the_scan_the_pou_and_the_place() -> None:
         rig.scan()
     assert (found.value.pou, found.value.location.path) == ("Main", "Main / transition B -> A")
     assert "division by zero" in str(found.value)
+
+
+@settings(deadline=None, max_examples=60)
+@given(seed=st.integers(0, 10**9))
+def test_random_nets_become_stable_as_the_rules_say(seed: int) -> None:
+    """The evolutions of one scan, with the same inputs, until nothing is cleared."""
+    random = Random(seed)  # noqa: S311
+    size = random.randint(2, 7)
+    chart = SfcNetwork()
+    steps = [chart.add_step(f"S{index}", initial=random.random() < 0.4) for index in range(size)]
+    transitions = []
+    for index in range(random.randint(1, 10)):
+        before, after = random.choice([(1, 1)] * 5 + [(1, 2), (2, 1), (1, 0)])
+        sources = tuple(random.sample(range(size), before))
+        targets = tuple(random.sample(range(size), after))
+        transitions.append((sources, targets))
+        chart.add_transition([steps[i] for i in sources], [steps[i] for i in targets], f"c{index}")
+    rig = Rig(chart, "grafcet", variables=" ".join(f"c{index}" for index in range(len(transitions))))
+    marking = frozenset(index for index, step in enumerate(steps) if step.initial)
+    for _ in range(12):
+        true = frozenset(index for index in range(len(transitions)) if random.random() < 0.3)
+        stable = False
+        for _ in range(1000):
+            enabled = any(index in true and set(transitions[index][0]) <= marking for index in range(len(transitions)))
+            if not enabled:
+                stable = True
+                break
+            marking = _reference(marking, transitions, true, exclusive=False)
+        values = {f"c{index}": index in true for index in range(len(transitions))}
+        if not stable:
+            with pytest.raises(UnstableChartError):
+                rig.scan(**values)
+            return
+        rig.scan(**values)
+        assert rig.active.split() == [f"S{index}" for index in sorted(marking)]
