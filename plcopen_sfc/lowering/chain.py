@@ -36,7 +36,7 @@ class Chain(ABC):
         self.declare_states(source)
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
         self.times = StepTimes(code, self.active, names.__getitem__)
-        self.source = resolve_steps(source, self.active, self.times.elapsed, rules.profile)
+        self.source = resolve_steps(source, self.active, self.times, rules.profile)
 
     @abstractmethod
     def declare_states(self, source: ChartSource) -> None:

@@ -11,6 +11,7 @@ from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Node
 from plcopen_sfc.lowering.logic import conjunction, disjunction
 from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.times import StepTimes
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, StepVariables
 
@@ -18,16 +19,16 @@ StepValue = Callable[[int], Expression]
 """What stands for something of a step, given by its index in the net."""
 
 
-def resolve_steps(source: ChartSource, active: StepValue, elapsed: StepValue, profile: Profile) -> ChartSource:
-    """The same chart, its texts with `active` and `elapsed` for what asks whether and how long a step is active.
+def resolve_steps(source: ChartSource, active: StepValue, times: StepTimes, profile: Profile) -> ChartSource:
+    """The same chart, its texts with `active` and `times` for what asks whether and how long a step is active.
 
     Raises `LoweringError` for whatever else a program may ask of a step: there is nothing that would answer.
     """
-    steps = _StepVariables(source, active, elapsed, profile)
+    steps = _StepVariables(source, active, times.elapsed, profile)
     resolved = source.changed(lambda tree: transform(tree, steps.resolved))
     conditions = list(resolved.conditions)
     for step, time in resolved.minimum_times.items():
-        over = n.Operation(n.Operator.GREATER_OR_EQUAL, (elapsed(step), time))
+        over = times.is_over(step, time)
         for transition in source.net.leaving[step]:
             conditions[transition] = conjunction([over, conditions[transition]])
     return replace(resolved, conditions=tuple(conditions))

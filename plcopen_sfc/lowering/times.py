@@ -20,19 +20,31 @@ class StepTimes:
     def __init__(self, code: Code, active: Callable[[int], Expression], name: Callable[[int], str]) -> None:
         self._code, self._active, self._name = code, active, name
         self._timers: dict[int, n.Name] = {}
+        self._limits: dict[int, Expression] = {}
 
     def elapsed(self, step: int) -> Expression:
         """The time for which a step has been active."""
+        self._limits[step] = _FOREVER
+        return n.Member(self._timer(step), n.Name("ET"))
+
+    def is_over(self, step: int, time: Expression) -> Expression:
+        """Whether a step has been active for `time`, the same one in all calls."""
+        timer = self._timer(step)
+        if self._limits.setdefault(step, time) == time:
+            return n.Member(timer, n.Name("Q"))
+        return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
+
+    def _timer(self, step: int) -> n.Name:
         timer = self._timers.get(step)
         if timer is None:
             timer = self._timers[step] = self._code.declare(self._name(step), DerivedType(name="TON"))
-        return n.Member(timer, n.Name("ET"))
+        return timer
 
     def calls(self) -> list[Statement]:
         """The calls of all timers. They stand where steps have just changed, and where times are read."""
-        return [call(timer, IN=self._active(step), PT=_FOREVER) for step, timer in self._timers.items()]
+        return [call(timer, IN=self._active(i), PT=self._limits[i]) for i, timer in self._timers.items()]
 
     def restarts(self, step: int, reentered: Expression) -> Sequence[Statement]:
         """Lets the time of a step begin anew when it is left and entered at once."""
         timer = self._timers.get(step)
-        return () if timer is None else (when(reentered, call(timer, IN=FALSE, PT=_FOREVER)),)
+        return () if timer is None else (when(reentered, call(timer, IN=FALSE, PT=self._limits[step])),)

@@ -15,7 +15,7 @@ from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import block_chart
-from tests.lowering.charts import act, pou_with, training_chain
+from tests.lowering.charts import act, boolean, pou_with, training_chain
 
 FORMS = [
     (Construction.FLIPFLOP, Language.ST),
@@ -33,7 +33,7 @@ def verdict(pou: m.Pou, construction: Construction, language: Language, profile:
     lowered = lower_chart(
         pou, chart, Dialect.IEC, rules, construction=construction, style=Style.EXACT, language=language
     )
-    return equivalent(pou, lowered.pou, profile)
+    return equivalent(pou, lowered.pou, profile, cap=2_000, runs=20)
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -46,7 +46,7 @@ def test_the_training_chain(construction: Construction, language: Language, prof
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("seed", range(12))
 def test_random_safe_charts(seed: int, profile: str) -> None:
-    random = Random(seed)
+    random = Random(seed)  # noqa: S311
     chart = block_chart(seed, 7)
     for number, transition in enumerate(chart.transitions, 1):
         transition.condition = m.Expression(text=f"c{number}")
@@ -62,3 +62,52 @@ def test_random_safe_charts(seed: int, profile: str) -> None:
             assert construction is Construction.CASE
             continue
         assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize("qualifier", ["L", "D", "SD", "DS", "SL"])
+def test_timed_actions(qualifier: str, profile: str) -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.steps[1].actions.clear()
+    act(chart, chart.steps[1], "Q4", m.Qualifier(qualifier), duration="T#20ms")
+    act(chart, chart.steps[3], "Q4", m.Qualifier.R)
+    pou = pou_with(chart)
+    for construction, language in FORMS:
+        found = verdict(pou, construction, language, profile)
+        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+
+
+def test_minimum_times() -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.steps[1].min_time = "T#30ms"
+    for construction, language in FORMS:
+        found = verdict(pou, construction, language, "codesys")
+        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_step_variables(profile: str) -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.transitions[2].condition = m.Expression(text="S3.T >= T#20ms AND NOT S1.X")
+    for construction, language in FORMS:
+        found = verdict(pou, construction, language, profile)
+        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+
+
+def test_step_actions() -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    pou.interface.sections[1].variables += [boolean("e"), boolean("x")]
+    chart.steps[1].entry_action = m.StBody(text="e := NOT e;")
+    chart.steps[1].exit_action = m.StBody(text="x := NOT x;")
+    for construction in (Construction.FLIPFLOP, Construction.CASE, Construction.BITS):
+        for profile in ("iec", "codesys"):
+            found = verdict(pou, construction, Language.ST, profile)
+            assert found.outcome is Outcome.PROVEN, f"{construction} {profile}: {found}"
