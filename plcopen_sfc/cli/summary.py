@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from plcopen_sfc.folders.parts import documents_of
-from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 
@@ -20,7 +22,10 @@ __all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
 
 @dataclass(frozen=True)
 class ChartSummary:
-    """The numbers of one chart. `jumps`: None where the file does not say how the chart is drawn."""
+    """The numbers of one chart. `jumps`: None where the file does not say how the chart is drawn.
+
+    The last four are those of S7-GRAPH, None for other charts.
+    """
 
     name: str
     pou_kind: str
@@ -34,6 +39,10 @@ class ChartSummary:
     action_associations: int
     step_actions: int
     named_conditions: int
+    sequences: int | None = None
+    interlocks: int | None = None
+    supervisions: int | None = None
+    graph_version: str | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
@@ -42,7 +51,11 @@ class ChartSummary:
 
 @dataclass(frozen=True)
 class FileSummary:
-    """What a file is and what it holds. `documents`: how many a folder has."""
+    """What a file is and what it holds. `documents`: how many a folder has.
+
+    `blocks` are those with a number (``FB 10 FB_Drill``), `cultures` the languages of its texts (``de-DE``), both of
+    TIA Portal only.
+    """
 
     file: str
     format: str
@@ -57,6 +70,8 @@ class FileSummary:
     pous: dict[str, int]
     languages: dict[str, int]
     documents: int | None = None
+    blocks: list[str] | None = None
+    cultures: list[str] | None = None
     charts: list[ChartSummary] = field(default_factory=list)
 
     def as_dict(self) -> dict[str, Any]:
@@ -67,8 +82,11 @@ class FileSummary:
 
     def totals(self) -> dict[str, int]:
         """The sums over all charts."""
-        counted = [each.name for each in fields(ChartSummary) if each.name not in {"name", "pou_kind", "initial_steps"}]
-        sums = {name: sum(getattr(chart, name) or 0 for chart in self.charts) for name in counted}
+        no_counts = {"name", "pou_kind", "initial_steps", "graph_version"}
+        numbers = {each.name: [getattr(chart, each.name) for chart in self.charts] for each in fields(ChartSummary)}
+        graph = ("sequences", "interlocks", "supervisions")
+        counted = [name for name in numbers if name not in no_counts and (name not in graph or any(numbers[name]))]
+        sums = {name: sum(number or 0 for number in numbers[name]) for name in counted}
         return {"charts": len(self.charts), **sums}
 
 
@@ -97,11 +115,37 @@ def summarise(file: str, project: Project) -> FileSummary:
         encoding=encoding,
         line_ends=line_ends,
         documents=len(contents) if isinstance(project._origin, FolderOrigin) else None,
+        blocks=_blocks(project) or None,
+        cultures=_cultures(contents) or None if kind.name == TIA_FORMAT else None,
         size=sum(map(len, contents)),
         pous=dict(Counter(pou.kind.value for pou in project.pous)),
         languages=dict(Counter(body.language for _, _, body in project.bodies())),
         charts=[_chart(name, pou_kind, chart) for name, pou_kind, chart in all_charts(project)],
     )
+
+
+def _blocks(project: Project) -> list[str]:
+    """The blocks that have a number, by kind and number."""
+    blocks = [(_LETTERS.get(pou.kind, "FB"), pou.number, pou.name) for pou in project.pous]
+    blocks += [("DB", block.number, block.name) for block in project.data_blocks]
+    numbered = [(letters, number, name) for letters, number, name in blocks if number is not None]
+    order = {letters: place for place, letters in enumerate((*_LETTERS.values(), "DB"))}
+    numbered.sort(key=lambda block: (order[block[0]], block[1]))
+    return [f"{letters} {number} {name}" for letters, number, name in numbered]
+
+
+_LETTERS = {PouKind.ORGANIZATION_BLOCK: "OB", PouKind.FUNCTION_BLOCK: "FB", PouKind.FUNCTION: "FC"}
+
+
+def _cultures(contents: list[bytes]) -> list[str]:
+    """The languages of the texts in documents of TIA Portal, the most frequent first."""
+    found: Counter[str] = Counter()
+    for content in contents:
+        found.update(name.decode("ascii") for name in _CULTURE.findall(content))
+    return sorted(found, key=lambda name: (-found[name], name))
+
+
+_CULTURE = re.compile(rb"(?:<Culture>|\bLang=[\"'])([A-Za-z]+-[A-Za-z-]+)")
 
 
 def all_charts(project: Project) -> Iterator[tuple[str, str, SfcNetwork]]:
@@ -147,6 +191,10 @@ def _chart(name: str, pou_kind: str, chart: SfcNetwork) -> ChartSummary:
         action_associations=sum(1 for _ in chart.associations()),
         step_actions=sum(len(_step_actions(step)) for step in chart.steps),
         named_conditions=sum(isinstance(transition.condition, NamedCondition) for transition in chart.transitions),
+        sequences=len(chart.sequences) or None,
+        interlocks=sum(step.interlock is not None for step in chart.steps) if chart.sequences else None,
+        supervisions=sum(step.supervision is not None for step in chart.steps) if chart.sequences else None,
+        graph_version=chart.graph_settings.version if chart.graph_settings is not None else None,
     )
 
 

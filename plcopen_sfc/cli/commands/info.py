@@ -58,6 +58,9 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
         "file": f"{_count(summary)}{summary.size:,} bytes, {summary.encoding}, {summary.line_ends}",
         "POUs": pous,
         "bodies": bodies,
+        "blocks": _first(summary.blocks or []),
+        "texts": ", ".join(summary.cultures or []),
+        "GRAPH": ", ".join(dict.fromkeys(chart.graph_version for chart in summary.charts if chart.graph_version)),
     }
     for label, value in facts.items():
         if value:
@@ -67,6 +70,14 @@ def _print_file(screen: Screen, summary: FileSummary) -> None:
         return
     screen.line()
     screen.table(_chart_table(summary))
+
+
+def _first(names: list[str]) -> str:
+    more = f" and {len(names) - _FEW_BLOCKS} more" if len(names) > _FEW_BLOCKS else ""
+    return ", ".join(names[:_FEW_BLOCKS]) + more
+
+
+_FEW_BLOCKS = 12
 
 
 def _count(summary: FileSummary) -> str:
@@ -85,6 +96,12 @@ def _chart_table(summary: FileSummary) -> Table:
         "named conditions": ("named", "named_conditions"),
         "macro-steps": ("macro", "macro_steps"),
     }
+    if any(chart.sequences for chart in summary.charts):
+        columns |= {
+            "sequences": ("seq.", "sequences"),
+            "interlocks": ("interl.", "interlocks"),
+            "supervisions": ("superv.", "supervisions"),
+        }
     names = [name for _, name in columns.values()]
     totals = summary.totals()
     table = Table(["chart", "initial step", *columns], ["chart", "initial", *(short for short, _ in columns.values())])
@@ -94,7 +111,7 @@ def _chart_table(summary: FileSummary) -> Table:
         table.rows.append([chart.name, initial, *("-" if number is None else number for number in numbers)])
     if len(summary.charts) > 1:
         table.total = True
-        table.rows.append([f"{len(summary.charts)} charts", "", *(totals[name] for name in names)])
+        table.rows.append([f"{len(summary.charts)} charts", "", *(totals.get(name, 0) for name in names)])
     return table
 
 
