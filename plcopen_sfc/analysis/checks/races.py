@@ -116,9 +116,33 @@ def _at_once(chart: CheckedChart, first: _Write, second: _Write) -> str:
     return ""
 
 
-def _causes(chart: CheckedChart, write: _Write) -> tuple[int, ...]:
-    beside = chart.net.entering if write.kind is ActionKind.ON_ACTIVATION else chart.net.leaving
-    return beside[write.step.index]
+def _causes(chart: CheckedChart, write: _Write) -> set[int]:
+    """The transitions that let a stored action happen, also by activating or leaving an enclosing step."""
+    activation = write.kind is ActionKind.ON_ACTIVATION
+    beside = chart.net.entering if activation else chart.net.leaving
+    found: set[int] = set()
+    waiting, seen = [write.step], {write.step.index}
+    while waiting:
+        step = waiting.pop()
+        found.update(beside[step.index])
+        for upper in _around(chart, step, activation=activation):
+            if upper.index not in seen:
+                seen.add(upper.index)
+                waiting.append(upper)
+    return found
+
+
+def _around(chart: CheckedChart, step: NetStep, *, activation: bool) -> Iterator[NetStep]:
+    """The enclosing steps that deactivate a step when they are left, or activate it when they are entered."""
+    partial = chart.sheet_of(step).partial
+    if partial is None:
+        return
+    for upper in chart.net.steps:
+        for enclosure in upper.step.encloses or ():
+            linked = {name.casefold() for name in enclosure.activated_steps}
+            here = enclosure.chart.casefold() == partial.name.casefold()
+            if here and (not activation or step.step.name.casefold() in linked):
+                yield upper
 
 
 ACT04 = Rule(

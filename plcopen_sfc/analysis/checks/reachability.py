@@ -10,6 +10,7 @@ from plcopen_sfc.analysis.answers import Answer
 from plcopen_sfc.analysis.checks.charts import CheckedChart
 from plcopen_sfc.analysis.checks.rules import Finding, Rule
 from plcopen_sfc.analysis.marking import Firing
+from plcopen_sfc.analysis.soundness import soundness
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
@@ -113,6 +114,8 @@ def _unsafe(chart: CheckedChart) -> Iterator[Finding]:
             f"{_way(unsafe.trace)} the active steps are {words(chart.net.names(unsafe.marking))}"
         )
         yield Finding(chart.place_of(unsafe.step), message)
+    elif not chart.graph.complete and soundness(chart.net, cap=len(chart.graph)).safe is Answer.NO:
+        yield Finding(chart.root.place, "the chart is too large to say which, but a step can be activated twice")
 
 
 def dead_joins(chart: CheckedChart) -> tuple[NetTransition, ...]:

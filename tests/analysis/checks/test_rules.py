@@ -138,6 +138,12 @@ def drawn(*symbols: tuple[int, SymbolKind, list[int]], jump_to: int | None = Non
     return make
 
 
+def part(name: str, kind: PartialChartKind, *names: str, initial: bool = True) -> PartialChart:
+    network = ring(*names)
+    network.steps[0].initial = initial
+    return PartialChart(name=name, kind=kind, network=network)
+
+
 def case(
     code: str, breaks: Callable[[], Subject], fine: Callable[[], Subject], says: str, profile: str = "iec"
 ) -> None:
@@ -394,6 +400,22 @@ case(
     "both happen when S1 -> S2 is cleared",
     "grafcet",
 )
+
+
+def enclosed(*links: str) -> Callable[[], Subject]:
+    """Two charts in an enclosing step, in which the steps A and C write the same; `links` are activated with it."""
+
+    def change(whole: SfcNetwork) -> None:
+        whole.step("S2").encloses = [Enclosure(chart=f"G{n}", activated_steps=[link]) for n, link in enumerate(links)]
+        for number, names in enumerate((("A", "B"), ("C", "D"))):
+            inner = part(f"G{number}", PartialChartKind.ENCLOSED, *names, initial=False)
+            acting(inner.network, names[0], target="x", kind=ActionKind.ON_ACTIVATION, value=str(number))
+            whole.partial_charts.append(inner)
+
+    return made(change)
+
+
+case("ACT04", enclosed("A", "C"), enclosed("A", "D"), "both happen when S1 -> S2 is cleared", "grafcet")
 case("ACT05", steps("q(N, T#5s);"), steps("q(N);"), "the time T#5s has no effect")
 case("ACT06", steps("q(L, T#5s);", "q(D, T#6s);"), steps("q(L, T#5s);", "q(D, t#5S);"), "another time here")
 case("ACT07", steps("q(P1);"), steps("q(N);"), "there is no qualifier P1 here", "s7graph")
@@ -529,12 +551,6 @@ case(
 )
 
 # -- hierarchy
-
-
-def part(name: str, kind: PartialChartKind, *names: str, initial: bool = True) -> PartialChart:
-    network = ring(*names)
-    network.steps[0].initial = initial
-    return PartialChart(name=name, kind=kind, network=network)
 
 
 def expanded(*steps_of_it: str, name: str = "M1", back: bool = False) -> Callable[[], Subject]:
