@@ -19,12 +19,10 @@ def markup(element: etree._Element) -> str:
     out.
     """
     element = copy.deepcopy(element)
-    for node in element.iter():
-        texts = [node.text, *(child.tail for child in node)]
-        if len(node) and not any(text and text.strip() for text in texts):
-            node.text = None
-            for child in node:
-                child.tail = None
+    for node in _INDENTED(element):
+        node.text = None
+        for child in node:
+            child.tail = None
     prefixes = [prefix for prefix in element.nsmap if prefix]
     if prefixes:
         # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
@@ -38,6 +36,12 @@ def markup(element: etree._Element) -> str:
         # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
         return f'<{name.localname} xmlns=""' + text.decode().removeprefix(f"<{name.localname}")
     return text.decode()
+
+
+_INDENTED: Any = etree.XPath(
+    "descendant-or-self::*[text()][* or comment() or processing-instruction()][not(text()[normalize-space()])]"
+)
+"""The elements that have other nodes and blanks in them, and no other text."""
 
 
 def inner_markup(element: etree._Element) -> str:
