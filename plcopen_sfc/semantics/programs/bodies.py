@@ -7,17 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.languages.declarations.names import is_identifier
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
 from plcopen_sfc.languages.networks.results import NetworkText
 from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import settled, truth
 from plcopen_sfc.semantics.programs.layouts import Direction, Frame
 from plcopen_sfc.semantics.programs.linking import Writer
+from plcopen_sfc.semantics.programs.places import Unknown
 from plcopen_sfc.semantics.programs.statements import StatementTranslator
 
 if TYPE_CHECKING:
@@ -163,7 +165,8 @@ class Bodies:
             return read.tree.statements, None, _types(read)
         if isinstance(body, SfcBody):
             raise SimulationError("a chart cannot be executed here")
-        raise SimulationError(f"a body in {body.language} is not known to the simulator")
+        source = body.source if isinstance(body, OpaqueBody) else body.language
+        raise SimulationError(f"a body in {source} is not known to the simulator")
 
     def _taken(self) -> list[str]:
         names = [field.name for field in self._scope.layout.fields]
@@ -182,6 +185,13 @@ class Bodies:
             if helper.type_name is not None:
                 type_ = self._library.types.named(helper.type_name, self._scope)
             self._scope.helper(helper.name, type_)
+        for name, type_name in read.instances.items():
+            # the drawing tells the type of an instance that nobody declares
+            if is_identifier(name) and isinstance(self._scope.resolve(n.Name(name)), Unknown):
+                found = self._library.types.named(type_name, self._scope)
+                if isinstance(found, t.StructureType):
+                    self._scope.helper(name, found)
+                    self._library.undeclared[name] = found
 
 
 def _types(read: NetworkText) -> Mapping[str, str]:

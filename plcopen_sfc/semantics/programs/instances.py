@@ -269,12 +269,19 @@ class Instance:
         return f"close to it: {', '.join(near)}" if near else ""
 
     def _evaluated(self, place: Place) -> tuple[list[Any], int]:
+        if place.key:
+            start, *slots = place.key.split(".")
+            cells: Any = self._library.frame.v if start == "g" else self.frame.v
+            for slot in slots[:-1]:
+                inner = cells[int(slot)]
+                cells = inner.v if isinstance(inner, Frame) else inner
+            return cells, int(slots[-1])
         writer = Writer()
         writer.write("v = f.v")
         writer.write(f"return {place.cells}, {place.index}")
         linker = self._library.linker
         function = linker.routine("f", writer, self.unit.pou.name)
-        linker.link(self._library.is_free)
+        self._library.link()
         cells, index = function(self.frame)
         return cells, index
 

@@ -153,9 +153,14 @@ class Library:
             writer.write(f"g.append({field.initial})")
         added = self.linker.routine("", writer, "global variables") if fields else None
         self.version += 1
-        self.linker.link(self.is_free)
+        self.link()
         if added is not None:
             added()
+
+    def link(self) -> None:
+        """Link what is new."""
+        known = (len(self.written), len(self.inputs), len(self.roots)) if self.read_input is not None else None
+        self.linker.link(self.is_free, known)
 
     def is_free(self, key: str) -> bool:
         """Whether the variable of this key is read from `read_input`."""

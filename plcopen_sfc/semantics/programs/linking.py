@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FunctionType, TracebackType
@@ -90,7 +90,10 @@ class Linker:
         self.namespace: dict[str, Any] = {"__builtins__": __builtins__}
         self._names = 0
         self._known: dict[int, str] = {}
-        self._drafts: list[_Draft] = []
+        self._waiting: list[_Draft] = []
+        self._asking: list[_Draft] = []
+        """What reads variables that may be free inputs."""
+        self._version: Hashable = None
         self._places: dict[str, _Draft] = {}
         self._prefix = f"plc-{id(self):x}"
 
@@ -119,18 +122,24 @@ class Linker:
         filename = f"<{self._prefix}-{name}>"
         assert isinstance(function, FunctionType)  # noqa: S101  # reserve makes no others
         draft = _Draft(function, head, writer.lines or [" pass"], writer.origins or [1], path, filename)
-        self._drafts.append(draft)
+        self._waiting.append(draft)
         self._places[filename] = draft
         return function
 
-    def link(self, is_free: Callable[[str], bool]) -> None:
-        """Compile what has not been compiled yet, and what reads an input that is no longer free."""
-        for draft in self._drafts:
+    def link(self, is_free: Callable[[str], bool], version: Hashable) -> None:
+        """Compile what has not been compiled yet, and again what reads inputs, where `version` tells of a change."""
+        waiting, self._waiting = self._waiting, []
+        if version != self._version:
+            self._version = version
+            waiting = [*self._asking, *waiting]
+        for draft in waiting:
             source = "\n".join([draft.head, *draft.lines])
-            source = _FREE.sub(lambda found: found[2].split("\x04")[is_free(found[1])], source)
-            if source != draft.linked:
-                draft.function.__code__ = self._compiled(source, draft)
-                draft.linked = source
+            found = _FREE.sub(lambda token: token[2].split("\x04")[is_free(token[1])], source)
+            if not draft.linked and "\x01" in source:
+                self._asking.append(draft)
+            if found != draft.linked:
+                draft.function.__code__ = self._compiled(found, draft)
+                draft.linked = found
 
     def _compiled(self, source: str, draft: _Draft) -> Any:
         scratch: dict[str, Any] = {}
