@@ -1,126 +1,119 @@
-"""Lowering a chart: choose a construction, make the code, and put it into a POU."""
+"""Lowering a chart, with the proof that the code does the same."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
+from typing import TypeVar
 
-from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.bits import StepBits
-from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
-from plcopen_sfc.lowering.flipflops import FlipFlopChain
-from plcopen_sfc.lowering.memory import BitMemory, BlockMemory, Memory
-from plcopen_sfc.lowering.naming import Naming
-from plcopen_sfc.lowering.reading import read_chart
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.profile import Profile, default_profile
+from plcopen_sfc.semantics.profile import profile as profile_named
+from plcopen_sfc.semantics.subjects import Subject, resolve
 
-
-class Construction(StrEnum):
-    """What a chart is lowered to.
-
-    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. BITS: step bits in
-    structured text. AUTO: the most readable of structured text that is exact.
-    """
-
-    FLIPFLOP = "flipflop"
-    CASE = "case"
-    BITS = "bits"
-    AUTO = "auto"
-
-
-class Style(StrEnum):
-    """EXACT: does what the chart does. CLASSIC: the textbook form, which does not quite."""
-
-    EXACT = "exact"
-    CLASSIC = "classic"
-
-
-class Language(StrEnum):
-    """The language of the body that is made."""
-
-    ST = "ST"
-    FBD = "FBD"
-    LD = "LD"
+Choice = TypeVar("Choice", Construction, Style, Language)
 
 
 @dataclass(frozen=True)
 class LoweredPou:
-    """A POU that does what a chart did. `why` says why this construction was taken."""
+    """A POU without a chart, in a copy of its project, that does what the chart did.
 
+    `construction` was taken, `why` says why. `proof` is what the comparison with the chart came to, None where none was
+    wanted.
+    """
+
+    project: Project
     pou: Pou
     construction: Construction
     style: Style
+    profile: Profile
     why: str
+    proof: Verdict | None
 
 
-def lower_chart(
-    pou: Pou,
-    chart: SfcNetwork,
-    dialect: Dialect,
-    rules: LoweringRules,
+def lower(
+    subject: SfcNetwork | Pou | Project,
+    construction: Construction | str = Construction.AUTO,
     *,
-    construction: Construction = Construction.AUTO,
-    style: Style = Style.EXACT,
-    language: Language | None = None,
+    pou: str | None = None,
+    style: Style | str = Style.EXACT,
+    language: Language | str | None = None,
+    profile: Profile | str | None = None,
+    init: str | None = None,
+    lang: str = "en",
+    verify: bool = True,
 ) -> LoweredPou:
-    """Lower `chart`, which is the body of `pou`. Raises `LoweringError` for what cannot be said in the target."""
-    source = read_chart(pou, chart, dialect, rules.profile)
-    chosen, why = _choice(source, construction)
-    if language is None:
-        language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
-    if language is not Language.ST and chosen is not Construction.FLIPFLOP:
-        raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}")
-    init = [rules.init] if rules.init is not None else []
-    code = Code(Naming(dialect, [*source.names(), *init]))
-    memory: Memory = BitMemory(code) if language is Language.ST else BlockMemory(code)
-    makers: dict[Construction, type[FlipFlopChain | CaseChain | StepBits]] = {
-        Construction.FLIPFLOP: FlipFlopChain,
-        Construction.CASE: CaseChain,
-        Construction.BITS: StepBits,
-    }
-    maker = makers[chosen](source, code, memory, rules)
-    if style is Style.EXACT:
-        maker.exact()
-    elif isinstance(maker, StepBits):
-        raise LoweringError(f"{chosen} has no classic style")
-    else:
-        maker.classic()
-    return LoweredPou(_pou(pou, code, dialect, language), chosen, style, why)
+    """Make program code of a chart: flip-flops (``flipflop``, ``fup``), a ``case``, step ``bits``, or what fits best.
+
+    `subject` and `pou` as in `simulate`. `style`: ``exact`` does what the chart does, ``classic`` is the textbook form.
+    `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others. `profile`: what the chart
+    does; that of its tool if not given. `init`: the name of an input to add that starts the chain anew. `lang`: of
+    titles and comments, ``en`` or ``de``. `verify`: compare the code with the chart under the profile, `init` being
+    FALSE.
+
+    Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot say, and where exact code is
+    found to be different; `ModelError` for an unknown name.
+    """
+    chosen = _chosen(Construction, _ALIASES.get(str(construction), str(construction)))
+    wanted_style = _chosen(Style, str(style))
+    spoken = _chosen(Language, str(language).upper()) if language is not None else None
+    found = resolve(subject, pou)
+    chart = found.pou.sfc
+    if chart is None:
+        raise LoweringError("there is no chart to be lowered", location=Location(path=found.name))
+    texts = TEXTS.get(lang)
+    if texts is None:
+        raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
+    semantics = default_profile(found.project) if profile is None else profile_named(profile)
+    rules = LoweringRules(semantics, texts, init)
+    made = construct(
+        found.pou,
+        chart,
+        found.project.dialect,
+        rules,
+        construction=chosen,
+        style=wanted_style,
+        language=spoken,
+    )
+    project = _with(found, made.pou)
+    proof: Verdict | None = None
+    if verify:
+        proof = equivalent(found, Subject(project, made.pou, found.name), semantics, fixed=_at_rest(init))
+        if proof.outcome is Outcome.DIFFERENT and wanted_style is Style.EXACT:
+            raise LoweringError(
+                f"the code does not do what the chart does: {proof}",
+                location=Location(path=found.name),
+                hint="This is an error of plcopen_sfc: please report it with the chart.",
+            )
+    return LoweredPou(project, made.pou, made.construction, wanted_style, semantics, made.why, proof)
 
 
-def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:
-    if wanted is not Construction.AUTO:
-        return wanted, "asked for"
-    objection = one_step_at_a_time(source)
-    if not objection:
-        return Construction.CASE, "exactly one step is active at a time"
-    return Construction.BITS, f"one CASE cannot hold the chart: {objection}"
+_ALIASES = {"fup": "flipflop"}
 
 
-def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:
-    interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
-    interface.declaration = None
-    if code.inputs:
-        interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=code.inputs))
-    if code.variables:
-        interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=code.variables))
-    declared = interface.variables()
-    body: Body
-    if language is Language.ST:
-        body = structured_text(code, dialect)
-    elif language is Language.FBD:
-        body = function_block_diagram(code, dialect, declared)
-    else:
-        body = ladder_diagram(code, dialect, declared)
-    lowered = original.model_copy(deep=True, update={"bodies": [], "object_id": None})
-    lowered.interface = interface
-    lowered.bodies = [body, *(b for b in original.bodies if not isinstance(b, SfcBody))]
-    return lowered
+def _chosen(kind: type[Choice], name: str) -> Choice:
+    try:
+        return kind(name)
+    except ValueError:
+        hint = "There are: " + ", ".join(each.value for each in kind)
+        raise LoweringError(f"{name!r} is nothing a chart can be lowered to", hint=hint) from None
+
+
+def _at_rest(init: str | None) -> Mapping[str, bool]:
+    return {init: False} if init is not None else {}
+
+
+def _with(subject: Subject, pou: Pou) -> Project:
+    """A copy of the project with `pou` instead of the one of the same name."""
+    project = subject.project.model_copy(deep=True)
+    names = [each.name for each in project.pous]
+    if subject.pou.name in names:
+        project.pous[names.index(subject.pou.name)] = pou
+    return project

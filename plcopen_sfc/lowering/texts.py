@@ -122,3 +122,7 @@ class GermanTexts(Texts):
     def action(self, name: str) -> str:
         """The title of an action's network."""
         return f"Aktion {name}"
+
+
+TEXTS = {"en": Texts(), "de": GermanTexts()}
+"""The texts by language."""

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.lower import Construction, Language, Style, lower_chart
+from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import GermanTexts
 from plcopen_sfc.model import FbdBody, StBody
@@ -28,7 +28,7 @@ def lowered(construction: Construction, language: Language) -> object:
     pou = training_chain()
     chart = pou.sfc
     assert chart is not None
-    result = lower_chart(
+    result = construct(
         pou, chart, Dialect.IEC, RULES, construction=construction, style=Style.CLASSIC, language=language
     )
     return result.pou.body

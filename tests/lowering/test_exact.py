@@ -10,7 +10,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.lower import Construction, Language, Style, lower_chart
+from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES
@@ -30,9 +30,7 @@ def verdict(pou: m.Pou, construction: Construction, language: Language, profile:
     chart = pou.sfc
     assert chart is not None
     rules = LoweringRules(PROFILES[profile], Texts())
-    lowered = lower_chart(
-        pou, chart, Dialect.IEC, rules, construction=construction, style=Style.EXACT, language=language
-    )
+    lowered = construct(pou, chart, Dialect.IEC, rules, construction=construction, style=Style.EXACT, language=language)
     return equivalent(pou, lowered.pou, profile, cap=2_000, runs=20)
 
 

@@ -1,0 +1,125 @@
+"""Choosing a construction, making the code of a chart, and putting it into a POU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.bits import StepBits
+from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.memory import BitMemory, BlockMemory, Memory
+from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.lowering.reading import read_chart
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+
+class Construction(StrEnum):
+    """What a chart is lowered to.
+
+    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. BITS: step bits in
+    structured text. AUTO: the most readable of structured text that is exact.
+    """
+
+    FLIPFLOP = "flipflop"
+    CASE = "case"
+    BITS = "bits"
+    AUTO = "auto"
+
+
+class Style(StrEnum):
+    """EXACT: does what the chart does. CLASSIC: the textbook form, which does not quite."""
+
+    EXACT = "exact"
+    CLASSIC = "classic"
+
+
+class Language(StrEnum):
+    """The language of the body that is made."""
+
+    ST = "ST"
+    FBD = "FBD"
+    LD = "LD"
+
+
+@dataclass(frozen=True)
+class Constructed:
+    """A POU made of a chart. `why` says why this construction was taken."""
+
+    pou: Pou
+    construction: Construction
+    why: str
+
+
+def construct(
+    pou: Pou,
+    chart: SfcNetwork,
+    dialect: Dialect,
+    rules: LoweringRules,
+    *,
+    construction: Construction = Construction.AUTO,
+    style: Style = Style.EXACT,
+    language: Language | None = None,
+) -> Constructed:
+    """Lower `chart`, which is the body of `pou`. Raises `LoweringError` for what cannot be said in the target."""
+    source = read_chart(pou, chart, dialect, rules.profile)
+    chosen, why = _choice(source, construction)
+    if language is None:
+        language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
+    if language is not Language.ST and chosen is not Construction.FLIPFLOP:
+        raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}")
+    init = [rules.init] if rules.init is not None else []
+    code = Code(Naming(dialect, [*source.names(), *init]))
+    memory: Memory = BitMemory(code) if language is Language.ST else BlockMemory(code)
+    makers: dict[Construction, type[FlipFlopChain | CaseChain | StepBits]] = {
+        Construction.FLIPFLOP: FlipFlopChain,
+        Construction.CASE: CaseChain,
+        Construction.BITS: StepBits,
+    }
+    maker = makers[chosen](source, code, memory, rules)
+    if style is Style.EXACT:
+        maker.exact()
+    elif isinstance(maker, StepBits):
+        raise LoweringError(f"{chosen} has no classic style")
+    else:
+        maker.classic()
+    return Constructed(_pou(pou, code, dialect, language), chosen, why)
+
+
+def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:
+    if wanted is not Construction.AUTO:
+        return wanted, "asked for"
+    objection = one_step_at_a_time(source)
+    if not objection:
+        return Construction.CASE, "exactly one step is active at a time"
+    return Construction.BITS, f"one CASE cannot hold the chart: {objection}"
+
+
+def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:
+    interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
+    interface.declaration = None
+    if code.inputs:
+        interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=code.inputs))
+    if code.variables:
+        interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=code.variables))
+    declared = interface.variables()
+    body: Body
+    if language is Language.ST:
+        body = structured_text(code, dialect)
+    elif language is Language.FBD:
+        body = function_block_diagram(code, dialect, declared)
+    else:
+        body = ladder_diagram(code, dialect, declared)
+    lowered = original.model_copy(deep=True, update={"bodies": [], "object_id": None})
+    lowered.interface = interface
+    lowered.bodies = [body, *(b for b in original.bodies if not isinstance(b, SfcBody))]
+    return lowered

@@ -1,0 +1,69 @@
+"""Lowering as scripts call it: a copy of the project with code instead of the chart, and the proof."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.constructing import Construction
+from plcopen_sfc.lowering.lower import lower
+from tests.lowering.charts import training_chain
+
+
+def project() -> m.Project:
+    return m.Project(name="Anlage", pous=[training_chain()])
+
+
+def test_the_copy_has_code_where_the_project_has_a_chart() -> None:
+    original = project()
+    before = original.model_copy(deep=True)
+    lowered = lower(original)
+    assert original == before
+    assert lowered.construction is Construction.CASE
+    assert isinstance(lowered.project.pou("Ablauf").body, m.StBody)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+
+
+def test_the_textbook_chain_is_different_and_says_with_which_inputs() -> None:
+    lowered = lower(project(), "fup", style="classic", init="Init", lang="de")
+    assert lowered.construction is Construction.FLIPFLOP
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.DIFFERENT
+    assert lowered.proof.counterexample is not None
+    assert lowered.proof.counterexample.shortest
+
+
+@pytest.mark.parametrize("form", ["plcopen-2.01", "codesys", "iec-text", "scl", "simaticml", "json"])
+@pytest.mark.parametrize("construction", ["case", "bits"])
+def test_what_was_written_and_read_again_is_proven_too(construction: str, form: str) -> None:
+    original = project()
+    again = sfc.loads(sfc.dumps(lower(original, construction, verify=False).project, format=form), format=form)
+    found = equivalent(original, again, "iec")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("form", ["plcopen-2.01", "codesys", "iec-text", "json"])
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_networks_that_were_written_and_read_again_are_proven_too(language: str, form: str) -> None:
+    original = project()
+    lowered = lower(original, "flipflop", language=language, verify=False)
+    found = equivalent(original, sfc.loads(sfc.dumps(lowered.project, format=form), format=form), "iec")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+def test_what_is_not_known_is_refused() -> None:
+    original = project()
+    for wrong in ({"construction": "magic"}, {"style": "baroque"}, {"language": "IL"}, {"lang": "fr"}):
+        with pytest.raises(LoweringError, match="There are: "):
+            lower(original, **wrong)
+    with pytest.raises(LoweringError, match="cannot be drawn in FBD"):
+        lower(original, "case", language="FBD")
+    chart = original.pous[0].sfc
+    assert chart is not None
+    chart.steps[0].supervision = m.Supervised(condition=m.Expression(text="B5"))
+    with pytest.raises(LoweringError, match="supervisions"):
+        lower(original)
