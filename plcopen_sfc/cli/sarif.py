@@ -30,7 +30,6 @@ def sarif(findings: Sequence[Diagnostic], errors: Iterable[SfcError] = ()) -> di
         "tool": {
             "driver": {
                 "name": "plcopen-sfc",
-                "semanticVersion": __version__,
                 "version": __version__,
                 "rules": [_rule(rule) for rule in RULES],
             }

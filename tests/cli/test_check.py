@@ -164,7 +164,109 @@ class TestConfiguration:
         assert "pyproject.toml" in outcome.err
 
 
+REGION = ({"startLine": int, "startColumn": int}, ["startLine"])
+LOCATIONS = [
+    (
+        {
+            "physicalLocation": ({"artifactLocation": ({"uri": str}, ["uri"]), "region": REGION}, []),
+            "logicalLocations": [({"fullyQualifiedName": str}, [])],
+        },
+        [],
+    )
+]
+TEXT = ({"text": str}, ["text"])
+LEVEL = ("none", "note", "warning", "error")
+LOG: Any = (
+    {
+        "$schema": str,
+        "version": ("2.1.0",),
+        "runs": [
+            (
+                {
+                    "tool": (
+                        {
+                            "driver": (
+                                {
+                                    "name": str,
+                                    "version": str,
+                                    "rules": [
+                                        (
+                                            {
+                                                "id": str,
+                                                "shortDescription": TEXT,
+                                                "fullDescription": TEXT,
+                                                "help": TEXT,
+                                                "defaultConfiguration": ({"level": LEVEL}, []),
+                                            },
+                                            ["id"],
+                                        )
+                                    ],
+                                },
+                                ["name"],
+                            )
+                        },
+                        ["driver"],
+                    ),
+                    "columnKind": ("utf16CodeUnits", "unicodeCodePoints"),
+                    "invocations": [
+                        (
+                            {
+                                "executionSuccessful": bool,
+                                "toolExecutionNotifications": [
+                                    ({"level": LEVEL, "message": TEXT, "locations": LOCATIONS}, ["message"])
+                                ],
+                            },
+                            ["executionSuccessful"],
+                        )
+                    ],
+                    "results": [
+                        (
+                            {
+                                "ruleId": str,
+                                "ruleIndex": int,
+                                "level": LEVEL,
+                                "message": TEXT,
+                                "locations": LOCATIONS,
+                                "partialFingerprints": {"*": str},
+                            },
+                            ["message"],
+                        )
+                    ],
+                },
+                ["tool"],
+            )
+        ],
+    },
+    ["version", "runs"],
+)
+"""The part of the schema of SARIF 2.1.0 that we use: objects with their properties and required ones, enumerations."""
+
+
+def conforms(value: Any, schema: Any, path: str = "$") -> None:
+    """Compare a value with a schema like the one above."""
+    if isinstance(schema, list):
+        assert isinstance(value, list), path
+        for index, item in enumerate(value):
+            conforms(item, schema[0], f"{path}[{index}]")
+    elif isinstance(schema, dict) or (isinstance(schema, tuple) and isinstance(schema[0], dict)):
+        properties, required = schema if isinstance(schema, tuple) else (schema, [])
+        assert isinstance(value, dict), path
+        assert set(required) <= value.keys(), path
+        for key, item in value.items():
+            assert key in properties or "*" in properties, f"{path}.{key}"
+            conforms(item, properties.get(key, properties.get("*")), f"{path}.{key}")
+    elif isinstance(schema, tuple):
+        assert value in schema, path
+    else:
+        assert type(value) is schema, path
+
+
 class TestSarif:
+    def test_says_what_the_standard_knows(self, cli, fixtures):
+        conforms(json.loads(cli("check", PRESS, WRONG, "broken/truncated.xml", "--format", "sarif").out), LOG)
+        with pytest.raises(AssertionError, match="colour"):
+            conforms({"version": "2.1.0", "runs": [], "colour": 1}, LOG)
+
     def test_is_a_log_of_one_run(self, cli, fixtures):
         log = json.loads(cli("check", PRESS, WRONG, "--format", "sarif").out)
         assert log["version"] == "2.1.0"
