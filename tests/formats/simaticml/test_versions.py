@@ -246,6 +246,18 @@ def test_versions_of_documents_are_those_of_the_table(path: Path) -> None:
     assert len(other) <= 2
 
 
+@pytest.mark.parametrize(
+    "name", ["twincat/press_station.xml", "plcopen/every_element_2.01.xml", "scl/filling_line.scl"]
+)
+def test_files_of_other_tools_are_written_valid(name: str) -> None:
+    project = sfc.load(FIXTURES.parent / name)
+    for version in ("V15", "V21"):
+        data = sfc.dumps(project, tia=version)
+        assert validate(data) == []
+        for kind, number, element in outer_parts(parsed(data)):
+            check(element, kind, number)
+
+
 def test_converted_charts_are_complete() -> None:
     project = sfc.load(FIXTURES.parent / "codesys" / "distribution_belt.xml")
     data, report = sfc.api.convert(project, "simaticml-V16")
