@@ -43,7 +43,7 @@ def stimuli(
     for number in range(runs - made):
         low_high = _HOLDS[number % len(_HOLDS)]
         timed = around if around and number % 2 else ()
-        source = RandomInputs(seed + number, hold=low_high, holds=timed, values=_varied(values))
+        source = RandomInputs(seed + number, hold=low_high, holds=timed, values=_varied(values), flags=True)
         rows = _rows(source, signals, scans, clock.scan_time)
         if booleans and number % 3 == 0:
             _pulse(rows, booleans[number // 3 % len(booleans)], Random(f"{seed}:{number}"))  # noqa: S311  # no secret

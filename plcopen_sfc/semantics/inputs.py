@@ -12,6 +12,7 @@ from typing import Protocol, TypeAlias, TypeVar
 
 from plcopen_sfc.errors import InputError, Location, ModelError
 from plcopen_sfc.files import read_bytes
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import ACTIVE_COLUMN, SCAN_COLUMN, TIME_COLUMN, Trace
 
@@ -40,6 +41,7 @@ class Variables:
         return {each.casefold(): each for each in self.inputs}
 
 
+_FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _Choice = TypeVar("_Choice")
 
 
@@ -246,7 +248,8 @@ class RandomInputs:
     Every input keeps a value for a number of scans out of `hold` (both ends included), or out of `holds` where that is
     given: durations that matter, such as those around the times of a program. Booleans change, enumerations and
     numbers get any value: of `values` by name, of `ranges` by name, or of a few around zero and the bounds of the type.
-    An input has the same values whatever other inputs there are.
+    An input has the same values whatever other inputs there are. The SFC flags of CODESYS (``SFCInit``, ``SFCPause``)
+    keep theirs unless `flags` is set: a chart that is held most of the time shows little.
     """
 
     seed: int = 0
@@ -254,6 +257,7 @@ class RandomInputs:
     holds: Sequence[int] = ()
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     values: Mapping[str, Sequence[Value]] = field(default_factory=dict)
+    flags: bool = False
 
     def scans(self, scan_time: int) -> int | None:  # noqa: ARG002  # of the protocol
         """Any number."""
@@ -264,7 +268,12 @@ class RandomInputs:
         for name in (*self.ranges, *self.values):
             if variables.find(name) is None:
                 raise InputError(f"the program has no input {name!r}", hint=", ".join(list(variables.inputs)[:20]))
-        sources = [_RandomInput(self, name, signal) for name, signal in variables.inputs.items()]
+        named = {name.casefold() for name in (*self.ranges, *self.values)}
+        sources = [
+            _RandomInput(self, name, signal)
+            for name, signal in variables.inputs.items()
+            if self.flags or name.casefold() in named or name.casefold() not in _FLAGS
+        ]
 
         def changes(scan: int) -> dict[str, Value]:
             found: dict[str, Value] = {}

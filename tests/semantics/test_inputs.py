@@ -165,6 +165,13 @@ def test_random_inputs_keep_to_their_bounds() -> None:
     assert {b - a for a, b in itertools.pairwise(changes)} == {4, 9}
 
 
+def test_random_inputs_leave_the_flags_of_charts_alone() -> None:
+    variables = Variables({name: Signal.elementary("BOOL") for name in ("Go", "SFCInit", "sfcPause")})
+    assert set(random_rows(RandomInputs(3), variables)[-1]) == {"Go"}
+    assert set(random_rows(RandomInputs(3, values={"sfcinit": [True]}), variables)[-1]) == {"Go", "SFCInit"}
+    assert len(random_rows(RandomInputs(3, flags=True), variables)[-1]) == 3
+
+
 def test_random_inputs_of_what_is_not_there() -> None:
     with pytest.raises(InputError, match="no input 'Nothing'"):
         random_rows(RandomInputs(1, ranges={"Nothing": (0, 1)}))
