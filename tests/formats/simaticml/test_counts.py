@@ -40,8 +40,8 @@ def test_objects_and_members(path: Path) -> None:
     assert len(project.tag_tables) == kinds.count("SW.Tags.PlcTagTable")
     assert sum(len(table.tags) for table in project.tag_tables) == count(root, "/SW.Tags.PlcTag")
     assert sum(len(table.constants) for table in project.tag_tables) == count(root, "/SW.Tags.PlcUserConstant")
-    interfaces = [thing.interface for thing in (*project.pous, *project.data_blocks) if thing.interface is not None]
-    variables = [variable for interface in interfaces for variable in interface.variables()]
+    interfaces = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
+    variables = [variable for interface in interfaces if interface is not None for variable in interface.variables()]
     for element in ("Member", "Member/StartValue", "Member/Comment"):
         expected = count(root, f"/Interface/Sections/Section/{element}")
         expected -= count(root, f"/SW.Types.PlcStruct/AttributeList/Interface/Sections/Section/{element}")

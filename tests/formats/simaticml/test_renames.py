@@ -71,6 +71,12 @@ def program(project: Project) -> str:
     return body.text
 
 
+def chart_of(project: Project) -> SfcNetwork:
+    chart = project.pou("FB_Seq").sfc
+    assert chart is not None
+    return chart
+
+
 def conditions(chart: SfcNetwork) -> list[str]:
     return [t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)]
 
@@ -80,12 +86,12 @@ def test_a_step_is_renamed_everywhere(through_file: bool) -> None:
     project = block()
     if through_file:
         project = sfc.loads(sfc.dumps(project, format="simaticml"))
-    project.pou("FB_Seq").sfc.rename_step("Drill", "Bore")
+    chart_of(project).rename_step("Drill", "Bore")
     if through_file:
         project = sfc.loads(sfc.dumps(project))
     assert members(project) == [["Bore", "T_1"], ["Bore", "T_1"]]
     assert program(project) == '"Out" := "DB_Seq".Bore.X AND "DB_Seq".T_1.TT;'
-    chart = project.pou("FB_Seq").sfc
+    chart = chart_of(project)
     assert conditions(chart) == ["#Bore.T > T#5s", "NOT #Bore.X"]
     assert [action.target for action in chart.step("Cool").actions] == ["Bore"]
 
@@ -108,5 +114,5 @@ def test_a_name_that_a_member_has_is_refused() -> None:
     assert interface is not None
     interface.sections[0].variables.append(Variable(name="Bore", type="INT"))
     with pytest.raises(ModelError):
-        project.pou("FB_Seq").sfc.rename_step("Drill", "Bore")
+        chart_of(project).rename_step("Drill", "Bore")
     assert members(project)[1] == ["Drill", "T_1"]
