@@ -190,23 +190,24 @@ class Instance:
     def variables(self) -> Mapping[str, Variable]:
         """All variables that a user sees, by path: those of the instance, then global ones that are used."""
         found: dict[str, Variable] = {}
-        for path, field in self._leaves():
-            direction = field.direction if "." not in path else Direction.LOCAL
-            found.setdefault(path, Variable(path, field.type, direction, field.preset))
-        for field in self._library.globals.fields:
-            value = self._library.frame.v[field.slot]
-            if value is self.frame:
-                continue
-            if isinstance(value, Frame):
-                for path, inner, _, _ in leaves(value, f"{field.name}."):
-                    found.setdefault(path, Variable(path, inner.type, Direction.EXTERNAL, inner.preset))
-            else:
-                found.setdefault(field.name, Variable(field.name, field.type, field.direction, field.preset))
-        return found
 
-    def _leaves(self) -> Iterator[tuple[str, Field]]:
-        for path, field, _, _ in leaves(self.frame):
-            yield path, field
+        def add(path: str, field: Field, direction: Direction, cells: list[Any], index: int) -> None:
+            if path not in found:
+                found[path] = Variable(path, field.type, direction, field.preset)
+                if field.direction is not Direction.IN_OUT:  # there is a pointer in its place
+                    self._cells.setdefault(path.casefold(), _Cell(cells, index, field.type))
+
+        for path, field, cells, index in leaves(self.frame):
+            add(path, field, field.direction if "." not in path else Direction.LOCAL, cells, index)
+        outer = self._library.frame.v
+        for field in self._library.globals.fields:
+            value = outer[field.slot]
+            if isinstance(value, Frame) and value is not self.frame:
+                for path, inner, cells, index in leaves(value, f"{field.name}."):
+                    add(path, inner, Direction.EXTERNAL, cells, index)
+            elif value is not self.frame:
+                add(field.name, field, field.direction, outer, field.slot)
+        return found
 
     def charts(self) -> list[tuple[str, CompiledChart, Frame]]:
         """The charts of the instance and of instances in it: path, chart, and the frame that it works on."""
