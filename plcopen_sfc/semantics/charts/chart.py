@@ -10,6 +10,7 @@ from plcopen_sfc.model import ActionAssociation, SfcFlag, SfcNetwork
 from plcopen_sfc.semantics.charts.actions import Actions, Owner, check_associations
 from plcopen_sfc.semantics.charts.analyzation import analysis
 from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
+from plcopen_sfc.semantics.charts.forgetting import forgetting
 from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice
 from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
@@ -88,7 +89,7 @@ class ChartProgram:
         `timed` are the steps whose time anything depends on (names in lower case), `anywhere` those of them whose time
         is read elsewhere than in the conditions behind them, and so also when they are not active.
         """
-        return self._steps.forgetting(anywhere, timed)
+        return forgetting(self._steps, anywhere, timed)
 
     # -- preparing
 
