@@ -28,6 +28,7 @@ EXPECTED: dict[str, dict[str, int]] = {
         "LOW01": 36,
         "LOW02": 13,
         "STR07": 1,
+        "STR13": 1,
         "STR15": 10,
     },
     "simaticml": {"ACT10": 2, "CND02": 29, "EVO01": 4, "EVO02": 3, "LOW01": 3, "SEL03": 5, "STR11": 1},
@@ -45,6 +46,7 @@ EXPECTED: dict[str, dict[str, int]] = {
         "STR07": 1,
         "STR09": 29,
         "STR11": 5,
+        "STR13": 1,
         "STR14": 4,
     },
 }

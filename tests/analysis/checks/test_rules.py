@@ -242,6 +242,18 @@ case(
     made(lambda chart: setattr(chart.add_step("Alone"), "initial", True)),
     "a second initial step in one connected chart, besides S1",
 )
+LEFT_OUT = """
+INITIAL_STEP S1: END_STEP STEP A: END_STEP STEP B: END_STEP STEP C: END_STEP STEP D: END_STEP
+TRANSITION FROM S1 TO (A, B, C) := a; END_TRANSITION
+TRANSITION FROM (A, B) TO D := b; END_TRANSITION
+TRANSITION FROM (C, D) TO S1 := c; END_TRANSITION
+"""
+NESTED = LEFT_OUT.replace("(A, B, C)", "(D, C)").replace("FROM (A, B) TO D", "FROM D TO (A, B)")
+NESTED = (
+    NESTED.replace("FROM (C, D)", "FROM (C, E)") + "STEP E: END_STEP TRANSITION FROM (A, B) TO E := e; END_TRANSITION"
+)
+case("STR13", text(LEFT_OUT), text(NESTED), "forked", "codesys")
+case("STR13", text(parallel("", "", more=MERGED)), text(parallel("", "")), "branch", "codesys")
 case(
     "STR14",
     made(lambda chart: setattr(chart.transitions[-1], "targets", [])),
