@@ -20,6 +20,7 @@ from plcopen_sfc.semantics.charts.control import (
 )
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run, Write
 from plcopen_sfc.semantics.charts.targets import execution
+from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, default
@@ -58,10 +59,6 @@ class Action:
     run: Run | None = None
     write: Write | None = None
 
-    def may_act(self, situation: int) -> bool:
-        """Whether an association could act in a situation."""
-        return any((situation & a.steps == 0) is a.inverted for a in self.associations)
-
 
 @dataclass(slots=True)
 class _Draft:
@@ -95,6 +92,14 @@ class Actions:
         self.starts: list[int] = []
         """The slots of running timers."""
         self._actions = tuple(self._action(index, draft) for index, draft in enumerate(drafts))
+        self._by_step: dict[int, list[Action]] = {}
+        self._inverted: list[Action] = []
+        for action in self._actions:
+            for association in action.associations:
+                if association.inverted:
+                    self._inverted.append(action)
+                for index in indexes(association.steps):
+                    self._by_step.setdefault(index, []).append(action)
 
     def _action(self, index: int, draft: _Draft) -> Action:
         associations = [_association(owner, model) for owner, model in draft.model]
@@ -175,10 +180,13 @@ class Actions:
                 action.write(frame, True)
 
     def _plan(self, situation: int, seen: int, busy: int) -> _Work:
-        asked = tuple(a for a in self._actions if a.bit & busy or a.may_act(situation) or a.may_act(seen))
+        found = {self._actions[index] for index in indexes(busy)}
+        found.update(action for index in indexes(situation | seen) for action in self._by_step.get(index, ()))
+        found.update(self._inverted)
+        asked = tuple(sorted(found, key=lambda action: action.bit))
         idle: tuple[Write, ...] = ()
         if self._always:
-            idle = tuple(a.write for a in self._actions if a not in asked and a.write is not None)
+            idle = tuple(a.write for a in self._actions if a not in found and a.write is not None)
         if len(self._work) >= MOST_PLANS:
             self._work.clear()
         work = self._work[situation, seen, busy] = _Work(asked, idle)

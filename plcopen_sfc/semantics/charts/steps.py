@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -96,7 +96,7 @@ class Steps:
     @property
     def slots(self) -> tuple[int, ...]:
         """The slots of the structures of the steps, in the order of the net."""
-        return tuple(next(n.slot for n in self.names if n.steps & step.bit and not n.flag) for step in self.net.steps)
+        return tuple(next(name.slot for name in names if not name.flag) for names in self._by_step)
 
     def change(self, frame: Frame, before: int, situation: int, entered: int, now: int) -> None:
         """Another situation. `entered`: the steps whose time starts anew."""
@@ -131,26 +131,10 @@ class Steps:
 
     def timed(self, situation: int) -> tuple[tuple[int, int], ...]:
         """Where the times of active steps are, and where their starts."""
-        return tuple((n.slot, n.since) for n in self.names if situation & n.steps and not n.flag)
-
-    def forgetting(self, anywhere: Container[str], timed: Container[str]) -> Callable[[Frame, int], None]:
-        """See `ChartProgram.forgetting`."""
-        seen = [n for n in self.names if not n.flag]
-        timeless = tuple((n.slot, n.since) for n in seen if n.name.casefold() not in timed)
-        own = tuple(n.slot for n in seen if n.name.casefold() in timed and n.name.casefold() not in anywhere)
-
-        def forget(frame: Frame, now: int) -> None:
-            v = frame.v
-            for slot, since in timeless:
-                v[slot].v[T] = 0
-                if v[since] is not None:
-                    v[since] = now
-            for slot in own:
-                values = v[slot].v
-                if not values[X]:
-                    values[T] = 0
-
-        return forget
+        found = {
+            name.slot: name.since for index in indexes(situation) for name in self._by_step[index] if not name.flag
+        }
+        return tuple(found.items())
 
     def announce(self, frame: Frame, situation: int, following: int) -> None:
         """Tell which steps will be active in the next scan (``Step1._x`` of CODESYS)."""
