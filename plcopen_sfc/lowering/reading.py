@@ -59,6 +59,8 @@ class _Reader:
             self._refuse("the search for stability is not lowered yet", "")
         if self._net.hierarchy or self._profile.graph_parameters:
             self._refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
+        if flags := self._flags():
+            self._refuse(f"SFC flags are not lowered yet, and the chart uses {', '.join(flags)}", "")
         if self._chart.permanent_pre or self._chart.permanent_post:
             self._refuse("permanent operations are not lowered yet", "")
         logic: tuple[n.Statement, ...] = ()
@@ -85,6 +87,14 @@ class _Reader:
     def _refuse(self, message: str, path: str) -> NoReturn:
         place = f"{self._pou.name} / {path}" if path else self._pou.name
         raise LoweringError(message, location=Location(path=place))
+
+    def _flags(self) -> list[str]:
+        """The SFC flags of CODESYS that the chart uses: its settings say so, or the POU declares them."""
+        declared = {v.name.casefold() for v in self._pou.interface.variables()} if self._pou.interface else set()
+        settings = self._chart.settings
+        uses = {flag for flag, use in settings.flags.items() if use.use} if settings is not None else set()
+        uses |= {flag for flag in self._profile.flags if flag.variable.casefold() in declared}
+        return sorted(flag.variable for flag in uses & self._profile.flags)
 
     def _taken(self) -> list[str]:
         return [helper.name for helper in self._helpers]
