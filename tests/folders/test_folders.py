@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import FileAccessError, LossError, ModelError, OldVersionError, UnknownFormatError
 from plcopen_sfc.model import Project
+from plcopen_sfc.model.compare import differences
+from tests.corpus import ROOT
 from tests.folders.exports import PLACES, block, changes, contents, export
 
 posix_only = pytest.mark.skipif(os.name == "nt", reason="needs POSIX permissions and links")
@@ -32,6 +34,25 @@ def test_an_export_is_one_project(tmp_path: Path) -> None:
     }
     assert project.diagnostics == ()
     assert project.header.version == "V20"
+
+
+PLC = ROOT / "fixtures" / "simaticml-plc"
+
+
+def test_the_example_plc(tmp_path: Path) -> None:
+    """The larger example: all of it comes back, also through another format."""
+    project = sfc.load(PLC)
+    assert project.diagnostics == ()
+    assert sfc.check_syntax(project) == []
+    assert sfc.save(project, tmp_path / "copy").unchanged
+    assert contents(tmp_path / "copy") == contents(PLC)
+    sfc.save(project, tmp_path / "all.json", format="json")
+    report = sfc.save(sfc.load(tmp_path / "all.json"), f"{tmp_path}/back/", format="simaticml")
+    assert report.losses == []
+    back = sfc.load(tmp_path / "back")
+    names = {thing.name: thing for thing in back.objects()}
+    for thing in project.objects():
+        assert list(differences(thing, names[thing.name], ignore=frozenset({"drawing", "carried"}))) == []
 
 
 def test_unedited_nothing_is_touched(tmp_path: Path) -> None:
