@@ -12,6 +12,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
+from plcopen_sfc.formats.simaticml.schema import validate
 from plcopen_sfc.formats.simaticml.topology import read_link
 from plcopen_sfc.formats.simaticml.topology_rules import problems
 from plcopen_sfc.model import Pou, Project, SfcBody, SfcNetwork
@@ -41,6 +42,7 @@ def written(chart: SfcNetwork) -> tuple[etree._Element, ConversionReport, SfcNet
     project = Project(pous=[Pou(name="Chart", kind=PouKind.FUNCTION_BLOCK, bodies=[SfcBody(chart=chart)])])
     stream = io.BytesIO()
     report = sfc.save(project, stream, format="simaticml")
+    assert validate(stream.getvalue()) == []
     again = sfc.loads(stream.getvalue())
     (read,) = again.charts()
     return parsed(stream.getvalue()), report, read.network
