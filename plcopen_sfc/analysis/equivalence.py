@@ -14,7 +14,7 @@ from typing import Any
 
 from plcopen_sfc.analysis.clocking import clocking
 from plcopen_sfc.analysis.domains import Domain, plain
-from plcopen_sfc.analysis.product import Explored, compare, explore, failure_of
+from plcopen_sfc.analysis.product import Explored, compare, end_of, explore, failure_of
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem, step_observations
 from plcopen_sfc.errors import ModelError, SfcError
@@ -113,7 +113,7 @@ class Verdict:
     `compared`: what was compared, by the names of the first; `uncompared`: what only one side has and so could not be.
     `states`: the pairs of states that were searched, with all input sequences of `depth` scans. `runs` of `scans` scans
     were made with directed and random inputs. `scan_time` (nanoseconds): what is said of times holds for it. `reason`:
-    why there is no proof.
+    why there is no proof. `notes`: what was left out of the search.
     """
 
     outcome: Outcome
@@ -129,6 +129,7 @@ class Verdict:
     profile: str
     reason: str = ""
     counterexample: Counterexample | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def equal(self) -> bool:
@@ -148,7 +149,8 @@ class Verdict:
             how = "shortest input trace" if self.counterexample.shortest else "an input trace"
             return f"different after {count} scan{'' if count == 1 else 's'} ({how}{times})\n{self.counterexample}"
         if self.proven:
-            return f"equal (proof: {self.states} states, all inputs{times})"
+            left_out = "".join(f"; {note}" for note in self.notes)
+            return f"equal (proof: {self.states} states, all inputs{times}{left_out})"
         tried = f", all inputs tried for {self.depth} scans" if self.depth else ""
         return f"equal on {self.runs} random runs of {self.scans} scans{times} (no proof: {self.reason}{tried})"
 
@@ -171,6 +173,8 @@ class Verdict:
         }
         if self.reason:
             data["reason"] = self.reason
+        if self.notes:
+            data["notes"] = list(self.notes)
         return data | ({} if self.counterexample is None else {"counterexample": self.counterexample.as_dict()})
 
 
@@ -244,6 +248,7 @@ def equivalent(
         chosen.name,
         reason,
         counterexample,
+        found.notes,
     )
 
 
@@ -287,8 +292,10 @@ class _Comparison:
     def first_difference(self, rows: Sequence[Mapping[str, Any]]) -> int | None:
         """How many scans it takes to a difference; None where there is none."""
         for scan, failures in enumerate(self._runs(rows)):
+            if end_of(failures) is not None:
+                return None
             if any(failures):
-                return None if all(failures) else scan + 1
+                return scan + 1
             if compare(self.left.observed(), self.right.observed()):
                 return scan + 1
         return None

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
-from plcopen_sfc.errors import SfcError
+from plcopen_sfc.errors import SfcError, UnknownBehaviourError, UnknownFunctionError, UnstableChartError
 from plcopen_sfc.semantics.signals import Value
 
-__all__ = ["Branching", "Explored", "System", "compare", "explore", "failure_of"]
+__all__ = ["Branching", "Explored", "System", "compare", "end_of", "explore", "failure_of"]
 
 _RUNS_FOR_A_STATE = 8
 InputReader = Callable[[str], Any]
@@ -87,6 +87,7 @@ class Explored:
 
     `inputs`: those of the scans that lead to the first difference, None where there is none. `complete`: all states
     were seen. `depth`: every input sequence of that many scans was tried. `reason`: why the search is not complete.
+    `notes`: what was not followed any further, because both end with an error there.
     """
 
     states: int
@@ -94,6 +95,7 @@ class Explored:
     complete: bool
     inputs: list[dict[str, Value]] | None = None
     reason: str = ""
+    notes: tuple[str, ...] = ()
 
 
 def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
@@ -124,6 +126,7 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
     branching = Branching(domains)
     waiting = deque([0])
     runs = 0
+    notes: dict[str, SfcError] = {}
     while waiting:
         number = waiting.popleft()
         before_left, before_right = states[number]
@@ -134,13 +137,14 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
                 return Explored(len(seen), depths[number], complete=False, reason=reason)
             left.restore(before_left)
             right.restore(before_right)
-            ended = _scan(left, right, branching.read, first=number == 0)
+            ended, note, failure = _scan(left, right, branching.read, first=number == 0)
             if any(domain.grown for domain in domains.values()):
                 raise _Regrown
             if ended is _DIFFERENT:
                 inputs = [*_inputs(origins, number), {name: plain(value) for name, value in values.items()}]
                 return Explored(len(seen), depths[number], complete=False, inputs=inputs)
-            if ended is _FAILED:
+            if failure is not None and ended is _FAILED:
+                notes[note] = failure
                 continue
             after = (left.snapshot(), right.snapshot())
             code = key(after)
@@ -155,17 +159,39 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
             depths.append(depths[number] + 1)
             waiting.append(len(states) - 1)
         states[number] = (None, None)  # it is not gone back to
-    return Explored(len(seen), max(depths), complete=True)
+    if not seen and notes:
+        raise next(iter(notes.values()))  # nothing ever ran
+    return Explored(len(seen), max(depths), complete=True, notes=tuple(notes))
 
 
 _SAME, _DIFFERENT, _FAILED = range(3)
 
 
-def _scan(left: System, right: System, read: InputReader, *, first: bool) -> int:
+def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tuple[int, str, SfcError | None]:
     failures = [failure_of(system, read, first=first) for system in (left, right)]
-    if any(failures):
-        return _FAILED if all(failures) else _DIFFERENT
-    return _SAME if compare(left.observed(), right.observed()) == [] else _DIFFERENT
+    ended = end_of(failures)
+    if ended is not None:
+        return _FAILED, *ended
+    if any(failures) or compare(left.observed(), right.observed()):
+        return _DIFFERENT, "", None
+    return _SAME, "", None
+
+
+def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
+    """Where two systems cannot be compared any further: why, and the error.
+
+    Both fail; or a chart never becomes stable, which is a mistake of its author: nobody can say what follows. Raises an
+    error that says that a system cannot be executed at all.
+    """
+    for failure in failures:
+        if isinstance(failure, UnknownBehaviourError | UnknownFunctionError):
+            raise failure
+        if isinstance(failure, UnstableChartError):
+            return "situations that never become stable are left out", failure
+    first = failures[0]
+    if first is not None and all(failures):
+        return f"both end with an error: {first.message}", first
+    return None
 
 
 def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | None:

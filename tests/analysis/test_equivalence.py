@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork
 from plcopen_sfc.semantics.net import Rivals
 from plcopen_sfc.semantics.profile import PROFILES
@@ -352,6 +352,28 @@ def test_times_that_are_calculated_with_are_not_proven_where_they_go_on_growing(
     assert "elapsed times" in verdict.reason
     limited = timed_chart("S1.T >= T#5s AND c1")
     assert equivalent(limited, code, "iec", step_flags=TIMED_FLAGS, cap=200).proven
+
+
+@pytest.mark.parametrize("qualifier", ["N", "S", "P", "P1", "P0", "L", "D", "SD", "DS", "SL"])
+@pytest.mark.parametrize("profile", ["iec", "codesys", "matiec"])
+def test_charts_with_every_qualifier_have_few_states(qualifier: str, profile: str) -> None:
+    time = "T#2s" if qualifier in ("L", "D", "SD", "DS", "SL") else None
+    chart = acting(ring(4), {1: [(Qualifier(qualifier), "A", time)], 3: [(R, "A", None)]})
+    late = acting(ring(4), {2: [(Qualifier(qualifier), "A", time)], 0: [(R, "A", None)]})
+    if profile == "matiec" and qualifier in ("P1", "P0", "DS", "SL"):
+        with pytest.raises(UnknownBehaviourError):
+            equivalent(chart, chart.model_copy(deep=True), profile)
+        return
+    same = equivalent(chart, chart.model_copy(deep=True), profile)
+    assert same.proven
+    assert same.states <= 40
+    assert_different(equivalent(chart, late, profile))
+
+
+def test_a_chart_that_is_not_stable_for_all_inputs_is_proven_for_the_others() -> None:
+    verdict = equivalent(chart_of(ring(2)), chart_of(ring(2)), "grafcet")
+    assert verdict.proven
+    assert "never become stable" in str(verdict)
 
 
 # -- numbers

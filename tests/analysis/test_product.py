@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe
 from plcopen_sfc.analysis.product import Branching, Explored, explore
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, UnknownBehaviourError, UnstableChartError
 from plcopen_sfc.semantics.signals import Signal
 
 Read = Callable[[str], Any]
@@ -236,8 +236,37 @@ def test_errors_are_compared_too() -> None:
 
         return step
 
-    assert search(failing("a"), failing("a")).complete
+    both = search(failing("a"), failing("a"))
+    assert both.complete
+    assert both.notes == ("both end with an error: division by zero",)
     assert search(failing("a"), failing("b")).inputs == [{"a": False, "b": True}]
+
+
+def test_what_cannot_be_executed_is_no_proof() -> None:
+    def never(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
+        raise ModelError("a text with a mistake")
+
+    with pytest.raises(ModelError, match="a mistake"):
+        search(never, never)
+
+    def unknown(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
+        if state[0] and read("a"):
+            raise UnknownBehaviourError("nobody knows")
+        return (1,), ()
+
+    with pytest.raises(UnknownBehaviourError):
+        search(unknown, unknown)
+
+
+def test_a_chart_that_never_becomes_stable_is_not_followed() -> None:
+    def unstable(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
+        if read("a"):
+            raise UnstableChartError("it goes on and on")
+        return state, (False,)
+
+    found = search(unstable, lambda state, read: (state, (read("a"),)))
+    assert found.complete
+    assert "never become stable" in found.notes[0]
 
 
 def test_a_text_ends_the_proof_only_where_it_is_used() -> None:
