@@ -150,7 +150,7 @@ ELEMENTARY: dict[str, ElementaryType] = _integers() | {
     "S5TIME": ElementaryType("S5TIME", Family.DURATION, 16, 0, 9_990_000_000_000, unit=10 * _MILLISECOND),
     "DATE": ElementaryType("DATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
     "LDATE": ElementaryType("LDATE", Family.DATE, 64, -_HALF, _HALF - 1, unit=_DAY),
-    "TOD": ElementaryType("TOD", Family.TIME_OF_DAY, 32, 0, _DAY - 1, unit=_MILLISECOND),
+    "TOD": ElementaryType("TOD", Family.TIME_OF_DAY, 32, 0, _DAY - _MILLISECOND, unit=_MILLISECOND),
     "LTOD": ElementaryType("LTOD", Family.TIME_OF_DAY, 64, 0, _DAY - 1),
     "DT": ElementaryType("DT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),
     "LDT": ElementaryType("LDT", Family.DATE_AND_TIME, 64, -_HALF, _HALF - 1),

@@ -61,8 +61,7 @@ def sums(draw: s.DrawFn, variables: dict[str, tuple[str, int]], depth: int = 4) 
     operator = draw(s.sampled_from(["+", "-", "*", "/", "MOD", "neg", "AND", "OR", "XOR"]))
     left = draw(sums(variables, depth - 1))
     if operator == "neg":
-        value = None if left.value is None else wrap(-left.value, left.type)
-        return Sum(f"(-{left.text})", left.type, value)
+        return Sum(f"(-{left.text})", left.type, None if left.value is None else wrap(-left.value, left.type))
     right = draw(sums(variables, depth - 1))
     type_ = max(left.type, right.type, key=ORDER.index)
     text = f"({left.text} {operator} {right.text})"
