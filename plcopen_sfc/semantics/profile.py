@@ -113,13 +113,10 @@ _GRAPH_QUALIFIERS = frozenset(Qualifier) - {
     Qualifier.SL,
     Qualifier.DL,
 }
-_MATIEC_QUALIFIERS = _IEC_QUALIFIERS - {
-    Qualifier.P0,
-    Qualifier.P1,
-    Qualifier.DS,
-    Qualifier.SL,
-    Qualifier.R0,
-}
+STEPWISE_QUALIFIERS = frozenset(
+    {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.L, Qualifier.D, Qualifier.SD}
+)
+"""The qualifiers that can act on a step alone (`ActionControl.PER_STEP`): those that work in the code of matiec."""
 
 CODESYS_FLAGS = frozenset(
     {
@@ -189,8 +186,8 @@ class Profile:
     """Who decides whether an action is executed. IEC 6.7.4.6; matiec."""
 
     reset_cancels_delays: bool = True
-    """Whether R also ends the pending times of SD, DS and SL (IEC 6.7.4.6: R1 of their flip-flops). In matiec it
-    clears their remaining times."""
+    """Whether R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that of
+    its step). matiec: it clears the remaining times."""
 
     boolean_targets: BooleanTargets = BooleanTargets.ALWAYS
     """When a Boolean variable that is an action is written. IEC: the variable is the output Q. CODESYS, "Action": its
@@ -245,6 +242,9 @@ class Profile:
             raise ModelError("a scan has at least one evolution: max_evolutions must be positive")
         if self.evolution is Evolution.UNTIL_STABLE and self.order is ScanOrder.ACTIONS_FIRST:
             raise ModelError("a search for stability ends before the actions: transitions must come first")
+        if self.action_control is ActionControl.PER_STEP and not self.qualifiers <= STEPWISE_QUALIFIERS:
+            extra = ", ".join(sorted(self.qualifiers - STEPWISE_QUALIFIERS))
+            raise ModelError(f"an action control for each step does not know the qualifiers {extra}")
         if self.graph_parameters and (
             self.evolution is not Evolution.SINGLE
             or self.order is not ScanOrder.TRANSITIONS_FIRST
@@ -303,7 +303,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
             initial_steps_entered=False,
             final_scan=False,
             action_control=ActionControl.PER_STEP,
-            qualifiers=_MATIEC_QUALIFIERS,
+            qualifiers=STEPWISE_QUALIFIERS,
         ),
     }
 )

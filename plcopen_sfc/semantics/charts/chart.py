@@ -12,6 +12,7 @@ from plcopen_sfc.semantics.charts.analyzation import analysis
 from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
 from plcopen_sfc.semantics.charts.forgetting import forgetting
 from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
+from plcopen_sfc.semantics.charts.graph.conditions import check_no_graph
 from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice
 from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
 from plcopen_sfc.semantics.charts.step_actions import StepActions, check_step_actions
@@ -56,6 +57,7 @@ class ChartProgram:
         try:
             check_associations(self._owned, profile, path)
             check_step_actions(self.net, profile, path)
+            check_no_graph(self.net, profile, path)
             if has_grafcet(self.net, self._owned, profile):
                 self._grafcet = Grafcet(self.net, self._owned, scope, path, profile)
         except UnknownBehaviourError as error:

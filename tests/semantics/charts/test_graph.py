@@ -396,6 +396,23 @@ def test_actions_that_need_an_event_are_refused_without_one(qualifier: str) -> N
         rig(with_actions(act(qualifier, "S1")), "Q").scan()
 
 
+def test_supervisions_and_permanent_operations_are_refused_in_other_profiles() -> None:
+    chart = guarded()
+    with pytest.raises(UnknownBehaviourError, match="S2 has a supervision"):
+        Rig(chart, "iec", variables="c1 c2 c3 ok fault", dialect=Dialect.SCL).scan()
+    chart = with_actions()
+    chart.permanent_post = [PermanentOperation(body=StBody(text=";"))]
+    with pytest.raises(UnknownBehaviourError, match="permanent operations"):
+        Rig(chart, "iec", variables="c1 c2 c3", dialect=Dialect.SCL).scan()
+
+
+def test_step_actions_of_codesys_are_refused() -> None:
+    chart = with_actions()
+    chart.step("S2").entry_action = StBody(text=";")
+    with pytest.raises(UnknownBehaviourError, match="entry, main or exit"):
+        rig(chart).scan()
+
+
 def test_events_are_refused_in_other_profiles() -> None:
     with pytest.raises(UnknownBehaviourError, match="S7-GRAPH"):
         Rig(with_actions(act("N", event="S1")), "iec", variables="c1 c2 c3 Q", dialect=Dialect.SCL).scan()

@@ -12,7 +12,15 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionAssociation, ActionKind, Dialect, Pou, PouKind, Project, Qualifier, SfcBody, SfcFlag
-from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile, ScanOrder, default_profile, profile
+from plcopen_sfc.semantics.profile import (
+    PROFILES,
+    ActionControl,
+    Evolution,
+    Profile,
+    ScanOrder,
+    default_profile,
+    profile,
+)
 from tests.semantics.charts.rig import MS, Rig, chain
 
 ROOT = Path(__file__).parents[3]
@@ -63,6 +71,7 @@ def test_a_project_with_actions_of_grafcet_is_one() -> None:
         {"max_evolutions": 0},
         {"evolution": Evolution.UNTIL_STABLE, "order": ScanOrder.ACTIONS_FIRST},
         {"graph_parameters": True},
+        {"action_control": ActionControl.PER_STEP},
     ],
 )
 def test_choices_that_contradict_each_other_are_refused(choices: dict[str, object]) -> None:
@@ -86,6 +95,12 @@ def test_initial_steps_need_not_count_as_entered() -> None:
         chart = chain("A", "B")
         chart.step("A").actions = [ActionAssociation(id=1, qualifier=Qualifier.P, target="Q")]
         assert Rig(chart, name, variables="c1 c2 Q").scan()["Q"] is expected
+
+
+def test_the_initial_situation_may_be_held_for_a_scan() -> None:
+    held = replace(PROFILES["iec"], initial_situation_held=True)
+    rig = Rig(chain("A", "B", conditions="TRUE FALSE"), held)
+    assert [rig.scan().active for _ in range(2)] == ["A", "B"]
 
 
 def _shown(value: object) -> str:

@@ -14,7 +14,7 @@ from plcopen_sfc.model import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.semantics.charts.actions import Actions, Owner
 from plcopen_sfc.semantics.charts.grafcet.terms import Terms
 from plcopen_sfc.semantics.charts.plans import Run
-from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile
+from plcopen_sfc.semantics.profile import STEPWISE_QUALIFIERS, ActionControl, BooleanTargets, Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ class GrafcetActions:
         control = replace(
             profile,
             action_control=ActionControl.PER_STEP,
+            qualifiers=STEPWISE_QUALIFIERS,
             boolean_targets=BooleanTargets.ALWAYS,
             final_scan=False,
             alphabetic_actions=False,

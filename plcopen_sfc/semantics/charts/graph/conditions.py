@@ -11,9 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import BodyCondition, Coil, FbdBody, InputPin, LdBody
 from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
@@ -21,6 +23,23 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
 
 Condition = Callable[[Frame], bool]
+
+
+def check_no_graph(net: Net, profile: Profile, path: str) -> None:
+    """Refuse what only sequencers of S7-GRAPH have. Raises `UnknownBehaviourError`."""
+    chart = net.chart
+    if any(operation.body is not None for operation in [*chart.permanent_pre, *chart.permanent_post]):
+        raise UnknownBehaviourError(
+            f"the chart has permanent operations, which the profile {profile.name} does not have",
+            location=Location(path=path),
+        )
+    for step in net.steps:
+        supervision = step.step.supervision
+        if supervision is not None and programmed(supervision.condition) is not None:
+            raise UnknownBehaviourError(
+                f"step {step.path} has a supervision, which the profile {profile.name} does not have",
+                location=Location(path=f"{path} / step {step.path}"),
+            )
 
 
 def _leads(pin: InputPin | None) -> bool:
