@@ -184,3 +184,23 @@ def test_real_charts_are_legal_by_our_rules(path: Path) -> None:
         except NotUnderstoodError:
             pytest.skip("a template with a connection to nothing")
         assert problems(found, types) == []
+
+
+def test_edits_of_a_document_with_steps_put_in() -> None:
+    chart = make(5, [([0], [1, 2]), ([1, 2], [3]), ([1, 2], [4]), ([3], [0]), ([4], [0])])
+    root, _, _ = written(chart)
+    data = etree.tostring(root)
+    project = sfc.loads(data, format="simaticml")
+    assert sfc.dumps(project) == data
+    (found,) = project.charts()
+    network = found.network
+    network.step("S3").name = "Renamed"
+    edited = sfc.dumps(project)
+    assert edited == data.replace(b'Name="S3"', b'Name="Renamed"')
+    # a new step takes the number of the one that was put in, which gets another
+    new = network.add_step("New")
+    network.transitions[-1].targets = [new.id]
+    network.add_transition(new, network.step("S0"), "TRUE")
+    (again,) = sfc.loads(sfc.dumps(project)).charts()
+    assert links(again.network) == links(network)
+    assert [step.name for step in again.network.steps] == ["S0", "S1", "S2", "Renamed", "S4", "New"]
