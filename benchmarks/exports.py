@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures" / "simaticml"
@@ -27,6 +28,7 @@ def generate_export(folder: Path, blocks: int) -> int:
             content = content.replace(f'"{name}"'.encode(), f'"{name}_{number}"'.encode())
         name = f"{kind}_{index // len(PATTERN)}_{index % len(PATTERN)}"
         content = content.replace(f"<Name>{kind}_{index // len(PATTERN)}<".encode(), f"<Name>{name}<".encode())
+        content = re.sub(rb"<Number>\d+<", f"<Number>{index + 1}<".encode(), content)
         (target / f"{name}.xml").write_bytes(content)
         size += len(content)
     return size
