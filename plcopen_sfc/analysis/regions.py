@@ -303,13 +303,16 @@ class _Finder:
             )
             for number, (branches, (forks, joins)) in enumerate(found.items())
         )
+        forked: dict[int, list[int]] = {}
+        for block in blocks:
+            forked.setdefault(block.parent, []).append(block.index)
         regions = tuple(
             Region(
                 index=order[region],
                 steps=tuple(steps),
                 transitions=tuple(inner.get(region, ())),
                 block=block_of.get(region),
-                blocks=tuple(block.index for block in blocks if block.parent == order[region]),
+                blocks=tuple(forked.get(order[region], ())),
                 initial=initial.get(region),
             )
             for region, steps in members.items()
