@@ -186,8 +186,8 @@ class Profile:
     """Who decides whether an action is executed. IEC 6.7.4.6; matiec."""
 
     reset_cancels_delays: bool = True
-    """Whether R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that of
-    its step). matiec: it clears the remaining times."""
+    """Whether R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that
+    of its step). matiec: it clears the remaining times."""
 
     boolean_targets: BooleanTargets = BooleanTargets.ALWAYS
     """When a Boolean variable that is an action is written. IEC: the variable is the output Q. CODESYS, "Action": its
