@@ -8,6 +8,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import attributes, children, local
 from plcopen_sfc.formats.simaticml.uids import UID, are_numbers, numbers_of
+from plcopen_sfc.formats.xml.canonical import canonical_form
 
 Key = tuple[str, ...]
 """Where an element stands in a network: the place of a part among the parts, or the pin that an operand is wired to."""
@@ -35,7 +36,7 @@ def numbers_like(given: etree._Element, written: etree._Element) -> list[str] | 
 
 def _text(net: etree._Element) -> bytes:
     """A network as text without comments, and without blanks between elements."""
-    text: bytes = etree.tostring(net, method="c14n", exclusive=True, with_comments=False, with_tail=False)
+    text = canonical_form(net, comments=False)
     if net.prefix is not None:  # what our writer makes has one, files do not
         prefix = net.prefix.encode()
         text = text.replace(b"<" + prefix + b":", b"<").replace(b"</" + prefix + b":", b"</")

@@ -7,6 +7,7 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.xml.canonical import canonical_form
 from plcopen_sfc.model.base import Model
 
 __all__ = ["add_markup", "inner_markup", "left_over", "legal", "markup"]
@@ -28,14 +29,12 @@ def markup(element: etree._Element) -> str:
         # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
         plain = etree.tostring(element, encoding="unicode", with_tail=False)
         prefixes = [prefix for prefix in prefixes if f'"{prefix}:' in plain or f">{prefix}:" in plain]
-    text: bytes = etree.tostring(
-        element, method="c14n", exclusive=True, with_tail=False, inclusive_ns_prefixes=prefixes or None
-    )
+    text = canonical_form(element, prefixes=prefixes).decode()
     name = etree.QName(element)
-    if name.namespace is None:
+    if name.namespace is None and ' xmlns="' not in text.partition(">")[0]:
         # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
-        return f'<{name.localname} xmlns=""' + text.decode().removeprefix(f"<{name.localname}")
-    return text.decode()
+        return f'<{name.localname} xmlns=""' + text.removeprefix(f"<{name.localname}")
+    return text
 
 
 _INDENTED: Any = etree.XPath(

@@ -14,6 +14,7 @@ from typing import Any, Literal, cast
 
 from lxml import etree
 
+from plcopen_sfc.formats.xml.canonical import canonical_form
 from plcopen_sfc.formats.xml.escaping import encode_text
 
 __all__ = ["XmlStyle", "write"]
@@ -75,8 +76,7 @@ def write(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
 
 def canonical(root: etree._Element) -> bytes:
     """The tree in canonical form, without comments: equal for trees that say the same."""
-    text: bytes = etree.tostring(root, method="c14n", with_comments=False)
-    return text
+    return canonical_form(root, comments=False, exclusive=False)
 
 
 def _indent(root: etree._Element, unit: str) -> None:

@@ -46,7 +46,7 @@ def test_two_exports_of_a_block_are_the_same() -> None:
     assert b"ReadOnly" not in normalize(exported_again(data))
 
 
-@pytest.mark.parametrize("path", ALL_PARAMS)
+@pytest.mark.parametrize("path", ALL_PARAMS[::3])
 def test_normalising_twice_changes_nothing_and_keeps_documents_valid(path: Path) -> None:
     data = path.read_bytes()
     once = normalize(data)

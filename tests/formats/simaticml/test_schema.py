@@ -7,13 +7,16 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.errors import XmlSyntaxError
+from plcopen_sfc.errors import SfcError, XmlSyntaxError
+from plcopen_sfc.formats.simaticml.codec import normalize
 from plcopen_sfc.formats.simaticml.schema import validate
 from plcopen_sfc.formats.simaticml.versions import LANGUAGES, SCHEMAS, VERSIONS
 from plcopen_sfc.formats.xml.schema import MAX_FINDINGS, is_valid
 from tests.corpus import ROOT
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
+from tests.mutants import Mutator
 
 FOLDER = ROOT / "schemas" / "simaticml"
 
@@ -39,7 +42,7 @@ def test_there_is_a_schema_for_every_entry_of_the_table_of_versions() -> None:
         ("tags.xml", ("SW.Tags.PlcUserConstant", "SW.Tags.Future"), "warning XSD002", "knows no"),
         ("tags.xml", ('PlcTagTable ID="0"', "PlcTagTable"), "error XSD004", "has no ID"),
         ("tags.xml", ('PlcTagTable ID="0"', 'PlcTagTable ID="x"'), "error XSD006", "of the form"),
-        ("tags.xml", ('version="V20"', 'version="V99"'), "error XSD001", "V99"),
+        ("tags.xml", ('version="V20"', 'version="V13"'), "error XSD001", "V13"),
         ("tags.xml", ("Document>", "Documents>"), "error XSD001", "<Documents>"),
         ("FB_Drill.xml", ("Graph/v5", "Graph/v3"), "error XSD031", "TIA Portal V20 has"),
         ("FB_Drill.xml", ("Graph/v5", "Graph/v6"), "error XSD032", "which came with V21"),
@@ -92,6 +95,21 @@ def test_a_file_full_of_faults_is_cut_off() -> None:
     block = f'<SW.Blocks.GlobalDB ID="0"><AttributeList><Name>D</Name><Interface>{parts}</Interface></AttributeList>'
     data = f'<Document><Engineering version="V20" />{block}</SW.Blocks.GlobalDB></Document>'.encode()
     assert MAX_FINDINGS < len(validate(data)) < 2 * MAX_FINDINGS + 2
+
+
+@pytest.mark.parametrize("file", ["FB_Drill.xml", "FB_Motor.xml", "Machine.xml", "tags.xml"])
+def test_damaged_documents_end_in_findings_or_own_errors(file: str) -> None:
+    """Validation, saving for another version and normalising take whatever comes."""
+    mutator = Mutator(parsed((FIXTURES / file).read_bytes()), file, tags=("Step", "FlgNet", "Member", "unheardOf"))
+    for _ in range(12):
+        data = etree.tostring(mutator.mutant())
+        validate(data)
+        try:
+            project = sfc.loads(data, format="simaticml")
+            normalize(data)
+            sfc.dumps(project, tia="V15")
+        except SfcError:
+            continue
 
 
 @pytest.mark.corpus
