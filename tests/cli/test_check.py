@@ -129,6 +129,11 @@ class TestConfiguration:
         nearer.write_text('[project]\nname = "x"\n', encoding="utf-8")
         assert set(found_codes(cli("check", "line/press.xml", "--json"))) == {"STR09"}
 
+    def test_of_a_folder_is_also_that_in_it(self, cli, place, fixtures):
+        shutil.copytree(fixtures / "simaticml", place / "blocks")
+        (place / "blocks" / "pyproject.toml").write_text('[tool.plcopen_sfc]\nselect = ["SEL03"]\n', encoding="utf-8")
+        assert set(found_codes(cli("check", place / "blocks", "--json"))) == {"SEL03"}
+
     def test_options_replace_it(self, cli, place):
         (place / "pyproject.toml").write_text(
             '[tool.plcopen_sfc]\nselect = ["STR09"]\nprofile = "iec"\nfail-on = "error"\n', encoding="utf-8"

@@ -157,6 +157,12 @@ class CheckedChart:
         own = {v.name.casefold(): v.type for v in interface.variables()} if interface is not None else {}
         return self.surroundings.globals | own
 
+    @cached_property
+    def steps_of_pou(self) -> frozenset[str]:
+        """The names of all steps in the POU, in lower case."""
+        charts = self.surroundings.charts_of(self.pou) if self.pou is not None else ()
+        return frozenset(step.name.casefold() for chart in charts for step in chart.steps)
+
     def condition(self, sheet: Sheet, transition: Transition) -> NetworkExpression:
         """The condition of a transition as an expression."""
         found = self._conditions.get(id(transition))

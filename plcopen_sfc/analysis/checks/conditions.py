@@ -157,6 +157,22 @@ def _unknown_name(chart: CheckedChart) -> Iterator[Finding]:
             yield Finding(sheet.at(transition), message)
 
 
+def _unknown_steps(chart: CheckedChart) -> Iterator[Finding]:
+    if chart.pou is None:
+        return
+    known = chart.types.keys() | chart.surroundings.names | chart.steps_of_pou
+    for sheet, transition in _transitions(chart):
+        for node in _nodes(chart.condition(sheet, transition)):
+            if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier in _STEP_MEMBERS:
+                name = node.base.identifier
+                if name.casefold() not in known:
+                    said = print_node(node, chart.dialect)
+                    yield Finding(sheet.at(transition), f"{said} asks for a step {name!r}, and there is no such step")
+
+
+_STEP_MEMBERS = frozenset({"X", "x", "T", "t"})
+
+
 _RING = """
 INITIAL_STEP S1: END_STEP
 STEP S2: END_STEP
@@ -243,5 +259,16 @@ CND07 = Rule(
     hint="Add the transition object, or correct its name.",
     example="a transition with the condition T1 in a POU that has neither a transition nor a variable T1",
     check=_unknown_name,
+    severity=Severity.WARNING,
+)
+
+CND08 = Rule(
+    code="CND08",
+    title="Steps that a condition asks for exist",
+    why="A step variable (S3.X, S3.t) of a step that was renamed or removed by hand does not compile, or means "
+    "something else.",
+    hint="Correct the name.",
+    example=_RING % "S7.T > T#5s",
+    check=_unknown_steps,
     severity=Severity.WARNING,
 )

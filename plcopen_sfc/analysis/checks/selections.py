@@ -77,6 +77,18 @@ def _shadowed(chart: CheckedChart) -> Iterator[Finding]:
                 yield Finding(sheet.at(later), message)
 
 
+def _same_priority(chart: CheckedChart) -> Iterator[Finding]:
+    for sheet, step, leaving in _selections(chart):
+        first: dict[int, Transition] = {}
+        for transition in leaving:
+            if transition.priority is not None and transition.priority in first:
+                other = sheet.label(first[transition.priority])
+                message = f"it has the priority {transition.priority}, as {other} has, which leaves {step.name} too"
+                yield Finding(sheet.at(transition), message)
+            elif transition.priority is not None:
+                first[transition.priority] = transition
+
+
 SEL01 = Rule(
     code="SEL01",
     title="The legs of a selection exclude each other",
@@ -135,4 +147,23 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
     check=_shadowed,
     severity=Severity.WARNING,
     severities={"grafcet": None, "matiec": None},
+)
+
+SEL04 = Rule(
+    code="SEL04",
+    title="Rivals have different priorities",
+    why="Priorities decide which of several transitions is tried first (IEC 61131-3 ed. 3, 6.7.5). Between two with "
+    "the same one the order in the file decides, or the tool.",
+    hint="Number them in the order in which they shall be tried.",
+    example="""
+INITIAL_STEP S1: END_STEP
+STEP S2: END_STEP
+STEP S3: END_STEP
+TRANSITION (PRIORITY := 1) FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION (PRIORITY := 1) FROM S1 TO S3 := b; END_TRANSITION
+TRANSITION FROM S2 TO S1 := c; END_TRANSITION
+TRANSITION FROM S3 TO S1 := d; END_TRANSITION
+""",
+    check=_same_priority,
+    severity=Severity.WARNING,
 )

@@ -47,7 +47,14 @@ def _connected(sheet: Sheet) -> list[list[Step]]:
 def _none(chart: CheckedChart) -> Iterator[Finding]:
     for sheet in _start_by_themselves(chart):
         if not any(step.initial for step in sheet.steps):
-            yield Finding(sheet.place, "no step is initial: the chart never starts")
+            starts = "it starts with its first step" if chart.family == "s7graph" else "the chart never starts"
+            yield Finding(sheet.place, f"no step is initial: {starts}")
+            continue
+        for number, sequence in enumerate(sheet.chart.sequences, start=1):
+            inside = [step for step in sheet.steps if step.id in set(sequence.steps)]
+            if inside and not any(step.initial for step in inside):
+                message = f"no step of sequence {number} is initial: it starts with its first step"
+                yield Finding(sheet.at(inside[0]), message)
 
 
 def _several(chart: CheckedChart) -> Iterator[Finding]:

@@ -14,6 +14,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, walk
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Coil, Node, OutputVariable
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType
@@ -44,6 +45,25 @@ class Surroundings:
             for tag in table.tags:
                 found[tag.name.casefold()] = DerivedType(name=tag.type)
         return found
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The names, in lower case, of everything global that has members: POUs, types, blocks, lists, instances."""
+        project = self.project
+        resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+        found = [thing.name for thing in project.objects()]
+        found += [section.name or "" for section in self._global_sections()]
+        found += [configuration.name for configuration in project.configurations]
+        found += [resource.name for resource in resources]
+        found += [i.name for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
+        return frozenset(name.casefold() for name in found)
+
+    def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
+        """The charts of a POU, those of macro-steps and partial charts too."""
+        for _, body in pou.named_bodies():
+            if isinstance(body, SfcBody):
+                body.read()
+                yield from body.charts_read()
 
     def _global_sections(self) -> Iterator[VariableSection]:
         yield from self.project.global_variables
@@ -76,10 +96,8 @@ class Surroundings:
         return path[-1] if path else ""
 
     def _charts(self) -> Iterator[SfcNetwork]:
-        for _, _, body in self.project.bodies():
-            if isinstance(body, SfcBody):
-                body.read()
-                yield from body.charts_read()
+        for pou in self.project.pous:
+            yield from self.charts_of(pou)
 
     def _bodies(self) -> Iterator[Body]:
         for _, _, body in self.project.bodies():

@@ -29,6 +29,7 @@ from plcopen_sfc.model import (
     PouKind,
     Project,
     Qualifier,
+    Sequence,
     SfcBody,
     SfcNetwork,
     StBody,
@@ -175,6 +176,24 @@ case(
     made(lambda chart: None),
     "no step is initial",
 )
+
+
+def sequences(*initial: str) -> Callable[[], Subject]:
+    """Two sequences of a block, of two steps each."""
+
+    def make() -> SfcNetwork:
+        chart = SfcNetwork()
+        for names in (("A", "B"), ("C", "D")):
+            first, second = (chart.add_step(name, initial=name in initial) for name in names)
+            chart.add_transition(first, second, "x")
+            chart.add_transition(second, first, "y")
+            chart.sequences.append(Sequence(steps=[first.id, second.id]))
+        return chart
+
+    return make
+
+
+case("STR02", sequences("A"), sequences("A", "D"), "no step of sequence 2 is initial", "s7graph")
 BARS = SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE
 case(
     "STR04",
@@ -318,8 +337,21 @@ case(
     "together",
 )
 
+
+def prioritised(first: int, second: int) -> Callable[[], Subject]:
+    def change(chart: SfcNetwork) -> None:
+        chart.transitions[0].priority = first
+        chart.add_transition(chart.step("S1"), chart.step("S3"), "x", priority=second)
+
+    return made(change)
+
+
+case("SEL04", prioritised(2, 2), prioritised(2, 1), "it has the priority 2, as S1 -> S2 has")
+
 # -- conditions
 
+case("CND08", steps(condition="S7.T > T#5s"), steps(condition="S2.T > T#5s"), "a step 'S7'")
+case("CND08", steps(condition="S7.x"), steps(condition="m.x", declared="VAR m : Motor; END_VAR"), "S7.x asks")
 case("CND01", made(lambda chart: setattr(chart.transitions[0], "condition", None)), made(lambda chart: None), "no cond")
 case("CND02", steps(condition="TRUE"), steps(condition="a"), "the condition TRUE is always true")
 case("CND02", steps(condition="a OR NOT a"), steps(condition="a OR NOT c"), "always true")
