@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +11,6 @@ from typing import Any
 from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.scratch import scratch_variables
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.profile import Profile, StepVariables
@@ -175,7 +176,7 @@ def step_observations(
 
     `flags`: by the path of a step a variable of the other side (``X2``), or what a variable must equal (``s = 2``).
     Where they are not given, equal step paths of two charts, and variables with usual names (``X_Fill``, ``Fill_X``,
-    ``XFill``, ``Fill``, and ``X2`` for a step of number 2), tell.
+    ``XFill``, ``Fill``, and ``X2`` for a step of number 2 or a name that ends so), tell.
     """
     bits = {path: 1 << index for index, path in enumerate(left.steps)}
     if flags is not None:
@@ -218,7 +219,15 @@ def _flag(system: ProgramSystem, text: str) -> Observation:
     return Observation(path, equals=signal.parse(value) if equals else None)
 
 
-def _numbers(system: ProgramSystem) -> dict[str, int]:
+def _numbers(system: ProgramSystem) -> dict[str, str]:
+    """The number that a step has, or that its name ends with (``S3``), where no other step has the same."""
     chart = system.subject.pou.sfc
-    steps = chart.steps if isinstance(chart, SfcNetwork) else []
-    return {step.name: step.number for step in steps if step.number is not None}
+    found: dict[str, str] = {}
+    for step in chart.steps if chart is not None else ():
+        ending = re.search(r"[0-9]+$", step.name)
+        if step.number is not None:
+            found[step.name] = str(step.number)
+        elif ending is not None:
+            found[step.name] = ending.group()
+    counts = Counter(found.values())
+    return {name: number for name, number in found.items() if counts[number] == 1}

@@ -471,6 +471,19 @@ def test_usual_names_of_flags_are_recognised() -> None:
     assert verdict.compared == ("S0.X", "S1.X", "S2.X")
 
 
+def test_flags_are_recognised_by_the_numbers_of_steps_where_these_are_clear() -> None:
+    assert equivalent(chart_of(PARALLEL), EXACT["two phases"](PARALLEL), "iec").compared[0] == "S0.X"
+    chart = chart_of(ring(2))
+    chart.steps[0].name, chart.steps[1].name = "Fill1", "Drain1"
+    chart.steps[1].number = 7
+    lines = ["T := X7; X7 := X1 AND c0; X1 := T AND c1;"]
+    verdict = equivalent(chart, program(lines, ["c0", "c1"], ["X1 : BOOL := TRUE", "X7, T : BOOL"]), "iec")
+    assert verdict.compared == ("Fill1.X", "Drain1.X")
+    chart.steps[1].number = None  # now both names end with 1
+    with pytest.raises(ModelError, match="nothing in common"):
+        equivalent(chart, program(["X1 := c0;"], ["c0"], ["X1 : BOOL"]), "iec")
+
+
 def test_what_cannot_be_compared_is_said() -> None:
     with pytest.raises(ModelError, match="nothing in common"):
         equivalent(chart_of(ring(2)), program(["y := c0;"], ["c0"], ["y : BOOL"]), "iec")
