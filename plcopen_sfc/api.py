@@ -72,7 +72,8 @@ def save(
         return save_folder(project, path, name, flavour=flavour, strict=strict, fresh=fresh, normalize=normalize)
     data, report = encode(project, name, flavour=flavour, fresh=fresh)
     if normalize:
-        data = normalized(data, name)
+        before, data = data, normalized(data, name)
+        report.unchanged = report.unchanged and data == before
     if strict:
         refuse_losses(report)
     if isinstance(target, str | os.PathLike):

@@ -51,7 +51,8 @@ def save_folder(
         planned = plan_like(project, origin, kind, home=home)
         contents = _encode(planned, origin, name, report, flavour=flavour, fresh=fresh)
     if normalize:
-        contents = {path: normalized(data, name) for path, data in contents.items()}
+        plain, contents = contents, {path: normalized(data, name) for path, data in contents.items()}
+        report.unchanged = report.unchanged and contents == plain
     if not home:
         note_unreadable(project, report)
     if strict:
