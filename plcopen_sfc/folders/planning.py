@@ -67,7 +67,7 @@ def plan_like(project: Project, origin: FolderOrigin, kind: Format, *, home: boo
             moving.append(PlannedDocument(path, things, frames[path], path))
             continue
         new += away
-        stay = [thing for thing in things if thing not in away]
+        stay = [thing for thing in things if thing.folder in (None, here)]
         names.take(path)
         planned.append(PlannedDocument(path, stay, frames[path], path))
     for document_moved in moving:
