@@ -139,5 +139,17 @@ def test_the_frame_of_real_documents_is_complete_in_the_schema() -> None:
             assert found == [], path
 
 
-def test_the_frame_is_a_schema_by_itself() -> None:
-    etree.XMLSchema(etree.parse(FOLDER / "document.xsd"))
+@pytest.mark.corpus
+def test_one_schema_for_editors_says_the_same_of_whole_documents() -> None:
+    elsewhere = {"XSD031", "XSD032"}
+    for path in (*real_documents()[::3], *sorted(FIXTURES.rglob("*.xml"))):
+        data = path.read_bytes()
+        found = [finding for finding in validate(data) if finding.code not in elsewhere]
+        assert is_valid(parsed(data), "simaticml/whole-document") == (not found), path
+
+
+def test_the_schema_for_editors_knows_every_part() -> None:
+    imported = {
+        str(each.get("schemaLocation")) for each in etree.parse(FOLDER / "whole-document.xsd").iter("{*}import")
+    }
+    assert imported == {path.name for path in FOLDER.glob("*-v*.xsd")}

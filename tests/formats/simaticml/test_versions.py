@@ -27,6 +27,7 @@ from plcopen_sfc.model.sfc import AlarmCategory
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.report import Fate
 from tests.formats.simaticml.documents import ALL_PARAMS, CORPUS_PARAMS, FIXTURES, GRAPH_PARAMS, parsed
+from tests.formats.simaticml.drilling_plc import FOLDER as PLC
 from tests.formats.simaticml.official import official, outer_parts, without_namespace
 
 LARGE = 300_000
@@ -92,6 +93,20 @@ def test_another_version_and_back_is_the_same(path: Path, version: TiaVersion) -
     assert not report.losses
     assert not report.with_fate(Fate.CARRIED)
     assert sfc.loads(sfc.dumps(sfc.loads(there.getvalue()), tia="V20")) == project
+
+
+def test_a_plc_in_another_version_and_back_is_the_same(tmp_path: Path) -> None:
+    project = sfc.load(PLC)
+    report = sfc.save(project, f"{tmp_path / 'V16'}/", tia="V16")
+    assert not report.losses
+    older = sfc.load(tmp_path / "V16")
+    assert older.header.version == "V16"
+    sfc.save(older, f"{tmp_path / 'V21'}/", tia="V21")
+    assert sfc.load(tmp_path / "V21") == project
+    with pytest.raises(OldVersionError) as caught:
+        sfc.save(project, f"{tmp_path / 'V14'}/", tia="V14 SP1")
+    assert [need.path for need in caught.value.needs] == ["POU FB_Chips / network 1"]
+    assert not (tmp_path / "V14").exists()
 
 
 def sampled() -> list[Any]:
