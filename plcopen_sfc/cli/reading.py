@@ -70,12 +70,13 @@ def exit_code_for(screen: Screen, findings: Sequence[Diagnostic]) -> int:
 
 def finding_data(finding: Diagnostic) -> dict[str, Any]:
     """A finding as plain data, for JSON."""
-    return {
+    data = {
         "code": finding.code,
         "severity": finding.severity.value,
         "message": finding.message,
         **_place(finding.location),
     }
+    return data | ({"hint": finding.hint} if finding.hint else {})
 
 
 def error_data(error: SfcError) -> dict[str, Any]:

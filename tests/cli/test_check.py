@@ -89,6 +89,8 @@ class TestExitCodes:
         "arguments",
         [
             ("--select", "STR99"),
+            ("--select", ""),
+            ("--select", ","),
             ("--ignore", "NOPE"),
             ("--profile", "graph5"),
             ("--fail-on", "bad"),
@@ -100,6 +102,23 @@ class TestExitCodes:
         assert outcome.code == 2
         assert outcome.out == ""
         assert "there is no" in outcome.err
+
+
+class TestJson:
+    def test_findings_with_place_and_hint(self, cli, fixtures):
+        [file] = json.loads(cli("check", WRONG, "--json", "--select", "STR05").out)["files"]
+        [finding] = file["findings"]
+        assert file["file"] == finding["file"] == WRONG
+        assert finding["path"] == "POU StirTank / transition Drain -> nowhere"
+        assert {"code", "severity", "message", "line", "hint"} <= finding.keys()
+        assert cli("check", WRONG, "--format", "json").out == cli("check", WRONG, "--json").out
+
+    def test_files_that_cannot_be_read_have_their_error(self, cli, fixtures):
+        outcome = cli("check", "broken/truncated.xml", WRONG, "--json")
+        first, second = json.loads(outcome.out)["files"]
+        assert outcome.code == 2
+        assert first["error"]["type"] == "XmlSyntaxError"
+        assert second["findings"]
 
 
 class TestSelecting:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from weakref import WeakKeyDictionary
 
 from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
 from plcopen_sfc.analysis.checks.surroundings import code
@@ -79,18 +78,8 @@ def operand(text: str, chart: CheckedChart) -> Path:
     return path_of(parsed.tree) if not parsed.problems else ()
 
 
-def uses(chart: CheckedChart) -> tuple[Use, ...]:
+def uses(chart: CheckedChart) -> Iterator[Use]:
     """What all associations of a chart do with their operands."""
-    found = _USES.get(chart)
-    if found is None:
-        found = _USES[chart] = tuple(_uses(chart))
-    return found
-
-
-_USES: WeakKeyDictionary[CheckedChart, tuple[Use, ...]] = WeakKeyDictionary()
-
-
-def _uses(chart: CheckedChart) -> Iterator[Use]:
     for sheet in chart.sheets:
         for step, association in sheet.actions():
             if association.target:

@@ -39,7 +39,8 @@ def codes(texts: Sequence[str] | None) -> tuple[str, ...] | None:
     """Codes that were given in several options, or in one with commas between."""
     if not texts:
         return None
-    return tuple(code for text in texts for code in (part.strip() for part in text.split(",")) if code)
+    found = tuple(code for text in texts for code in (part.strip() for part in text.split(",")) if code)
+    return found or ("",)  # nothing at all is no code, and not the same as no option
 
 
 def run(screen: Screen, patterns: Sequence[str], how: How) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from random import Random
 from unittest.mock import patch
 
 from hypothesis import given, settings
@@ -12,7 +13,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.drawing import DrawingStyle, prepare
 from plcopen_sfc.model import Pou, PouKind, Project, SfcBody, SfcNetwork
 from plcopen_sfc.semantics.profile import PROFILES
-from tests.drawing.nets import any_net, make
+from tests.drawing.nets import any_net, make, nested_net
 
 
 @st.composite
@@ -64,6 +65,18 @@ def test_nothing_is_wrong_with_the_structure_of_nested_branches(chart: SfcNetwor
 def test_nothing_is_made_up_where_there_are_too_many_situations(chart: SfcNetwork, most: int) -> None:
     with patch("plcopen_sfc.analysis.checks.charts.MOST_MARKINGS", most):
         assert [str(f) for f in sfc.check(chart, profile="iec", select=["STR"])] == []
+
+
+@settings(max_examples=40, deadline=None)
+@given(nested_net(), st.randoms(use_true_random=False))
+def test_the_order_in_a_file_does_not_matter_for_the_structure(chart: SfcNetwork, chance: Random) -> None:
+    def found() -> set[str]:
+        return {finding.code for finding in sfc.check(chart, profile="iec", select=["STR", "LOW", "NAM"])}
+
+    before = found()
+    chance.shuffle(chart.steps)
+    chance.shuffle(chart.transitions)
+    assert found() == before
 
 
 @settings(max_examples=150, deadline=None)
