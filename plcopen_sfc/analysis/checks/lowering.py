@@ -22,7 +22,7 @@ def _pairs(chart: CheckedChart) -> Iterator[Finding]:
 def _loops(chart: CheckedChart) -> Iterator[Finding]:
     for transition in chart.net.transitions:
         if transition.pre & transition.post:
-            name = next(chart.net.names(transition.pre & transition.post).__iter__())
+            name = chart.net.names(transition.pre & transition.post)[0]
             yield Finding(chart.place_of(transition), f"the transition leads from {name} to itself")
 
 
