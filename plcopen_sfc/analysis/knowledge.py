@@ -1,0 +1,157 @@
+"""What a project says about the names in conditions: types, constants, values of enumerations."""
+
+from __future__ import annotations
+
+import re
+
+from plcopen_sfc.analysis.formulas import Domain, Knowledge, ValueKind
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.languages.names.declarations import Declaration, Kind, inside
+from plcopen_sfc.languages.names.pieces import Site
+from plcopen_sfc.languages.names.references import named
+from plcopen_sfc.languages.names.resolving import Resolver
+from plcopen_sfc.languages.names.scopes import sections_of
+from plcopen_sfc.languages.names.uses import dialect_of
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.st.literals import INTEGER_RANGES, TIME_RANGES, LiteralKind, LiteralValue, literal_value
+from plcopen_sfc.model import types as t
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+
+_BOOLEAN_ADDRESS = re.compile(r"%[IQM](X?\d+(\.\d+)+|X\d+)", re.IGNORECASE)
+_KINDS = {
+    "BOOL": ValueKind.BOOL,
+    "REAL": ValueKind.REAL,
+    "LREAL": ValueKind.REAL,
+    "TIME": ValueKind.DURATION,
+    "LTIME": ValueKind.DURATION,
+    "DATE": ValueKind.DATE,
+    "LDATE": ValueKind.DATE,
+    "TOD": ValueKind.TIME_OF_DAY,
+    "LTOD": ValueKind.TIME_OF_DAY,
+    "DT": ValueKind.DATE_AND_TIME,
+    "LDT": ValueKind.DATE_AND_TIME,
+}
+
+
+def project_knowledge(project: Project, pou: Pou | None = None, chart: SfcNetwork | None = None) -> Knowledge:
+    """What is known of the names that stand in conditions of `chart` in `pou`. Edits of the project make it wrong.
+
+    Constants count with their value where it is a literal. A variable of an enumeration has one of its values; of one
+    in which two names may have the same number nothing is known.
+    """
+    return _Known(project, pou, chart).of
+
+
+class _Known:
+    def __init__(self, project: Project, pou: Pou | None, chart: SfcNetwork | None) -> None:
+        self._dialect = dialect_of(project)
+        self._resolver = Resolver(project, self._dialect)
+        charts = (chart,) if chart is not None else ()
+        self._site = Site(pou, charts=charts, place=pou.place if pou is not None else "")
+        sections = [*sections_of(project), *(s for p in project.pous if p.interface for s in p.interface.sections)]
+        self._constants = {id(v) for section in sections if section.constant for v in section.variables}
+        enumerations = [type_ for declared in project.data_types for type_ in inside(declared.type)]
+        self._distinct = {
+            id(value)
+            for type_ in enumerations
+            if isinstance(type_, t.EnumType) and self._numbers_differ(type_)
+            for value in type_.values
+        }
+        self._found: dict[n.Expression, Domain | LiteralValue | None] = {}
+
+    def of(self, tree: n.Expression) -> Domain | LiteralValue | None:
+        """The values that a variable can have, the value of a constant, or None."""
+        if tree not in self._found:
+            self._found[tree] = self._look_up(tree)
+        return self._found[tree]
+
+    def _look_up(self, tree: n.Expression) -> Domain | LiteralValue | None:
+        if isinstance(tree, n.Address):
+            return Domain(ValueKind.BOOL) if _BOOLEAN_ADDRESS.fullmatch(tree.text) else None
+        declaration = self._declaration(tree)
+        if declaration is not None and declaration.kind is Kind.ENUM_VALUE:
+            return self._enumerated(declaration)
+        if declaration is not None and id(declaration.holder) in self._constants:
+            value = self._constant(declaration)
+            if value is not None:
+                return value
+        if declaration is None and not isinstance(tree, n.Index):
+            return None
+        type_ = self._resolver.type_of(tree, self._site)
+        return self._domain(type_)
+
+    def _declaration(self, tree: n.Expression) -> Declaration | None:
+        if isinstance(tree, n.Name):
+            return self._resolver.lookup(named(tree), self._site).declaration
+        if isinstance(tree, n.Member):
+            base = self._resolver.type_of(tree.base, self._site, tree.name.identifier)
+            return self._resolver.member(base, tree.name.identifier).declaration
+        return None
+
+    def _constant(self, declaration: Declaration) -> LiteralValue | None:
+        """The value of a constant where it is written as a literal."""
+        holder = declaration.holder
+        initial = holder.initial if isinstance(holder, t.Variable) else None
+        if not isinstance(initial, t.SimpleValue) or not initial.text:
+            return None
+        text = initial.text.strip()
+        sign = text.startswith("-")
+        tree = parse_expression(text.removeprefix("-"), self._dialect).tree
+        try:
+            value = literal_value(tree, self._dialect) if isinstance(tree, n.Literal) else None
+        except ModelError:
+            return None
+        if value is None or not sign:
+            return value
+        return LiteralValue(value.kind, -value.value, value.type) if isinstance(value.value, int | float) else None
+
+    def _enumerated(self, declaration: Declaration) -> LiteralValue | None:
+        holder = declaration.holder
+        if not isinstance(holder, t.EnumValue) or (holder.value is not None and id(holder) not in self._distinct):
+            return None
+        return LiteralValue(LiteralKind.ENUMERATED, holder.name, declaration.path.rpartition(".")[0])
+
+    def _numbers_differ(self, type_: t.EnumType) -> bool:
+        """Whether all names of an enumeration have numbers of their own; one without takes the next one."""
+        numbers: list[int] = []
+        for value in type_.values:
+            number: object = numbers[-1] + 1 if numbers else 0
+            if value.value is not None:
+                try:
+                    number = literal_value(value.value, self._dialect).value
+                except ModelError:
+                    return False
+            if not isinstance(number, int):
+                return False
+            numbers.append(number)
+        return len(set(numbers)) == len(numbers)
+
+    def _domain(self, type_: object) -> Domain | None:
+        if isinstance(type_, t.ElementaryType):
+            return self._elementary(type_.name.value)
+        if isinstance(type_, t.StringType):
+            return Domain(ValueKind.SYMBOL)
+        if isinstance(type_, t.EnumType):
+            if any(value.value is not None and id(value) not in self._distinct for value in type_.values):
+                return None
+            return Domain(ValueKind.SYMBOL, symbols=tuple(value.name for value in type_.values))
+        if isinstance(type_, t.SubrangeType):
+            try:
+                bounds = [
+                    literal_value(bound, self._dialect).value for bound in (type_.bounds.lower, type_.bounds.upper)
+                ]
+            except ModelError:
+                return self._domain(type_.base)
+            least, greatest = (bound if isinstance(bound, int) else None for bound in bounds)
+            return Domain(ValueKind.INTEGER, least, greatest)
+        return None
+
+    def _elementary(self, name: str) -> Domain | None:
+        if name in INTEGER_RANGES:
+            return Domain(ValueKind.INTEGER, *INTEGER_RANGES[name])
+        if name not in _KINDS:
+            return None
+        return Domain(_KINDS[name], *TIME_RANGES.get((self._dialect, name), (None, None)))
