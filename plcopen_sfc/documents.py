@@ -15,6 +15,7 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import numbered_in_order
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.report import ConversionReport, Fate
 
@@ -65,7 +66,26 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
     verify(copy, kind, kind.codec().read(data).project, report)
     if origin is not None and format_named(origin.format)[0].xml:
         report.locate(format_named(origin.format)[0].codec().lines(origin.content, project))
+    locate_in_folder(project, report)
     return data, report
+
+
+def locate_in_folder(project: Project, report: ConversionReport) -> None:
+    """Fill in document and line of the items of `report` that are not simply kept, where the source was a folder."""
+    origin = project._origin
+    if not isinstance(origin, FolderOrigin):
+        return
+    told = {item.path.partition(" / ")[0] for item in report.items if item.fate is not Fate.KEPT}
+    pous: dict[str, list[Pou]] = {}
+    for pou in project.pous:
+        if pou._home is not None and f"POU {pou.name}" in told:
+            pous.setdefault(pou._home[0], []).append(pou)
+    codec = format_named(origin.format)[0].codec()
+    for path, found in pous.items():
+        if path in origin.documents:
+            document = origin.documents[path]
+            part = document.frame.model_copy(update={"pous": found})
+            report.locate(codec.lines(document.origin.content, part), document.origin.path)
 
 
 def normalized(data: bytes, name: str) -> bytes:

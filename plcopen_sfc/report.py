@@ -26,13 +26,17 @@ class Fate(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One item of the source: what kind of thing, where, what became of it and why."""
+    """One item of the source: what kind of thing, where, what became of it and why.
+
+    `line` is that in the source, `file` the document that it is in where the source was a folder.
+    """
 
     fate: Fate
     what: str
     path: str
     why: str = ""
     line: int | None = None
+    file: str | None = None
 
 
 @dataclass(slots=True)
@@ -72,9 +76,15 @@ class ConversionReport:
         """Add items."""
         self.items.extend(items)
 
-    def locate(self, lines: Mapping[str, int]) -> None:
-        """Fill in the source line of each item: that of its path, or of what is around it."""
-        self.items = [replace(item, line=_line(item.path, lines)) for item in self.items]
+    def locate(self, lines: Mapping[str, int], file: str | None = None) -> None:
+        """Fill in the source line of items: that of their path, or of what is around it.
+
+        With a `file`, the document of a folder, only of those items that are in it.
+        """
+        found = ((item, _line(item.path, lines)) for item in self.items)
+        self.items = [
+            item if line is None and file is not None else replace(item, line=line, file=file) for item, line in found
+        ]
 
     def as_dict(self) -> dict[str, Any]:
         """The report as plain data, for JSON."""

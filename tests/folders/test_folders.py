@@ -230,6 +230,19 @@ def test_unreadable_documents_are_missing_in_other_formats(tmp_path: Path) -> No
     assert [item.path for item in report.losses if item.what == "file"] == ["cut.xml"]
 
 
+def test_a_report_names_document_and_line(tmp_path: Path) -> None:
+    folder = export(tmp_path)
+    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen")
+    items = [item for item in report.items if item.what == "interlock" and item.path.startswith("POU FB_Drill")]
+    assert items
+    path = folder / "Program blocks" / "Station Süd" / "FB_Drill.xml"
+    for item in items:
+        assert item.file == str(path)
+        assert item.line is not None
+        step = item.path.partition("step ")[2].partition(" / ")[0]
+        assert f'Name="{step}"' in path.read_text("utf-8-sig").splitlines()[item.line - 1]
+
+
 def test_folders_without_documents(tmp_path: Path) -> None:
     with pytest.raises(UnknownFormatError, match="no document of simaticml"):
         sfc.load(tmp_path)

@@ -127,7 +127,9 @@ def _show_items(screen: Screen, report: ConversionReport) -> None:
     if shown:
         screen.line()
     for item in shown:
-        place = f"{item.what} {item.path}".strip() + (f" (line {item.line})" if item.line else "")
+        place = f"{item.what} {item.path}".strip()
+        if item.line:
+            place += f" ({item.file}:{item.line})" if item.file else f" (line {item.line})"
         reason = f": {item.why}" if item.why else ""
         screen.line((item.fate.value, _FATE_STYLES.get(item.fate, "")), f": {place}{reason}")
     left_out = Counter(item.fate.value for item in changed[len(shown) :])
