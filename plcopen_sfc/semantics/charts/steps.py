@@ -83,14 +83,16 @@ class Steps:
         return scope.declare(f"{self._path} {name}.since", INSTANT, hidden=True)
 
     def _numbered(self, scope: Scope) -> tuple[StepName, ...]:
-        """``X12`` for step 12 (IEC 60848:2013, 4.3)."""
+        """``X12`` for step 12, ``XM1`` for macro-step M1 (IEC 60848:2013, 4.3 and 7.4)."""
         found: dict[str, StepName] = {}
-        for step in self.net.steps:
-            for text in (step.step.name, str(step.step.number)):
+        owners = [(step.step, step.bit) for step in self.net.steps]
+        owners += [(macro.step, macro.steps) for macro in self.net.macros]
+        for step, bits in owners:
+            for text in (step.name, "" if step.number is None else str(step.number)):
                 name = f"X{text}"
                 if text.isalnum() and name.casefold() not in found and scope.lookup(name) is None:
-                    slot = scope.declare(name, BOOL)
-                    found[name.casefold()] = StepName(name, step.bit, slot, self.since[step.index], flag=True)
+                    start = self._start_of(scope, step.name, bits)
+                    found[name.casefold()] = StepName(name, bits, scope.declare(name, BOOL), start, flag=True)
         return tuple(found.values())
 
     @property

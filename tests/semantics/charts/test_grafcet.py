@@ -376,9 +376,18 @@ def test_macro_steps_of_expansions() -> None:
     chart.step("M1").actions = [action("continuous")]
     bench = rig(chart, "Q").scan(c1=True)
     assert (bench.active, bench["Q"], bench["M1.X"]) == ("M1.E1", True, True)
+    assert (bench["XM1"], bench["XE1"], bench["X1"]) == (True, True, False)
     assert bench.scan(c3=True, c1=False).active == "M1.E1", "left through its exit step only"
     assert bench.scan(c2=True).active == "1"
-    assert bench["Q"] is False
+    assert (bench["Q"], bench["XM1"]) == (False, False)
+
+
+def test_steps_have_their_number_as_a_variable() -> None:
+    chart = chain("Start", "2", conditions="X5 FALSE")
+    chart.step("Start").number = 5
+    bench = rig(chart).scan()
+    assert bench.active == "2"
+    assert sorted(name for name in bench.instance.variables() if name.startswith("X")) == ["X2", "X5", "XStart"]
 
 
 def test_actions_of_grafcet_are_refused_where_actions_come_first() -> None:
