@@ -36,30 +36,58 @@ _KINDS = {
 }
 
 
-def project_knowledge(project: Project, pou: Pou | None = None, chart: SfcNetwork | None = None) -> Knowledge:
-    """What is known of the names that stand in conditions of `chart` in `pou`. Edits of the project make it wrong.
+class ProjectKnowledge:
+    """What a project says about names, wherever they stand in it. Edits of the project make it wrong."""
 
-    Constants count with their value where it is a literal. A variable of an enumeration has one of its values; of one
-    in which two names may have the same number nothing is known.
-    """
-    return _Known(project, pou, chart).of
-
-
-class _Known:
-    def __init__(self, project: Project, pou: Pou | None, chart: SfcNetwork | None) -> None:
-        self._dialect = dialect_of(project)
-        self._resolver = Resolver(project, self._dialect)
-        charts = (chart,) if chart is not None else ()
-        self._site = Site(pou, charts=charts, place=pou.place if pou is not None else "")
+    def __init__(self, project: Project) -> None:
+        self.resolver = Resolver(project, dialect_of(project))
         sections = [*sections_of(project), *(s for p in project.pous if p.interface for s in p.interface.sections)]
-        self._constants = {id(v) for section in sections if section.constant for v in section.variables}
+        self.constants = {id(v) for section in sections if section.constant for v in section.variables}
         enumerations = [type_ for declared in project.data_types for type_ in inside(declared.type)]
-        self._distinct = {
+        self.distinct = {
             id(value)
             for type_ in enumerations
             if isinstance(type_, t.EnumType) and self._numbers_differ(type_)
             for value in type_.values
         }
+
+    def at(self, pou: Pou | None = None, chart: SfcNetwork | None = None) -> Knowledge:
+        """What is known of the names that stand in conditions of `chart` in `pou`.
+
+        Constants count with their value where it is a literal. A variable of an enumeration has one of its values; of
+        one in which two names may have the same number nothing is known.
+        """
+        return _Known(self, pou, chart).of
+
+    def _numbers_differ(self, type_: t.EnumType) -> bool:
+        """Whether all names of an enumeration have numbers of their own; one without takes the next one."""
+        numbers: list[int] = []
+        for value in type_.values:
+            number: object = numbers[-1] + 1 if numbers else 0
+            if value.value is not None:
+                try:
+                    number = literal_value(value.value, self.resolver.dialect).value
+                except ModelError:
+                    return False
+            if not isinstance(number, int):
+                return False
+            numbers.append(number)
+        return len(set(numbers)) == len(numbers)
+
+
+def project_knowledge(project: Project, pou: Pou | None = None, chart: SfcNetwork | None = None) -> Knowledge:
+    """`ProjectKnowledge.at`; for many charts of a project, make the `ProjectKnowledge` once."""
+    return ProjectKnowledge(project).at(pou, chart)
+
+
+class _Known:
+    def __init__(self, project: ProjectKnowledge, pou: Pou | None, chart: SfcNetwork | None) -> None:
+        self._resolver = project.resolver
+        self._dialect = project.resolver.dialect
+        self._constants = project.constants
+        self._distinct = project.distinct
+        charts = (chart,) if chart is not None else ()
+        self._site = Site(pou, charts=charts, place=pou.place if pou is not None else "")
         self._found: dict[n.Expression, Domain | LiteralValue | None] = {}
 
     def of(self, tree: n.Expression) -> Domain | LiteralValue | None:
@@ -113,21 +141,6 @@ class _Known:
         if not isinstance(holder, t.EnumValue) or (holder.value is not None and id(holder) not in self._distinct):
             return None
         return LiteralValue(LiteralKind.ENUMERATED, holder.name, declaration.path.rpartition(".")[0])
-
-    def _numbers_differ(self, type_: t.EnumType) -> bool:
-        """Whether all names of an enumeration have numbers of their own; one without takes the next one."""
-        numbers: list[int] = []
-        for value in type_.values:
-            number: object = numbers[-1] + 1 if numbers else 0
-            if value.value is not None:
-                try:
-                    number = literal_value(value.value, self._dialect).value
-                except ModelError:
-                    return False
-            if not isinstance(number, int):
-                return False
-            numbers.append(number)
-        return len(set(numbers)) == len(numbers)
 
     def _domain(self, type_: object) -> Domain | None:
         if isinstance(type_, t.ElementaryType):
