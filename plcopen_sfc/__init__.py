@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.checking import check
     from plcopen_sfc.diagnostics import Diagnostic, Severity
     from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, SfcError
+    from plcopen_sfc.lowering.lower import LoweredPou, lower
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
     from plcopen_sfc.report import ConversionReport, Fate
     from plcopen_sfc.semantics.inputs import RandomInputs
@@ -40,6 +41,8 @@ _HOMES = {
     "LossError": "errors",
     "ModelError": "errors",
     "SfcError": "errors",
+    "LoweredPou": "lowering.lower",
+    "lower": "lowering.lower",
     "Project": "model",
     "SfcNetwork": "model",
     "Step": "model",
@@ -58,6 +61,7 @@ __all__ = [
     "FormatError",
     "Location",
     "LossError",
+    "LoweredPou",
     "ModelError",
     "Project",
     "RandomInputs",
@@ -74,6 +78,7 @@ __all__ = [
     "dumps",
     "load",
     "loads",
+    "lower",
     "save",
     "simulate",
 ]

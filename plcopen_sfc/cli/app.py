@@ -37,7 +37,7 @@ def _app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_common)
-    for command in (_formats, _info, _validate, _check, _rules, _convert, _rename, _simulate, _schema):
+    for command in (_formats, _info, _validate, _check, _rules, _convert, _rename, _simulate, _lower, _schema):
         app.command(command.__name__.removeprefix("_"))(command)
     return app
 
@@ -220,6 +220,44 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
 
         how = simulate.How(pou, inputs, seed, scans, profile, scan_time, settings or (), record or ())
         screen.exit_code = simulate.run(screen, file, how, csv=csv, vcd=vcd)
+
+
+def _lower(  # noqa: PLR0917  # typer calls it by name
+    file: Annotated[str, typer.Argument(metavar="FILE", help="The file, or folder of a TIA export, with the chart.")],
+    to: Annotated[str, typer.Option("--to", metavar="FORMAT", help="The format; `plcopen-sfc formats` lists them.")],
+    target: Annotated[
+        str | None, typer.Argument(metavar="[DST]", help="The file to write. Usual: next to FILE.")
+    ] = None,
+    pou: Annotated[
+        str | None, typer.Option("--pou", metavar="NAME", help="Which of its charts: Main, or Main.Fill for an action.")
+    ] = None,
+    construction: Annotated[
+        str, typer.Option("--as", metavar="FORM", help="flipflop (or fup), case, bits, or auto.")
+    ] = "auto",
+    style: Annotated[
+        str, typer.Option("--style", metavar="STYLE", help="exact, or classic as in textbooks.")
+    ] = "exact",
+    language: Annotated[
+        str | None, typer.Option("--language", metavar="LANG", help="ST, FBD or LD; usual: FBD for flip-flops.")
+    ] = None,
+    profile: Annotated[
+        str | None, typer.Option("--profile", metavar="NAME", help="What the chart does: iec, codesys, codesys23 ..")
+    ] = None,
+    init: Annotated[
+        str | None, typer.Option("--init", metavar="NAME", help="Add an input that starts the chain anew.")
+    ] = None,
+    lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
+    verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    verbose: Verbose = 0,
+) -> None:
+    """Make program code of a chart, and prove that it does the same."""
+    with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
+        from plcopen_sfc.cli.commands import lower  # noqa: PLC0415
+
+        how = lower.How(to, pou, construction, style, language, profile, init, lang, verify)
+        screen.exit_code = lower.run(screen, file, target, how)
 
 
 def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:

@@ -1,0 +1,98 @@
+"""``plcopen-sfc lower``: program code instead of a chart, with the proof that it does the same."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.api import dumps, load, loads
+from plcopen_sfc.cli.screen import Screen
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.files import write_atomic
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.lowering.constructing import Style
+from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.semantics.subjects import resolve
+
+_FINDINGS = 1
+
+
+@dataclass(frozen=True)
+class How:
+    """What to lower and how: the options of the command."""
+
+    to: str
+    pou: str | None = None
+    construction: str = "auto"
+    style: str = "exact"
+    language: str | None = None
+    profile: str | None = None
+    init: str | None = None
+    lang: str = "en"
+    verify: bool = True
+
+
+def run(screen: Screen, source: str, target: str | None, how: How) -> int:
+    """Lower a chart of `source` and write the project with the code to `target` (None: next to it).
+
+    What is written has been read back and compared with the chart. Where exact code is different nothing is written.
+    """
+    project = load(source, progress=lambda files: screen.progress(files, "Loading"))
+    lowered = lower(
+        project,
+        how.construction,
+        pou=how.pou,
+        style=how.style,
+        language=how.language,
+        profile=how.profile,
+        init=how.init,
+        lang=how.lang,
+        verify=False,
+    )
+    data = dumps(lowered.project, format=how.to)
+    proof = None
+    if how.verify:
+        subject = resolve(project, how.pou)
+        again = resolve(loads(data, format=how.to), subject.pou.name)
+        fixed = {how.init: False} if how.init is not None else {}
+        proof = equivalent(subject, again, lowered.profile, fixed=fixed)
+        if proof.outcome is Outcome.DIFFERENT and lowered.style is Style.EXACT:
+            raise LoweringError(
+                f"nothing is written: read back, the code does not do what the chart does: {proof}",
+                hint="Please report it with the chart.",
+            )
+    name = target or _beside(Path(source), how.to)
+    write_atomic(Path(name), data)
+    _show(screen, name, lowered, proof)
+    return _FINDINGS if proof is not None and proof.outcome is Outcome.DIFFERENT else 0
+
+
+def _show(screen: Screen, target: str, lowered: LoweredPou, proof: Verdict | None) -> None:
+    if screen.as_json:
+        screen.json(_data(target, lowered, proof))
+        return
+    body = lowered.pou.body
+    language = body.language if body is not None else ""
+    what = f"{lowered.style} {lowered.construction} in {language}: {lowered.why}"
+    screen.line((lowered.pou.name, "bold"), f"  {what}")
+    screen.line(f"under the profile {lowered.profile.name}: ", str(proof) if proof is not None else "not compared")
+    screen.line("written: ", (target, "bold"))
+
+
+def _data(target: str, lowered: LoweredPou, proof: Verdict | None) -> dict[str, Any]:
+    return {
+        "file": target,
+        "pou": lowered.pou.name,
+        "construction": lowered.construction,
+        "style": lowered.style,
+        "profile": lowered.profile.name,
+        "why": lowered.why,
+        "proof": proof.as_dict() if proof is not None else None,
+    }
+
+
+def _beside(source: Path, to: str) -> str:
+    extension = format_named(to)[0].extensions[0]
+    return str(source.with_name(f"{source.stem}-lowered{extension}"))
