@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MUTANTS_PER_PART = 2
 LARGE = 400
-INSTANCES = 12
+INSTANCES = 8
 MUTANTS_PER_INSTANCE = 3
 VALUES = (
     "", " ", "x", "0", "1", "-1", "65535", "65536", "16", "17", "2147483648", "1.5", " 2 ", "+3", "true", "TRUE", "N",
