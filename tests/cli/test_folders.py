@@ -64,6 +64,13 @@ def test_rename_shows_and_makes_the_changes_of_all_files(cli: Any, folder: Path)
     assert len(changes(before, contents(folder))) == 2
 
 
+def test_rename_tells_of_documents_that_it_cannot_look_into(cli: Any, folder: Path) -> None:
+    (folder / "cut.xml").write_bytes(block("A")[:300])
+    outcome = cli("rename", "export", "FB_Drill", "FB_Bohren")
+    assert "cut.xml" in outcome.err
+    assert "not read" in outcome.err
+
+
 def test_convert_from_and_to_folders(cli: Any, folder: Path) -> None:
     assert cli("convert", "export", "--to", "iec-text", "--quiet").code == 0
     assert Path("export.iec-text.st").is_file()

@@ -12,6 +12,7 @@ from plcopen_sfc.languages.names import Use
 from plcopen_sfc.refactor.rename import RenameResult
 from plcopen_sfc.report import ConversionReport
 
+UNREAD_DOCUMENT = "DIR101"
 _SHOWN = 20
 _FINDINGS = 1
 
@@ -20,6 +21,9 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
     """Rename `old` to `new` in `file`; with `dry_run` only show what would change in it."""
     project = load(file, progress=lambda files: screen.progress(files, "Loading"))
     result = project.rename(old, new)
+    for finding in project.diagnostics:
+        if finding.code == UNREAD_DOCUMENT:
+            screen.finding(finding, result=False)  # the name may stand in it too
     report = None
     diff: list[str] = []
     if dry_run:
