@@ -387,3 +387,43 @@ def test_any_names_are_files(tmp_path_factory: pytest.TempPathFactory, many: lis
         again = sfc.load(folder)
         assert sorted(thing.name for thing in again.data_blocks) == sorted(fitting)
         assert sfc.save(again, folder).written == []
+
+
+DEEDS = ("name", "number", "move", "copy", "delete", "save", "nothing")
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.lists(st.tuples(st.sampled_from(DEEDS), st.integers(0, 5)), max_size=8))
+def test_any_edits_come_back(tmp_path_factory: pytest.TempPathFactory, deeds: list[tuple[str, int]]) -> None:
+    """After any edits the folder is what the project says, and nothing was touched that the report does not name."""
+    folder = tmp_path_factory.mktemp("edits")
+    for index in range(3):
+        (folder / f"{index}.xml").write_bytes(block(f"B{index}", index + 1))
+    (folder / "notes.txt").write_bytes(b"x")
+    project = sfc.load(folder)
+    for step, (deed, place) in enumerate([*deeds, ("save", 0)]):
+        things = project.data_blocks
+        thing = things[place % len(things)] if things else None
+        if deed == "save":
+            before = contents(folder)
+            report = sfc.save(project, folder)
+            named = {Path(path).relative_to(folder).as_posix() for path in report.written + report.removed}
+            assert changes(before, contents(folder)) == named
+        elif thing is None:
+            continue
+        elif deed == "name":
+            thing.name = f"N{step}"
+        elif deed == "number":
+            thing.number = 50 + step
+        elif deed == "move":
+            thing.folder = f"F{place}"
+        elif deed == "copy":
+            twin = copy.deepcopy(thing)
+            twin.name = f"C{step}"
+            things.append(twin)
+        elif deed == "delete":
+            things.remove(thing)
+    if project.data_blocks:
+        again = {thing.name: thing for thing in sfc.load(folder).data_blocks}
+        assert again == {thing.name: thing for thing in project.data_blocks}
+    assert (folder / "notes.txt").read_bytes() == b"x"
