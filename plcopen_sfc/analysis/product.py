@@ -19,7 +19,7 @@ from plcopen_sfc.semantics.signals import Value
 
 __all__ = ["Branching", "Explored", "System", "compare", "end_of", "explore", "failure_of"]
 
-_RUNS_FOR_A_STATE = 8
+_RUNS_FOR_A_STATE = 4
 InputReader = Callable[[str], Any]
 
 
@@ -99,7 +99,7 @@ class Explored:
 
 
 def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
-    """Search the product of two systems up to `cap` states, and eight scans for each of them.
+    """Search the product of two systems up to `cap` states, and four scans for each of them.
 
     The domains grow by the constants that are found.
     """
@@ -138,9 +138,8 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
             left.restore(before_left)
             right.restore(before_right)
             ended, note, failure = _scan(left, right, branching.read, first=number == 0)
-            if any(domain.grown for domain in domains.values()):
-                raise _Regrown
             if ended is _DIFFERENT:
+                _check_domains(domains)  # a shorter trace may need a value that was not known yet
                 inputs = [*_inputs(origins, number), {name: plain(value) for name, value in values.items()}]
                 return Explored(len(seen), depths[number], complete=False, inputs=inputs)
             if failure is not None and ended is _FAILED:
@@ -159,9 +158,15 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
             depths.append(depths[number] + 1)
             waiting.append(len(states) - 1)
         states[number] = (None, None)  # it is not gone back to
+    _check_domains(domains)
     if not seen and notes:
         raise next(iter(notes.values()))  # nothing ever ran
     return Explored(len(seen), max(depths), complete=True, notes=tuple(notes))
+
+
+def _check_domains(domains: Mapping[str, Domain]) -> None:
+    if any(domain.grown for domain in domains.values()):
+        raise _Regrown
 
 
 _SAME, _DIFFERENT, _FAILED = range(3)
