@@ -194,7 +194,7 @@ def said(project: Project) -> dict[str, object]:
     }
 
 
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=8)
 @given(project=projects())
 def test_a_random_model_comes_back(project: Project) -> None:
     wanted = said(project)

@@ -87,7 +87,7 @@ def assert_legal(root: etree._Element) -> None:
             assert any(f"{kind}Ref {element.get('Number')} " in key for key in left)
 
 
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=8)
 @given(chart=nested_net(jumps=False))
 def test_nested_charts_are_legal_and_come_back(chart: SfcNetwork) -> None:
     root, report, again = written(chart.model_copy(deep=True))
