@@ -158,6 +158,29 @@ class TestLettingBe:
         pou.sfc.comment = "plcopen-sfc: ignore STR09"
         assert codes(project, select=["STR09"]) == []
 
+    @pytest.mark.parametrize(
+        ("file", "pou"),
+        [
+            ("plcopen/filling_station_2.01.xml", "FillingStation"),
+            ("codesys/sorting_conveyor.xml", "PLC_PRG"),
+            ("simaticml/FB_Drill.xml", "FB_Drill"),
+            ("iectext/mixing_plant.st", "Mixer"),
+        ],
+    )
+    def test_comments_are_kept_in_files(self, fixtures_folder: Path, file: str, pou: str) -> None:
+        project = sfc.load(fixtures_folder / file)
+        chart = project.pou(pou).sfc
+        assert chart is not None
+        for step in chart.steps:
+            step.min_time, step.max_time = "T#9s", "T#8s"
+        before = len(codes(project, select=["TIM01"]))
+        suppressed = next(step for step in chart.steps if not step.exclude)
+        suppressed.comment = "plcopen-sfc: ignore TIM01"
+        again = sfc.loads(sfc.dumps(project))
+        places = [finding.location.path for finding in sfc.check(again, select=["TIM01"])]
+        assert len(places) == before - 1 > 0
+        assert not any(str(place).endswith(f"step {suppressed.name}") for place in places)
+
 
 class TestExcluded:
     def test_elements_are_not_looked_at(self) -> None:
