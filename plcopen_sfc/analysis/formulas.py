@@ -204,8 +204,9 @@ class Formula:
             if constant.kind is LiteralKind.BOOL or constant.value in (0, 1):
                 return z3.BoolVal(bool(constant.value), ctx=context)
             return self._unknown(tree, "is no Boolean value")
-        if isinstance(tree, n.Unreadable):
-            return self._unknown(tree, "cannot be read")
+        domain = self._domain(tree)
+        if domain is not None and domain.kind is not ValueKind.BOOL:
+            return self._unknown(tree, "is no Boolean value")
         return self._atom(tree, ValueKind.BOOL).term
 
     def _comparison(self, tree: n.Operation, operator: Operator, left: Expression, right: Expression) -> Any:
@@ -238,8 +239,10 @@ class Formula:
         if domain is not None:
             return domain.kind
         match tree:
-            case n.Unary(Operator.NOT) | n.Operation(Operator.AND_THEN | Operator.OR_ELSE):
+            case n.Operation(Operator.AND_THEN | Operator.OR_ELSE):
                 return ValueKind.BOOL
+            case n.Unary(Operator.NOT, operand):
+                return self._kind(operand) or ValueKind.BOOL
             case n.Operation(operator) if operator in _COMPARING:
                 return ValueKind.BOOL
             case n.Operation(Operator.AND | Operator.OR | Operator.XOR, operands):
@@ -305,11 +308,11 @@ class Formula:
     def _atom(self, tree: Expression, kind: ValueKind) -> _Atom:
         z3, context = _z3()
         key = self._key(tree)
+        domain = self._domain(tree)
+        kind = domain.kind if domain is not None else kind
         found = self._atoms.get(key)
         if found is not None and (found.kind is kind or (found.kind in _NUMBERS and kind in _NUMBERS)):
             return found
-        domain = self._domain(tree)
-        kind = domain.kind if domain is not None else kind
         text = print_node(tree)
         if found is not None:
             key += f" as {kind}"

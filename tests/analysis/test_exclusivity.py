@@ -145,6 +145,44 @@ def test_numbers_of_unknown_type_are_never_decided_wrongly(a: tuple[str, Evaluat
     assert found.answer is expected or ("type of" in found.reason and found.answer is Answer.UNKNOWN)
 
 
+# -- whatever people write
+
+
+def ill_typed() -> st.SearchStrategy[str]:
+    words = st.sampled_from(
+        "a b i r t s e u 1 0 TRUE 2.5 T#5s 'x' E#one D#2024-01-01 %IX0.0 u.3 f(i) ABS(r) -i i+1 g.h l[2] W#16#F".split()
+    )
+
+    def combine(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
+        operators = st.sampled_from("AND OR XOR AND_THEN OR_ELSE = <> < > <= >= + * MOD".split())
+        joined = st.builds("({} {} {})".format, inner, operators, inner)
+        return joined | inner.map("NOT ({})".format) | inner.map("-({})".format)
+
+    return st.recursive(words, combine, max_leaves=6)
+
+
+def of_all_kinds(tree: Any) -> Domain | None:
+    domains = {
+        "b": Domain(ValueKind.BOOL),
+        "i": Domain(ValueKind.INTEGER, 0, 9),
+        "r": Domain(ValueKind.REAL),
+        "t": Domain(ValueKind.DURATION),
+        "s": Domain(ValueKind.SYMBOL),
+        "e": Domain(ValueKind.SYMBOL, symbols=("one", "two")),
+    }
+    return domains.get(tree.identifier) if isinstance(tree, n.Name) else None
+
+
+@settings(deadline=None, max_examples=150)
+@given(ill_typed(), ill_typed(), st.sampled_from([None, of_all_kinds]))
+def test_any_condition_gets_an_answer(a: str, b: str, knowledge: Any) -> None:
+    found = exclusive(a, b, knowledge=knowledge)
+    assert {exclusive(b, a, knowledge=knowledge).answer, found.answer} != {Answer.YES, Answer.NO}
+    assert bool(found.reason) == (found.answer is Answer.UNKNOWN)
+    if truth(a, knowledge=knowledge) is Truth.NEVER:
+        assert found.answer is not Answer.NO
+
+
 # -- case by case
 
 
