@@ -31,7 +31,9 @@ from tests.formats.simaticml.drilling_plc import FOLDER as PLC
 from tests.formats.simaticml.official import official, outer_parts, without_namespace
 
 LARGE = 300_000
-"""Documents of more bytes are tried in few versions."""
+"""Documents of more bytes are tried in one version."""
+DISTINCT = [v for v in VERSIONS if v.name in {"V14 SP1", "V15", "V15.1", "V16", "V19", "V21"}]
+"""The versions that differ in the schemas of programs."""
 
 
 def test_the_table_of_formats_has_every_version() -> None:
@@ -122,7 +124,7 @@ def test_real_documents_in_every_version(path: Path) -> None:
     if validate(data) or b"<Engineering" not in data:
         return
     project = sfc.loads(data)
-    for version in VERSIONS if len(data) < LARGE else VERSIONS[::8]:
+    for version in DISTINCT if len(data) < LARGE else DISTINCT[1:2]:
         try:
             written = sfc.dumps(project, tia=version.name)
         except OldVersionError as error:
