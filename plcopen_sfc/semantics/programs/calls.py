@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from plcopen_sfc.errors import SimulationError, UnknownFunctionError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.code import Code, ranged, settled
 from plcopen_sfc.semantics.programs.layouts import Direction, Field
@@ -101,14 +103,14 @@ class Calls:
             if argument.value is not None:
                 text = settled(self._translator.value(argument.value)).text
                 arguments.append(f"{argument.name.identifier.lower()}={text}" if argument.name is not None else text)
-        name = self._library.linker.name(function, "supplied")
+        name = self._library.linker.name(runtime.checked(function), "supplied")
         return Code(f"{name}({', '.join(arguments)})", t.ANY, acts=True)
 
     def _function(self, callee: Callee, node: n.Call, first: list[str]) -> Code:
         """A call of a function or method: it has a frame of its own."""
-        inputs, outputs, enable, _ = self._sorted(callee.layout, callee.parameters, node.arguments)
-        if enable is not None:
-            raise SimulationError(f"{callee.name} is called with EN inside an expression")
+        inputs, outputs, enable, enabled = self._sorted(callee.layout, callee.parameters, node.arguments)
+        if enable is not None or enabled is not None:
+            raise SimulationError(f"{callee.name} is called with EN or ENO inside an expression")
         given = dict(inputs)
         texts = [*first]
         for field in callee.parameters:
@@ -195,6 +197,8 @@ class Calls:
                 enabled = argument.value
             elif field is None:
                 raise SimulationError(f"{layout.name} has no parameter {name}")
+            elif not argument.output and field.direction not in (Direction.INPUT, Direction.IN_OUT):
+                raise SimulationError(f"{layout.name} has no input {name}")
             elif argument.value is not None:
                 (outputs if argument.output else inputs).append((field, argument))
         return inputs, outputs, enable, enabled
@@ -209,21 +213,35 @@ class Calls:
         if self._acting(callee, arguments):
             return
         call = node if isinstance(node, n.Call) else n.Call(node)
-        enable = next((a for a in arguments if a.name is not None and a.name.identifier.upper() == "EN"), None)
-        writer = self._translator.writer
-        if enable is not None and enable.value is not None:
-            rest = tuple(a for a in arguments if a is not enable)
-            condition = self._translator.value(enable.value, t.BOOL)
-            with writer.block(f"if {condition.text}:"):
-                self.statement(n.Call(call.callee, rest))
+        known = {a.name.identifier.upper(): a for a in arguments if a.name is not None and a.value is not None}
+        enable, enabled = known.get("EN"), known.get("ENO")
+        if enable is None and enabled is None:
+            self._translator.writer.write(self.value(call, None).text)
             return
-        writer.write(self.value(call, None).text)
+        rest = tuple(a for a in arguments if a is not enable and a is not enabled)
+        with self._enabled(enable.value if enable else None, enabled.value if enabled else None):
+            self.statement(n.Call(call.callee, rest))
+
+    @contextmanager
+    def _enabled(self, enable: n.Expression | None, enabled: n.Expression | None) -> Iterator[None]:
+        """What is written inside is executed if EN is TRUE, and ENO tells that it was."""
+        writer = self._translator.writer
+        held = writer.temporary()
+        condition = self._translator.value(enable, t.BOOL).text if enable is not None else "True"
+        writer.write(f"{held} = {condition}")
+        with writer.block(f"if {held}:"):
+            yield
+        if enabled is not None:
+            target = self._translator.place(enabled, t.BOOL)
+            self._translator.note_write(target)
+            self._translator.write(target, Code(held, t.BOOL))
 
     def _acting(self, callee: n.Expression, arguments: tuple[n.Argument, ...]) -> bool:
         """Write the call of an action, an instance or a program; False: it is none."""
         if isinstance(callee, n.Name) and self._scope.unit is not None:
             action = self._scope.unit.action(callee.identifier)
             if action is not None and self._scope.lookup(callee.identifier) is None:
+                _check_bare(callee.identifier, arguments)
                 self._translator.writer.write(f"{self._library.linker.name(action)}({self._own_frame})")
                 return True
         if isinstance(callee, n.Member):
@@ -254,6 +272,7 @@ class Calls:
         unit = self._unit_of(place.type)
         action = unit.action(name) if unit is not None else None
         if action is not None:
+            _check_bare(name, arguments)
             self._library.written.add(place.root)
             self._translator.writer.write(f"{self._library.linker.name(action)}({place.text})")
             return True
@@ -282,22 +301,14 @@ class Calls:
         self._call(place, type_.layout, self._library.linker.name(run), arguments)
 
     def _call(self, place: Place, layout: Any, run: str, arguments: tuple[n.Argument, ...]) -> None:
-        writer = self._translator.writer
         parameters = [f for f in layout.fields if f.direction in (Direction.INPUT, Direction.IN_OUT) and not f.hidden]
         inputs, outputs, enable, enabled = self._sorted(layout, parameters, arguments)
         self._library.written.add(place.root)
-        if enable is not None:
-            condition = self._translator.value(enable, t.BOOL).text
-            held = writer.temporary()
-            writer.write(f"{held} = {condition}")
-            if enabled is not None:
-                target = self._translator.place(enabled, t.BOOL)
-                self._translator.note_write(target)
-                writer.write(f"{target.text} = {held}")
-            with writer.block(f"if {held}:"):
-                self._call_now(place, run, inputs, outputs)
+        if enable is None and enabled is None:
+            self._call_now(place, run, inputs, outputs)
             return
-        self._call_now(place, run, inputs, outputs)
+        with self._enabled(enable, enabled):
+            self._call_now(place, run, inputs, outputs)
 
     def _call_now(self, place: Place, run: str, inputs: list[_Given], outputs: list[_Given]) -> None:
         writer = self._translator.writer
@@ -337,3 +348,8 @@ class Calls:
 
     def _unit_of(self, type_: t.Type) -> Unit | None:
         return self._library.unit_of_layout(type_.layout) if isinstance(type_, t.StructureType) else None
+
+
+def _check_bare(name: str, arguments: Sequence[n.Argument]) -> None:
+    if arguments:
+        raise SimulationError(f"{name} is an action: it has no parameters")

@@ -80,10 +80,10 @@ class Controller:
             library.roots.add(unit)
             library.finish()
             frame = library.frame.v[int(place.index)] if place is not None else unit.layout.new()
+            library.give_in_outs(unit, frame)
         except RecursionError:
             where = Location(path=found.name)
             raise SimulationError("an instance contains itself, or is nested too deeply", location=where) from None
-        self.keeper.forget()
         self._initialise(frame)
         for value in library.frame.v:
             self._initialise(value)

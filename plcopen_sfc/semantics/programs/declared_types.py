@@ -55,7 +55,7 @@ class TypeReader:
                 bounds = tuple((scope.constant_integer(d.lower), scope.constant_integer(d.upper)) for d in dimensions)
                 shown = ", ".join(f"{lower}..{upper}" for lower, upper in bounds)
                 made = t.ArrayType(f"ARRAY [{shown}] OF {inner.name}", inner, bounds)
-                if made.size > _MOST_ELEMENTS:
+                if _cells(made) > _MOST_ELEMENTS:
                     raise SimulationError(f"{made.name} has more than {_MOST_ELEMENTS} elements")
                 return made
             case m.StructType():
@@ -152,6 +152,15 @@ class TypeReader:
             names[value.name.casefold()] = following
             following += 1
         return replace(base, name=name, names=names)
+
+
+def _cells(type_: t.Type) -> int:
+    """How many values a variable of a type holds."""
+    if isinstance(type_, t.ArrayType):
+        return type_.size * max(_cells(type_.base), 1)
+    if isinstance(type_, t.StructureType):
+        return sum(_cells(field.type) for field in type_.layout.fields)
+    return 1
 
 
 class Initials:

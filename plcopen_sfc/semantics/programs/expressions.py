@@ -382,7 +382,7 @@ class Translator:
 
 def _least_integer(value: int) -> t.ElementaryType:
     """The type of a literal that names none."""
-    for name in ("INT", "DINT", "LINT"):
+    for name in ("INT", "DINT", "LINT", "ULINT"):
         if t.ELEMENTARY[name].least <= value <= t.ELEMENTARY[name].greatest:
             return t.ELEMENTARY[name]
-    return t.ELEMENTARY["ULINT"]
+    raise SimulationError(f"{value} fits no integer type")

@@ -273,6 +273,13 @@ def find(text: str, part: str) -> int:
 
 def to_text(value: Any, type_: ElementaryType) -> str:
     """A value as a string."""
+    try:
+        return _shown(value, type_)
+    except (ValueError, OverflowError):  # a LiteralError is a ValueError, too
+        raise SimulationError(f"{value} as {type_.name} has no text") from None
+
+
+def _shown(value: Any, type_: ElementaryType) -> str:
     family = type_.family
     if family is Family.BOOL:
         return "TRUE" if value else "FALSE"

@@ -78,7 +78,7 @@ class Instance:
             raise self._said("division by zero", error) from None
         except RecursionError as error:
             raise self._said("functions call each other too deeply (recursion)", error) from None
-        except (OverflowError, ValueError) as error:
+        except OverflowError as error:
             raise self._said(f"a value is out of range: {error}", error) from None
         except AttributeError as error:
             if error.obj is not None:
@@ -200,7 +200,7 @@ class Instance:
         for path, field, cells, index in leaves(self.frame):
             add(path, field, field.direction if "." not in path else Direction.LOCAL, cells, index)
         outer = self._library.frame.v
-        for field in self._library.globals.fields:
+        for field in [field for field in self._library.globals.fields if not field.hidden]:
             value = outer[field.slot]
             if isinstance(value, Frame) and value is not self.frame:
                 for path, inner, cells, index in leaves(value, f"{field.name}."):

@@ -99,7 +99,7 @@ class Keeper:
     """Stores and puts back what a frame holds: all that a later scan can see, relative to the present."""
 
     def __init__(self) -> None:
-        self._plans: dict[Layout, tuple[list[int], list[_Part]]] = {}
+        self._plans: dict[Layout, tuple[int, list[int], list[_Part]]] = {}
 
     def store(self, frame: Frame, now: int, limit: int | None, leave_out: frozenset[int] = frozenset()) -> Hashable:
         """What `frame` holds, but for some slots."""
@@ -125,10 +125,9 @@ class Keeper:
                     v[part.slot] = part.load(None, next(values), now)
 
     def _plan(self, layout: Layout) -> tuple[list[int], list[_Part]]:
-        plan = self._plans.get(layout)
-        if plan is None or len(plan[0]) + len(plan[1]) > len(layout.fields):
-            plain: list[int] = []
-            parts: list[_Part] = []
+        count, plain, parts = self._plans.get(layout, (-1, [], []))
+        if count != len(layout.fields):  # layouts of global variables grow
+            plain, parts = [], []
             for variable in layout.fields:
                 if variable.direction in (Direction.CONSTANT, Direction.IN_OUT) or not variable.retained:
                     continue
@@ -137,12 +136,8 @@ class Keeper:
                     plain.append(variable.slot)
                 else:
                     parts.append(part)
-            plan = self._plans[layout] = (plain, parts)
-        return plan
-
-    def forget(self) -> None:
-        """Layouts have grown."""
-        self._plans.clear()
+            self._plans[layout] = (len(layout.fields), plain, parts)
+        return plain, parts
 
     def _part(self, slot: int, type_: Type) -> _Part | None:
         if isinstance(type_, t.StructureType):

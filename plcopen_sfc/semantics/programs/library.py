@@ -157,10 +157,30 @@ class Library:
         if added is not None:
             added()
 
+    def give_in_outs(self, unit: Unit, frame: Frame) -> None:
+        """Nobody calls the outermost instance: its VAR_IN_OUT refer to variables of their own."""
+        missing = [
+            field
+            for field in unit.layout.fields
+            if field.direction is Direction.IN_OUT
+            and frame.v[field.slot] is None
+            and not (isinstance(field.type, t.ArrayType) and not field.type.dimensions)
+        ]
+        slots = []
+        for field in missing:
+            made = self.globals.add(f"(of {unit.pou.name}) {field.name}", field.type, hidden=True)
+            made.initial = self.initials.default(field.type)
+            slots.append(made.slot)
+        self.grow()
+        for field, slot in zip(missing, slots, strict=True):
+            plain = isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType)
+            cells = self.frame.v
+            frame.v[field.slot] = runtime.Pointer(cells, slot) if plain else cells[slot]
+
     def link(self) -> None:
         """Link what is new."""
         known = (len(self.written), len(self.inputs), len(self.roots)) if self.read_input is not None else None
-        self.linker.link(self.is_free, known)
+        self.problems += self.linker.link(self.is_free, known)
 
     def is_free(self, key: str) -> bool:
         """Whether the variable of this key is read from `read_input`."""

@@ -126,8 +126,12 @@ class Linker:
         self._places[filename] = draft
         return function
 
-    def link(self, is_free: Callable[[str], bool], version: Hashable) -> None:
-        """Compile what has not been compiled yet, and again what reads inputs, where `version` tells of a change."""
+    def link(self, is_free: Callable[[str], bool], version: Hashable) -> list[SimulationError]:
+        """Compile what has not been compiled yet, and again what reads inputs, where `version` tells of a change.
+
+        What Python cannot compile, because it is nested too deeply, is an error that the function raises.
+        """
+        errors = []
         waiting, self._waiting = self._waiting, []
         if version != self._version:
             self._version = version
@@ -138,8 +142,14 @@ class Linker:
             if not draft.linked and "\x01" in source:
                 self._asking.append(draft)
             if found != draft.linked:
-                draft.function.__code__ = self._compiled(found, draft)
+                try:
+                    draft.function.__code__ = self._compiled(found, draft)
+                except SimulationError as error:
+                    errors.append(error)
+                    instead = f"{draft.head} fail({self.name(error, 'e')})"
+                    draft.function.__code__ = self._compiled(instead, draft)
                 draft.linked = found
+        return errors
 
     def _compiled(self, source: str, draft: _Draft) -> Any:
         scratch: dict[str, Any] = {}
@@ -148,7 +158,8 @@ class Linker:
             exec(compile(source, draft.filename, "exec"), scratch)  # noqa: S102
         except (SyntaxError, MemoryError, RecursionError) as error:
             raise SimulationError(
-                f"the text is too deeply nested to be simulated ({error})", location=Location(path=draft.path)
+                f"the text is too deeply nested to be simulated ({getattr(error, 'msg', error)})",
+                location=Location(path=draft.path),
             ) from None
         return next(value for value in scratch.values() if isinstance(value, FunctionType)).__code__
 

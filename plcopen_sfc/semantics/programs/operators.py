@@ -201,9 +201,9 @@ class Operators:
         if timed:
             return self._timed(operator, left, right)
         type_ = self.common(left, right)
-        if type_.family in (t.Family.STRING, t.Family.BOOL, t.Family.SPECIAL):
-            if type_.family is t.Family.STRING or type_.family is t.Family.BOOL:
-                raise SimulationError(f"{operator} of {one.name} and {other.name}")
+        if t.Family.BOOL in (one.family, other.family) or type_.family is t.Family.STRING:
+            raise SimulationError(f"{operator} of {one.name} and {other.name}")
+        if type_.family is t.Family.SPECIAL:
             return Code(f"({left.text} {_ARITHMETIC.get(operator, '/')} {right.text})", t.ANY, acts=True)
         left, right = (
             self._converter.converted(left, type_) if left.type != type_ else left,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
@@ -201,6 +203,20 @@ def preset(frame: Frame, *values: tuple[int, Any]) -> Frame:
     for slot, value in values:
         frame.v[slot] = value
     return frame
+
+
+def checked(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function that somebody supplies; what it gives must be a value."""
+
+    @wraps(function)
+    def call(*arguments: Any, **named: Any) -> Any:
+        result = function(*arguments, **named)
+        if isinstance(result, bool | int | float | str):
+            return result
+        name = getattr(function, "__name__", "")
+        raise SimulationError(f"the supplied function {name} gives {result!r}, which is no value")
+
+    return call
 
 
 def put(cells: list[Any], index: int, value: Any) -> Any:

@@ -235,3 +235,40 @@ def test_functions_are_instances_too() -> None:
     instance.scan()
     instance.scan()
     assert (instance["Split"], instance["rest"], instance["calls"]) == (4, 7, 1)
+
+
+def test_enable_of_functions_and_eno() -> None:
+    more = "FUNCTION F : INT\nVAR_IN_OUT n : INT; END_VAR\nn := n + 1;\nEND_FUNCTION"
+    instance = main(
+        "x, y : INT; on, a, b, c : BOOL; t : TON;",
+        "F(EN := on, n := x, ENO => a); F(n := y, ENO => b); t(IN := TRUE, ENO => c);",
+        more=more,
+    )
+    assert [instance[n] for n in ("x", "y", "a", "b", "c")] == [0, 1, False, True, True]
+
+
+def test_only_inputs_are_given() -> None:
+    for call in ("t(Q := TRUE);", "t(START := 1);"):
+        with pytest.raises(SimulationError, match="has no input"):
+            Controller(project_of(f"PROGRAM Main\nVAR t : TON; END_VAR\n{call}\nEND_PROGRAM")).instance("Main").scan()
+
+
+def test_a_supplied_function_must_give_a_value() -> None:
+    with pytest.raises(SimulationError, match="gives None, which is no value"):
+        main("x : INT;", "x := Magic() + 1;", functions={"Magic": lambda: None})
+
+
+def test_in_outs_of_the_outermost_instance_are_variables_of_their_own() -> None:
+    text = """TYPE P : STRUCT x : INT; END_STRUCT; END_TYPE
+    FUNCTION_BLOCK Main
+    VAR_IN_OUT n : INT; p : P; END_VAR
+    n := n + 1; p.x := n;
+    END_FUNCTION_BLOCK"""
+    instance = start(text)
+    instance["n"] = 5
+    before = instance.snapshot()
+    instance.scan()
+    assert (instance["n"], instance["p.x"]) == (6, 6)
+    instance.restore(before)
+    instance.scan()
+    assert (instance["n"], set(instance.variables())) == (6, {"n", "p.x"})

@@ -8,7 +8,8 @@ from hypothesis import strategies as s
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
-from tests.semantics.programs.running import main
+from plcopen_sfc.semantics.programs import Controller
+from tests.semantics.programs.running import main, project_of
 
 
 @pytest.mark.parametrize(("x", "y"), [(0, 1), (1, 2), (2, 3), (3, 3), (4, 3), (5, 4), (-1, 4), (9, 4)])
@@ -120,3 +121,34 @@ def test_logic_stops_early_but_calls_are_made() -> None:
     END_FUNCTION"""
     instance = main("a, b : INT; f, x : BOOL;", "x := f AND Count(a); x := f AND_THEN Count(b);", Dialect.CODESYS, more)
     assert (instance["a"], instance["b"]) == (1, 0)
+
+
+@pytest.mark.parametrize(
+    ("variables", "body", "message"),
+    [
+        ("x : INT;", "WHILE x < 1 DO " * 30 + "x := 1;" + " END_WHILE;" * 30, "too deeply nested"),
+        ("x : INT; a : ARRAY[0..1] OF INT;", "x := " + "a[" * 120 + "0" + "]" * 120 + "+ a[x];", "nested"),
+        ("x : INT; a : ARRAY[0..9999, 0..9999] OF INT;", "a[1, 1] := 2;", "more than 1000000 elements"),
+        ("a : ARRAY[0..999] OF ARRAY[0..999] OF ARRAY[0..9] OF INT;", "a[1][1][1] := 2;", "more than 1000000 elements"),
+        ("x : INT;", "x := 99999999999999999999;", "fits no integer type"),
+        ("x : INT;", "x := y[x];", "y is not declared, so its elements are not known"),
+        ("x : INT;", "FOR x := 1 TO 5 BY 0 DO ; END_FOR", "would not end"),
+        ("x : INT;", "EXIT;", "belong into a loop"),
+        ("x : INT; b : BOOL;", "IF x THEN b := TRUE; END_IF", "a INT stands where a BOOL must be"),
+        ("x : INT; b : BOOL;", "x := b + 1;", "BOOL"),
+        ("x : INT; s : STRING;", "s := x;", "INT cannot become STRING"),
+        ("x : INT;", "CASE x OF x: x := 1; END_CASE", "no constant"),
+    ],
+)
+def test_what_cannot_run_is_a_clear_error(variables: str, body: str, message: str) -> None:
+    controller = Controller(project_of(f"PROGRAM Main\nVAR {variables} END_VAR\n{body}\nEND_PROGRAM"))
+    instance = controller.instance("Main")
+    assert controller.problems
+    with pytest.raises(SimulationError, match=message) as caught:
+        instance.scan()
+    assert caught.value.pou == "Main"
+
+
+def test_long_chains_of_branches() -> None:
+    chain = "".join(f"ELSIF x = {i} THEN y := {i}; " for i in range(1, 400))
+    assert main("x : INT := 371; y : INT;", f"IF x = 0 THEN y := 0; {chain}END_IF")["y"] == 371
