@@ -195,7 +195,7 @@ CND02 = Rule(
     title="A condition can be false",
     why="The step before it is left at once. Where one evolution is made in a scan that is a way to write a step for "
     "one scan, and common behind an initial step; in GRAFCET the step is transient: its continuous actions never "
-    "happen (IEC 60848:2013, 4.9).",
+    "happen (IEC 60848:2013, transient evolution).",
     hint="Nothing, if the step is meant for one scan; else correct the condition.",
     example=_RING % "a OR NOT a",
     check=_always,

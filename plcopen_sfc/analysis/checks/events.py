@@ -84,7 +84,7 @@ ACT11 = Rule(
     code="ACT11",
     title="The event of a stored action is an edge",
     why="An action on event writes its operand once, when the event comes while the step is active (IEC 60848:2013, "
-    "4.8.3). A condition that is just true is no event: it would have to be written all the time, or never.",
+    "4.8). A condition that is just true is no event: it would have to be written all the time, or never.",
     hint="Watch for the change: ↑a instead of a.",
     example="an action on the event a, instead of ↑a",
     check=_no_edge,
@@ -96,7 +96,7 @@ ACT12 = Rule(
     code="ACT12",
     title="The condition of a continuous action is no edge",
     why="A continuous action is assigned in stable situations, and an edge is over before: it would never be seen "
-    "(IEC 60848:2013, 4.8.2).",
+    "(IEC 60848:2013, 4.8).",
     hint="Use an action on event, or the value itself.",
     example="a continuous action with the condition ↑a",
     check=_edge,
@@ -107,7 +107,7 @@ ACT12 = Rule(
 ACT13 = Rule(
     code="ACT13",
     title="The operand of an action is Boolean",
-    why="A step switches a Boolean variable or runs an action (IEC 61131-3 ed. 3, 6.7.4.2). Other values are assigned "
+    why="A step switches a Boolean variable or runs an action (IEC 61131-3 ed. 3, 6.7.4). Other values are assigned "
     "by stored actions, or in the code of an action.",
     hint="Use a BOOL, or assign the value in an action.",
     example="""

@@ -145,7 +145,7 @@ def _at_once(chart: CheckedChart) -> Iterator[Finding]:
 HIE01 = Rule(
     code="HIE01",
     title="A macro-step has an expansion with one entry and one exit",
-    why="The macro-step activates the entry step of its expansion and is left by its exit step (IEC 60848:2013, 7.5); "
+    why="The macro-step activates the entry step of its expansion and is left by its exit step (IEC 60848:2013, 7); "
     "without them the chart comes in but never out, or never in.",
     hint="Name the expansion, and give it an entry step E and an exit step S.",
     example="a macro-step M1 for which there is no chart M1",
@@ -189,7 +189,7 @@ HIE05 = Rule(
     code="HIE05",
     title="No chart rules one that it is ruled by",
     why="Forcing and enclosing make a hierarchy, which is a partial order: a chart that forces one above it, or "
-    "itself, has no situation (IEC 60848:2013, 7.1.2).",
+    "itself, has no situation (IEC 60848:2013, 7.1).",
     hint="Move the order into a chart of its own, above both.",
     example="a step of G1 forces G2, and a step of G2 forces G1",
     check=_circles,
@@ -200,7 +200,7 @@ HIE06 = Rule(
     code="HIE06",
     title="One order at a time rules a chart",
     why="Two orders that are given at once force a chart into two situations, and an enclosing step activates what an "
-    "order holds (IEC 60848:2013, 7.1.2).",
+    "order holds (IEC 60848:2013, 7.1).",
     hint="Let the steps that give the orders exclude each other.",
     example="two steps of simultaneous branches, one with G2{INIT}, the other with G2{}",
     check=_at_once,

@@ -164,7 +164,7 @@ def _one_way(chart: CheckedChart) -> Iterator[Finding]:
 STR06 = Rule(
     code="STR06",
     title="Every step can become active",
-    why="A step that no way leads to is never executed (IEC 61131-3 ed. 3, 6.7.6, unreachable steps). All conditions "
+    why="A step that no way leads to is never executed (IEC 61131-3 ed. 3, 6.7.5, unreachable steps). All conditions "
     "are taken as free here: no condition can help.",
     hint="Connect the step, or remove it with what follows it.",
     example="""
@@ -184,7 +184,7 @@ STR07 = Rule(
     code="STR07",
     title="No step is activated twice",
     why="A branch that is left by a jump, or simultaneous branches that end in a selection, leave tokens behind. The "
-    "next round meets them: steps are active that nobody expects together (IEC 61131-3 ed. 3, 6.7.6, unsafe network). "
+    "next round meets them: steps are active that nobody expects together (IEC 61131-3 ed. 3, 6.7.5, unsafe network). "
     "In GRAFCET the step stays active, which may be meant.",
     hint="Let simultaneous branches meet in a simultaneous convergence, without jumps into them or out of them.",
     example="""
@@ -206,7 +206,7 @@ STR08 = Rule(
     code="STR08",
     title="A simultaneous convergence can be enabled",
     why="Where the legs of a selection meet in a simultaneous convergence, all of its steps are never active "
-    "together: the chart is locked (IEC 61131-3 ed. 3, 6.7.6).",
+    "together: the chart is locked (IEC 61131-3 ed. 3, 6.7.5).",
     hint="Let the legs of a selection meet in a selection convergence.",
     example="""
 INITIAL_STEP S1: END_STEP

@@ -93,8 +93,8 @@ SEL01 = Rule(
     code="SEL01",
     title="The legs of a selection exclude each other",
     why="When two conditions are true at once, GRAFCET and matiec clear both transitions: two steps are active where "
-    "one was (IEC 60848:2013, 4.5.4). IEC 61131-3 takes the left one where no priorities are given, and older "
-    "implementations did not. CODESYS and S7-GRAPH always take the left one.",
+    "one was (IEC 60848:2013, evolution rule 4). IEC 61131-3 takes the left one where no priorities are given, and "
+    "older implementations did not. CODESYS and S7-GRAPH always take the left one.",
     hint="Make the conditions exclude each other (a, NOT a AND b), or give the transitions priorities.",
     example="""
 INITIAL_STEP S1: END_STEP

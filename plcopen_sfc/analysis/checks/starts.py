@@ -76,8 +76,8 @@ TRANSITION FROM S2 TO S1 := b; END_TRANSITION
 STR02 = Rule(
     code="STR02",
     title="A chart has an initial step",
-    why="Without one no step is ever active (IEC 61131-3 ed. 3, 6.7.2; IEC 60848:2013, 4.3). S7-GRAPH then starts "
-    "with the first step of the sequence.",
+    why="Without one no step is ever active (IEC 61131-3 ed. 3, 6.7.2; IEC 60848:2013, 4). S7-GRAPH then starts with "
+    "the first step of the sequence.",
     hint="Mark the step in which the chart starts.",
     example="""
 STEP S1: END_STEP
