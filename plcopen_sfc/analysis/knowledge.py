@@ -43,6 +43,7 @@ class ProjectKnowledge:
         self.resolver = Resolver(project, dialect_of(project))
         sections = [*sections_of(project), *(s for p in project.pous if p.interface for s in p.interface.sections)]
         self.constants = {id(v) for section in sections if section.constant for v in section.variables}
+        self.constants |= {id(constant) for table in project.tag_tables for constant in table.constants}
         enumerations = [type_ for declared in project.data_types for type_ in inside(declared.type)]
         self.distinct = {
             id(value)

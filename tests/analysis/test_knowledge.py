@@ -11,6 +11,8 @@ from plcopen_sfc.analysis.formulas import Domain, Knowledge, ValueKind
 from plcopen_sfc.analysis.knowledge import project_knowledge
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.model.project import Project, TagTable
+from plcopen_sfc.model.types import Variable
 
 SOURCE = """
 TYPE E_Mode : (Idle, Auto, Hand); END_TYPE
@@ -79,3 +81,11 @@ def test_addresses_tell_their_type(known: Knowledge) -> None:
     for text, domain in (("%IX0.0", Domain(ValueKind.BOOL)), ("%I0.1", Domain(ValueKind.BOOL)), ("%IW4", None)):
         tree = parse_expression(text, Dialect.IEC).tree
         assert known(tree) == domain
+
+
+def test_user_constants_of_tag_tables_count() -> None:
+    variables = [Variable.model_validate({"name": n, "type": "INT", "initial": v}) for n, v in (("A", "5"), ("B", "7"))]
+    project = Project(name="p", dialect=Dialect.SCL, tag_tables=[TagTable(name="t", constants=variables)])
+    known = project_knowledge(project)
+    found = exclusive('x = "A"', 'x = "B"', dialect=Dialect.SCL, knowledge=known)
+    assert found.answer is Answer.YES, found
