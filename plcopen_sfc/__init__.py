@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.api import check_syntax, convert, dumps, load, loads, save
     from plcopen_sfc.checking import check
     from plcopen_sfc.diagnostics import Diagnostic, Severity
-    from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, SfcError
+    from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, OldVersionError, SfcError
     from plcopen_sfc.lowering.lower import LoweredPou, lower
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
     from plcopen_sfc.report import ConversionReport, Fate
@@ -40,6 +40,7 @@ _HOMES = {
     "Location": "errors",
     "LossError": "errors",
     "ModelError": "errors",
+    "OldVersionError": "errors",
     "SfcError": "errors",
     "LoweredPou": "lowering.lower",
     "lower": "lowering.lower",
@@ -63,6 +64,7 @@ __all__ = [
     "LossError",
     "LoweredPou",
     "ModelError",
+    "OldVersionError",
     "Project",
     "RandomInputs",
     "Severity",
