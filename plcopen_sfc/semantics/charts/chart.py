@@ -20,6 +20,7 @@ from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.runtime import fail
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
 
 if TYPE_CHECKING:
@@ -177,7 +178,7 @@ class ChartProgram:
     def execute(self, frame: Frame) -> None:
         """One scan."""
         if self._refused is not None:
-            raise self._refused
+            fail(self._refused)
         now = self._clock.now
         if self._has_flags and not self._obey(frame, now):
             return

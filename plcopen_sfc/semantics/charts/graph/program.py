@@ -23,6 +23,7 @@ from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.runtime import fail
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
 
 if TYPE_CHECKING:
@@ -164,7 +165,7 @@ class GraphProgram:
     def execute(self, frame: Frame) -> None:
         """One cycle."""
         if self._refused is not None:
-            raise self._refused
+            fail(self._refused)
         now = self._clock.now
         v = frame.v
         if not v[self._started]:
