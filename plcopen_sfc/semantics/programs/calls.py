@@ -96,15 +96,17 @@ class Calls:
         )
 
     def _supplied(self, function: Any, node: n.Call) -> Code:
-        arguments = []
+        arguments: list[str] = []
+        named: list[str] = []
         for argument in node.arguments:
             if argument.output:
                 raise SimulationError(f"{print_node(node.callee)} is supplied: it has no outputs but its result")
             if argument.value is not None:
                 text = settled(self._translator.value(argument.value)).text
-                arguments.append(f"{argument.name.identifier.lower()}={text}" if argument.name is not None else text)
+                name = argument.name.identifier.lower() if argument.name is not None else ""
+                (named if name else arguments).append(f"**{{{name!r}: {text}}}" if name else text)
         name = self._library.linker.name(runtime.checked(function), "supplied")
-        return Code(f"{name}({', '.join(arguments)})", t.ANY, acts=True)
+        return Code(f"{name}({', '.join([*arguments, *named])})", t.ANY, acts=True)
 
     def _function(self, callee: Callee, node: n.Call, first: list[str]) -> Code:
         """A call of a function or method: it has a frame of its own."""

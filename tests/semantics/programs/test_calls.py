@@ -272,3 +272,21 @@ def test_in_outs_of_the_outermost_instance_are_variables_of_their_own() -> None:
     instance.restore(before)
     instance.scan()
     assert (instance["n"], set(instance.variables())) == (6, {"n", "p.x"})
+
+
+def test_names_of_a_project_are_never_code() -> None:
+    project = project_of("PROGRAM Main\nVAR x : INT; END_VAR\nx := 1;\nEND_PROGRAM", Dialect.SCL)
+    given: dict[str, object] = {}
+
+    def magic(**arguments: object) -> int:
+        given.update(arguments)
+        return 7
+
+    project.pou("Main").bodies = [
+        StBody(text='#x := Magic("class" := 1, "a=1), __import__(\'os\') #" := 2); "__import__(\'os\')" := #x;')
+    ]
+    instance = Controller(project, functions={"Magic": magic}).instance("Main")
+    instance.scan()
+    assert instance["x"] == 7
+    assert given == {"class": 1, "a=1), __import__('os') #": 2}
+    assert instance["__import__('os')"] == 7
