@@ -41,7 +41,7 @@ def as_set(marking: int) -> Situation:
     return frozenset(i for i in range(marking.bit_length()) if marking >> i & 1)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=80)
 @given(any_nets(), st.booleans())
 def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:
     steps, initial, arcs = net
@@ -70,7 +70,7 @@ def test_search_agrees_with_simulation(net: tuple[int, tuple[int, ...], Arcs], t
         assert as_set(graph.concurrency[a]) == beside
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=80)
 @given(any_nets(), st.booleans())
 def test_traces_can_be_walked(net: tuple[int, tuple[int, ...], Arcs], together: bool) -> None:
     rivals = Rivals.ALL if together else Rivals.PRIORITY

@@ -45,7 +45,7 @@ def _runs(found: Regions, block: int, active: set[int]) -> bool:
     return any(i in active or any(_runs(found, b, active) for b in _blocks(found, i)) for i in branches)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=150)
 @given(any_nets(max_steps=7, max_transitions=9))
 def test_what_regions_claim_of_any_net_holds(net: tuple[int, tuple[int, ...], Arcs]) -> None:
     found = find_regions(chart_of_arcs(*net))
@@ -65,7 +65,7 @@ def test_nested_blocks_have_regions(seed: int, size: int) -> None:
     check_claims(found, 2000)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=50)
 @given(st.integers(0, 10**9), st.integers(4, 14), st.data())
 def test_with_jumps_anywhere_the_claims_hold(seed: int, size: int, data: st.DataObject) -> None:
     chart = block_chart(seed, size)

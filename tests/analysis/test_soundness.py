@@ -25,7 +25,7 @@ def agree(chart: SfcNetwork, cap: int = 20_000) -> bool:
     return True
 
 
-@settings(deadline=None, max_examples=400)
+@settings(deadline=None, max_examples=200)
 @given(any_nets(max_steps=7, max_transitions=9))
 def test_reduction_never_disagrees_with_the_markings(net: tuple[int, tuple[int, ...], Arcs]) -> None:
     assert agree(chart_of_arcs(*net))
@@ -43,7 +43,7 @@ def test_blocks_are_proven_without_markings(seed: int, size: int) -> None:
     agree(chart)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=80)
 @given(st.integers(0, 10**9), st.integers(4, 14), st.integers(1, 3), st.data())
 def test_spoiled_blocks_are_judged_as_by_their_markings(seed: int, size: int, jumps: int, data: st.DataObject) -> None:
     chart = block_chart(seed, size)

@@ -209,7 +209,7 @@ def test_unknown_names_of_steps() -> None:
         Net.of(chart_of("1>2")).marking(["3"])
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=100)
 @given(any_nets(max_transitions=9), st.integers(0, 511), st.integers(0, 63))
 def test_firing_follows_the_definition(net: tuple[int, tuple[int, ...], Arcs], true: int, marking: int) -> None:
     """Written down as the standards have it, with sets: t fires if enabled, true, and no rival before it fires."""
