@@ -23,6 +23,7 @@ _COMPARED = re.compile(
 )
 _CLOCK = re.compile(r"\bTIME\s*\(\s*\)|\bRD_SYS_T\b|\bTIME_TCK\b", re.IGNORECASE)
 _CALCULATED = re.compile(r"(?:[-+*/]|\bMOD)\s*$", re.IGNORECASE)
+_GRAFCET_TIME = re.compile(r"[0-9]\s*(?:ms|min|s|h)\s*/|/\s*[0-9]+\s*(?:ms|min|s|h)\b|/\s*X[0-9]", re.IGNORECASE)
 _TIME_PIN = '"pin":"T"'  # of a step that a wire leads from
 _DEFAULT_SCAN = 10_000_000
 
@@ -64,8 +65,11 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
         for text in texts
         for match in _STEP_TIME.finditer(text)
     )
-    durations = (a.duration for s in subjects if s.pou.sfc is not None for _, a in s.pou.sfc.associations())
+    steps = [step for s in subjects if s.pou.sfc is not None for step in s.pou.sfc.steps]
+    durations = [a.duration for step in steps for a in step.actions]
+    durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
     known = all(duration is None or _DURATION.fullmatch(duration.strip()) for duration in durations)
+    known = known and not any(_GRAFCET_TIME.search(text) for text in texts)
     limit = max(constants, default=0) + scan_time if plain and known else None
     timed, anywhere = _timed_steps(subjects, texts)
     return Clocking(scan_time, tuple(constants), limit, reason, timed, anywhere)
@@ -108,6 +112,7 @@ def _texts(subject: Subject) -> list[str]:
             waiting.append(text)
             found.append(text)
     found += [section.model_dump_json(exclude_none=True) for section in subject.project.global_variables]
+    found += [declared.model_dump_json(exclude_none=True) for declared in subject.project.data_types]
     return found
 
 

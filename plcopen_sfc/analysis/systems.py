@@ -17,6 +17,7 @@ from plcopen_sfc.semantics.profile import Profile, StepVariables
 from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
 from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, watched
@@ -71,6 +72,10 @@ class ProgramSystem:
         self.steps, self._marking = step_marking(self.instance)
         self._forget = self._forgetting(profile)
         self._scratch = self._scratch_cells()
+        frames = [frame for _, _, frame in self.instance.charts()]
+        self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
+        structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
+        self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
         self._initial = self.snapshot()
         self._observe: Callable[[], tuple[Any, ...]] = tuple
 
@@ -123,9 +128,10 @@ class ProgramSystem:
         now = self._controller.now
         for frame, forget in self._forget:
             forget(frame, now)
+        self._clamp(now)
         for cells, index, value in self._scratch:
             cells[index] = value
-        return self.instance.snapshot(self.clock.limit)
+        return self.instance.snapshot()  # timers end by themselves, whatever their times come from
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a state."""
@@ -141,6 +147,17 @@ class ProgramSystem:
             return []
         charts = [(chart, frame) for _, chart, frame in self.instance.charts() if isinstance(chart, ChartProgram)]
         return [(frame, chart.forgetting(self.clock.anywhere, self.clock.timed)) for chart, frame in charts]
+
+    def _clamp(self, now: int) -> None:
+        """Set the times that charts keep back to the limit beyond which they make no difference."""
+        limit = self.clock.limit
+        if limit is None:
+            return
+        for cells, slot in self._starts:
+            if cells[slot] is not None and now - cells[slot] > limit:
+                cells[slot] = now - limit
+        for cells, slot in self._elapsed:
+            cells[slot] = min(cells[slot], limit)
 
     def _scratch_cells(self) -> list[tuple[list[Any], int, Value]]:
         """Where variables are that every scan writes before it reads them, and any value for them."""

@@ -50,6 +50,8 @@ def test_the_scan_time_divides_every_duration_twice() -> None:
         ("A.T > Delay", None, False),
         ("T#1s < A.T", None, False),
         ("Go", "Delay", False),
+        ("3s/X1", None, False),
+        ("X1 / 3 s", None, False),
     ],
 )
 def test_elapsed_times_are_limited_where_they_are_compared_with_constants(

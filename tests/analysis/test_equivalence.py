@@ -354,6 +354,22 @@ def test_times_that_are_calculated_with_are_not_proven_where_they_go_on_growing(
     assert equivalent(limited, code, "iec", step_flags=TIMED_FLAGS, cap=200).proven
 
 
+def test_timers_whose_time_is_no_constant_are_followed_to_their_end() -> None:
+    def timer(time: str, declared: str) -> Pou:
+        variables = ["r : TON", "Q : BOOL", f"d : TIME := {declared}"]
+        return program(f"r(IN := c0, PT := {time}); Q := r.Q;", ["c0"], variables)
+
+    long, short = timer("d + T#1ms", "T#3ms"), timer("d + T#1ms", "T#1ms")
+    assert equivalent(long, timer("T#4ms", "T#1ms"), "iec", outputs=["Q"], scan_time="1ms").proven
+    assert_different(equivalent(long, short, "iec", outputs=["Q"], scan_time="1ms"))
+    late = "r(IN := c0, PT := T#1ms * n); Q := r.Q; n := {};"
+    growing, other = (program(late.format(value), ["c0"], ["r : TON", "Q : BOOL", "n : INT"]) for value in ("40", "41"))
+    verdict = equivalent(growing, other, "iec", outputs=["Q"], scan_time="1ms")
+    assert_different(verdict)
+    assert verdict.counterexample is not None
+    assert verdict.counterexample.shortest
+
+
 @pytest.mark.parametrize("qualifier", ["N", "S", "P", "P1", "P0", "L", "D", "SD", "DS", "SL"])
 @pytest.mark.parametrize("profile", ["iec", "codesys", "matiec"])
 def test_charts_with_every_qualifier_have_few_states(qualifier: str, profile: str) -> None:
