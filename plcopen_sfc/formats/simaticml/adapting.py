@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT
+from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.body import BodyBase, StBody
 from plcopen_sfc.model.network import LogicNetwork
-from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.text import MultilingualText
@@ -38,6 +39,7 @@ def adapt(project: Project, report: ConversionReport) -> None:
     for thing in others:
         _languages(thing, language)
     _without_tabs(project, report)
+    _say_instances(project)
     for chart in project.charts():
         _numbers(chart.network, f"POU {chart.name}", report)
 
@@ -63,6 +65,21 @@ def _without_tabs(project: Project, report: ConversionReport) -> None:
         if isinstance(body, StBody) and "\t" in body.text and body.markup is None:
             body.text = body.text.expandtabs(TAB)
             report.add(Fate.TRANSLATED, "text", f"POU {name}", "tabs are blanks")
+
+
+def _say_instances(project: Project) -> None:
+    """Say of calls in SCL which are those of instance data blocks: from their names nobody can tell."""
+    names = [block.name for block in project.data_blocks if block.kind is DataBlockKind.INSTANCE]
+    for pou in project.pous:
+        for body in pou.bodies:
+            called = [name for name in names if isinstance(body, StBody) and _calls(body.text, name)]
+            if called:
+                body.carried = body.carried or Carried()
+                body.carried.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
+
+
+def _calls(text: str, name: str) -> bool:
+    return f'"{name}"(' in text
 
 
 def _languages(thing: Any, language: str) -> None:

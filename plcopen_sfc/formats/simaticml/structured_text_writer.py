@@ -68,7 +68,7 @@ def read_code(element: etree._Element, types: dict[str, str]) -> Fields:
 
 
 def _hints(element: etree._Element) -> dict[str, str]:
-    """What the text of a program does not say: which names are constants, and the types of instructions."""
+    """What the text of a program does not say: which names are constants or instances, the types of instructions."""
     found: dict[str, str] = {}
     for access in element.iter("{*}Access"):
         constant = child_named(access, "Constant")
@@ -81,9 +81,16 @@ def _hints(element: etree._Element) -> dict[str, str]:
         if values:
             said = {part.get("Name", ""): part.text or "" for part in values}
             found[_TYPES + instruction.get("Name", "")] = json.dumps(said)
+    for info in element.iter("{*}CallInfo"):
+        instance = child_named(info, "Instance")
+        parts = children(instance) if instance is not None and instance.get("Scope") == "GlobalVariable" else []
+        if len(parts) == 1 and info.get("BlockType") == "FB":
+            found[f'{CALL}"{parts[0].get("Name", "")}"'] = "FB"
     return found
 
 
+CALL = "call "
+"""Carried attributes that begin so say that what looks like the call of a function calls an instance data block."""
 _TYPES = "types of "
 """Carried attributes that begin so are the types for which an instruction is called, as JSON."""
 
@@ -317,11 +324,13 @@ class _Writer:
         """The call of an instance, or of a block of the user by its name."""
         is_block = scope == "GlobalVariable" and "." not in path
         user_type = self.types.get(path.lower(), "").startswith('"')
+        is_instance = is_block and self.hints.get(CALL + path) == "FB"
         if is_block or user_type:
             symbol = parent[start][0]
             parent.remove(parent[start])
-            info = sub(sub(parent, "Access", {"Scope": "Call"}), "CallInfo", {"BlockType": "FB" if user_type else "FC"})
-            if is_block:
+            kind = "FB" if user_type or is_instance else "FC"
+            info = sub(sub(parent, "Access", {"Scope": "Call"}), "CallInfo", {"BlockType": kind})
+            if is_block and not is_instance:
                 info.set("Name", path.strip('"'))
             else:
                 instance = sub(info, "Instance", {"Scope": scope})

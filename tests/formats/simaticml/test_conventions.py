@@ -10,6 +10,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.simaticml.schema import validate
+from plcopen_sfc.model.body import StBody
 from tests.corpus import ROOT
 from tests.formats.simaticml import drilling_plc
 from tests.formats.simaticml.documents import FIXTURES, parsed
@@ -123,3 +124,25 @@ def test_the_readme_names_every_document() -> None:
     readme = (ROOT / "fixtures" / "README.md").read_text(encoding="utf-8")
     named = [f"`{path.relative_to(ROOT / 'fixtures').as_posix()}`" for path in (*DOCUMENTS, *PLC)]
     assert [name for name in named if name not in readme] == []
+
+
+def test_the_call_of_an_instance_data_block_in_scl_is_no_call_of_a_function(tmp_path: Path) -> None:
+    source = drilling_plc.SOURCE + (
+        'ORGANIZATION_BLOCK "Cyclic"\nVERSION : 0.1\nBEGIN\n    "FB_Chips_DB"(run := TRUE);\n    "FC_Release"();\n'
+        "END_ORGANIZATION_BLOCK\n"
+    )
+    plc = sfc.loads(source.encode(), format="scl")
+    sfc.save(plc, f"{tmp_path / 'plc'}/", format="simaticml")
+    data = (tmp_path / "plc" / "Program blocks" / "Cyclic.xml").read_bytes()
+    root = parsed(data)
+    assert [info.get("BlockType") for info in root.iter("{*}CallInfo")] == ["FB", "FC"]
+    instance = root.find(".//{*}CallInfo/{*}Instance")
+    assert instance is not None
+    assert instance.get("Scope") == "GlobalVariable"
+    block = sfc.loads(data)
+    body = block.pou("Cyclic").bodies[0]
+    assert isinstance(body, StBody)
+    assert body.markup is None
+    body.text = body.text.replace("TRUE", "FALSE")
+    edited = sfc.dumps(block)
+    assert sum(old != new for old, new in zip(data.splitlines(), edited.splitlines(), strict=True)) == 1
