@@ -164,14 +164,14 @@ class Calls:
         place = self._translator.place(value, field.type)
         if place.bits is not None:
             raise SimulationError(f"a part of {place.path} cannot be passed to {field.name}, which is VAR_IN_OUT")
+        if not _can_refer(field.type, place.type):
+            raise SimulationError(f"{place.path}, a {place.type.name}, is passed to {field.name}: {field.type.name}")
         self._library.written.add(place.root)
         if isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
             return f"Pointer({place.cells}, {place.index})"
-        if isinstance(field.type, t.ArrayType) and isinstance(place.type, t.ArrayType):
-            if not field.type.dimensions and place.type.dimensions:
-                return f"View({place.text}, {place.type.dimensions!r})"
-            if field.type.size != place.type.size:
-                raise SimulationError(f"{place.path} is passed to {field.name}, which is {field.type.name}")
+        of_any_length = isinstance(field.type, t.ArrayType) and not field.type.dimensions
+        if of_any_length and isinstance(place.type, t.ArrayType) and place.type.dimensions:
+            return f"View({place.text}, {place.type.dimensions!r})"
         return place.text
 
     # -- arguments
@@ -236,7 +236,7 @@ class Calls:
         if enabled is not None:
             target = self._translator.place(enabled, t.BOOL)
             self._translator.note_write(target)
-            self._translator.write(target, Code(held, t.BOOL))
+            self._translator.write(target, self._translator.fitted(Code(held, t.BOOL, 0, 1), target.type))
 
     def _acting(self, callee: n.Expression, arguments: tuple[n.Argument, ...]) -> bool:
         """Write the call of an action, an instance or a program; False: it is none."""
@@ -355,3 +355,29 @@ class Calls:
 def _check_bare(name: str, arguments: Sequence[n.Argument]) -> None:
     if arguments:
         raise SimulationError(f"{name} is an action: it has no parameters")
+
+
+def _can_refer(parameter: t.Type, type_: t.Type) -> bool:
+    """Whether a variable of a type can stand for a VAR_IN_OUT: it has the same values, or more members."""
+    if isinstance(parameter, t.OpaqueType) or isinstance(type_, t.OpaqueType):
+        return True
+    if isinstance(parameter, t.ElementaryType):
+        if not isinstance(type_, t.ElementaryType):
+            return False
+        numbers = parameter.is_number and type_.is_number and t.Family.REAL not in (parameter.family, type_.family)
+        same = parameter.family is type_.family or numbers
+        return same and (parameter.least, parameter.greatest, parameter.bits) == (
+            type_.least,
+            type_.greatest,
+            type_.bits,
+        )
+    if isinstance(parameter, t.StructureType):
+        if not isinstance(type_, t.StructureType):
+            return False
+        members = parameter.layout.fields
+        return parameter.layout is type_.layout or members == type_.layout.fields[: len(members)]
+    if isinstance(parameter, t.ArrayType):
+        if not isinstance(type_, t.ArrayType) or not _can_refer(parameter.base, type_.base):
+            return False
+        return not parameter.dimensions or parameter.size == type_.size
+    return isinstance(type_, t.ReferenceType)

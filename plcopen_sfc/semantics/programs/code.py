@@ -9,7 +9,17 @@ from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs.linking import Linker
-from plcopen_sfc.semantics.programs.types import ANY, BOOL, ElementaryType, Family, OpaqueType, ReferenceType, Type
+from plcopen_sfc.semantics.programs.types import (
+    ANY,
+    BOOL,
+    ArrayType,
+    ElementaryType,
+    Family,
+    OpaqueType,
+    ReferenceType,
+    StructureType,
+    Type,
+)
 
 MS = 1_000_000
 SECOND = 1_000_000_000
@@ -99,7 +109,7 @@ class Converter:
         if isinstance(target, OpaqueType) or isinstance(code.type, OpaqueType) or target is ANY:
             return code
         if not isinstance(target, ElementaryType):
-            if isinstance(target, ReferenceType) != isinstance(code.type, ReferenceType) and code.type is not ANY:
+            if code.type is not ANY and not _can_be_copied(code.type, target):
                 raise SimulationError(f"{code.type.name} is assigned to {target.name}")
             return code
         if not isinstance(code.type, ElementaryType):
@@ -203,6 +213,18 @@ class Converter:
         if source.is_ranged and target.is_ranged:
             return text
         raise SimulationError(f"{source.name} cannot become {target.name}")
+
+
+def _can_be_copied(source: Type, target: Type) -> bool:
+    """Whether a value that is not elementary goes into a variable: structures of one type, arrays of one size."""
+    if isinstance(target, StructureType):
+        return isinstance(source, StructureType) and source.layout is target.layout
+    if isinstance(target, ArrayType):
+        if not isinstance(source, ArrayType) or not source.dimensions or not target.dimensions:
+            return False
+        alike = source.base == target.base or _can_be_copied(source.base, target.base)
+        return alike and source.size == target.size
+    return isinstance(target, ReferenceType) and isinstance(source, ReferenceType)
 
 
 def count_unit(type_: ElementaryType) -> int:

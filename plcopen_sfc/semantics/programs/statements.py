@@ -12,7 +12,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Operator, Statement
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.calls import Calls
-from plcopen_sfc.semantics.programs.code import Code, settled, truth
+from plcopen_sfc.semantics.programs.code import Code, constant, settled, truth
 from plcopen_sfc.semantics.programs.expressions import Translator
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Place
@@ -158,35 +158,23 @@ class StatementTranslator:
             with self._writer.block(f"if {self._truth(node.value).text}:"):
                 place = translator.place(node.target, t.BOOL)
                 translator.note_write(place)
-                translator.write(place, Code(repr(node.kind is AssignmentKind.SET), t.BOOL))
+                value = constant(node.kind is AssignmentKind.SET, t.BOOL)
+                translator.write(place, translator.fitted(value, place.type))
             return
-        value = node.value
+        assigned = node.value
         if node.kind in _CALCULATING:
-            value = n.Operation(_CALCULATING[node.kind], (node.target, n.Parenthesized(value)))
+            assigned = n.Operation(_CALCULATING[node.kind], (node.target, n.Parenthesized(assigned)))
         known = translator.meaning(node.target)
         if isinstance(known, Place):
             wanted: t.Type | None = known.type
         else:
-            wanted = translator.guessed(value)
+            wanted = translator.guessed(assigned)
         place = translator.place(node.target, wanted)
         if isinstance(known, Place) and isinstance(known.type, t.ReferenceType) and known.type.automatic:
             place = translator.followed(known, None)
         translator.note_write(place)
-        code = settled(translator.fitted(translator.value(value, place.type), place.type))
-        self._check_copy(place, code)
+        code = settled(translator.fitted(translator.value(assigned, place.type), place.type))
         translator.write(place, code)
-
-    def _check_copy(self, place: Place, code: Code) -> None:
-        """Structures are copied to structures of their type only, arrays to those of their size."""
-        one, other = place.type, code.type
-        if isinstance(one, t.StructureType | t.ArrayType) or isinstance(other, t.StructureType | t.ArrayType):
-            same = False
-            if isinstance(one, t.StructureType) and isinstance(other, t.StructureType):
-                same = one.layout is other.layout
-            if isinstance(one, t.ArrayType) and isinstance(other, t.ArrayType):
-                same = one.base == other.base and one.size == other.size and bool(one.dimensions and other.dimensions)
-            if not same and other is not t.ANY:
-                raise SimulationError(f"{other.name} is assigned to {place.path}, which is {one.name}")
 
     def _refer(self, node: n.Assignment) -> None:
         """``reference REF= variable``."""
@@ -303,7 +291,7 @@ class StatementTranslator:
         start, end = (
             settled(translator.fitted(translator.value(node_, type_), type_)) for node_ in (node.start, node.end)
         )
-        step = settled(translator.value(node.step, type_)) if node.step is not None else None
+        step = settled(translator.fitted(translator.value(node.step, type_), type_)) if node.step is not None else None
         last, by = self._writer.temporary(), self._writer.temporary()
         self._writer.write(f"{last} = {end.text}")
         if step is not None and not step.constant:

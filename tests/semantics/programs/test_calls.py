@@ -290,3 +290,22 @@ def test_names_of_a_project_are_never_code() -> None:
     assert instance["x"] == 7
     assert given == {"class": 1, "a=1), __import__('os') #": 2}
     assert instance["__import__('os')"] == 7
+
+
+@pytest.mark.parametrize(
+    ("variables", "call"),
+    [
+        ("x : REAL;", "F(n := x);"),
+        ("x : DINT;", "F(n := x);"),
+        ("x : TON;", "F(n := x);"),
+        ("x : ARRAY[1..2] OF INT;", "F(n := x);"),
+        ("x : INT; t : TON;", "t S= x > 1;"),
+        ("x : INT; t : TON;", "t(IN := TRUE, ET => t);"),
+        ("x : INT; t : TON;", "FOR x := 1 TO 3 BY t DO ; END_FOR"),
+    ],
+)
+def test_variables_of_other_types_are_refused(variables: str, call: str) -> None:
+    more = "FUNCTION F : INT\nVAR_IN_OUT n : INT; END_VAR\nn := n + 1;\nEND_FUNCTION"
+    text = f"{more}\nPROGRAM Main\nVAR {variables} END_VAR\n{call}\nEND_PROGRAM"
+    with pytest.raises(SimulationError, match=r"is passed to|is assigned to|cannot become"):
+        Controller(project_of(text, Dialect.CODESYS)).instance("Main").scan()
