@@ -26,7 +26,7 @@ KNOWN = (
     "found 'ELSE', expected an expression",
     "ACT_Init is an action: it has no parameters",
 )
-"""What is wrong with real charts, missing in their files, or (flags given to an action that is called) not simulated."""
+"""What is wrong with real charts, missing in their files, or not simulated (flags that a call gives to an action)."""
 
 
 def charts() -> list[tuple[Path, Project, str]]:
