@@ -104,7 +104,7 @@ def test_missing(run, tmp_path):
 
 
 def test_a_folder(run, tmp_path):
-    check(run, tmp_path, errors.FileAccessError, (None, None), "this is a folder, not a file")
+    check(run, tmp_path, errors.UnknownFormatError, (None, None), "the folder has no document")
 
 
 def test_a_zip(run, tmp_path):
