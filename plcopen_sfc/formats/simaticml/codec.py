@@ -47,7 +47,10 @@ def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> 
             del kept[name]
         for chart in project.charts():
             fit_alarms(chart.network, _version(project, options))
+    version = _version(project, options)
     adapting.adapt(project, report)
+    if not project.header.product:  # a project made in Python: nothing is lost when the file says who reads it
+        project.header.product, project.header.version = PRODUCT, version.name
 
 
 def lines(content: bytes, project: Project) -> dict[str, int]:

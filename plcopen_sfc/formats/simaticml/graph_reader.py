@@ -9,6 +9,7 @@ from lxml import etree
 from plcopen_sfc.formats.simaticml.actions_reader import read_action
 from plcopen_sfc.formats.simaticml.networks import read_flgnet_body
 from plcopen_sfc.formats.simaticml.reading import (
+    ADDED,
     TRUTHS,
     Fields,
     NotUnderstoodError,
@@ -25,7 +26,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.topology import Ref
-from plcopen_sfc.formats.simaticml.topology_reader import ADDED, TopologyReader, added_in, usual_order
+from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, added_in, usual_order
 from plcopen_sfc.model.drawing import SymbolKind
 
 _SUPERVISIONS = [("AlarmSupervisionCategory", number, 0, None) for number in range(1, 9)]

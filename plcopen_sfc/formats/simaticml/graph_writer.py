@@ -14,7 +14,7 @@ from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, U
 from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
 from plcopen_sfc.formats.simaticml.reading import children, local
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, write_link
-from plcopen_sfc.formats.simaticml.topology_reader import ADDED, usual_order
+from plcopen_sfc.formats.simaticml.topology_reader import usual_order
 from plcopen_sfc.formats.simaticml.topology_rules import (
     Added,
     Legaliser,
@@ -28,6 +28,7 @@ from plcopen_sfc.formats.simaticml.writing import (
     add_element,
     finish,
     flag,
+    keep_added,
     keep_fields,
     sub,
     verbatim,
@@ -242,14 +243,14 @@ class _ChartWriter:
         step = Step(id=0, name=name)
         self._supervised(element, step, "Supervision", None)
         self._supervised(element, step, "Interlock", None)
-        keep_fields(element, {ADDED: True})
+        keep_added(element)
 
     def _added_transition(self, parent: etree._Element, number: int, *, never: bool) -> None:
         marks = {"IsMissing": "false", "Name": self._free_name("Trans", number), "Number": str(number)}
         element = sub(parent, "Transition", marks)
         body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"]) if never else None
         write_flgnet_body(self.ctx, element, body or empty_network(RESULT_OF["Transition"]))
-        keep_fields(element, {ADDED: True})
+        keep_added(element)
 
     def _belongs(self, source: Ref, members: set[tuple[str, int]], writer: TopologyWriter) -> bool:
         """Whether a connection that starts at a step, transition or branch is one of a sequence."""

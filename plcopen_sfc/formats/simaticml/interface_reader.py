@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import (
+    ADDED,
     Fields,
     ReadContext,
     attributes,
@@ -12,6 +13,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_attribute,
     carry_element,
     children,
+    is_added,
     local,
     read_comments,
     read_languages,
@@ -47,6 +49,9 @@ def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
     return kind, {**marks, "SystemDefined": "true"}
 
 
+_ADDABLE = frozenset({"Base", "Input", "Output"})
+
+
 def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
     """Read ``Interface``, with its ``Sections``."""
     fields: Fields = {"sections": []}
@@ -58,6 +63,8 @@ def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
             continue
         ctx.note_schema(sections)
         for section in children(sections):
+            if section.get("Name") in _ADDABLE and is_added(section) and _is_all_added(section):
+                continue
             kind = SECTIONS.get(section.get("Name", ""))
             if local(section) != "Section" or kind is None or len(section.attrib) > 1:
                 carry_element(fields, section)
@@ -71,11 +78,18 @@ def _section(ctx: ReadContext, element: etree._Element, kind: SectionKind) -> Fi
     fields: Fields = {"kind": kind, "variables": []}
     for child in children(element):
         if local(child) == "Member":
-            fields["variables"].append(read_member(ctx, child))
+            if not is_added(child):
+                fields["variables"].append(read_member(ctx, child))
         else:
             carry_element(fields, child)
     read_comments(ctx, element, fields)
+    fields.pop(ADDED, None)
     return fields
+
+
+def _is_all_added(section: etree._Element) -> bool:
+    """Whether nobody has put anything into a section that our writer added."""
+    return section.get("Name") == "Base" or all(is_added(child) for child in children(section))
 
 
 def read_members(ctx: ReadContext, element: etree._Element) -> Fields | None:

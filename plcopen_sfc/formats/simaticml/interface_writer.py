@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.graph_parameters import add_system_parts
 from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, SECTIONS, usual_form
 from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
@@ -15,13 +16,20 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import Fate
 
 _NAMES = {kind: name for name, kind in SECTIONS.items()}
-_ORDER = ["Base", *SECTIONS]
 
 
 def write_interface(
-    ctx: WriteContext, parent: etree._Element, interface: Interface, renamed: dict[str, str] | None = None
-) -> None:
-    """Write ``Interface``. `renamed` are new names of members that the chart of the block names."""
+    ctx: WriteContext,
+    parent: etree._Element,
+    interface: Interface,
+    renamed: dict[str, str] | None = None,
+    *,
+    graph: bool = False,
+) -> etree._Element:
+    """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
+
+    `graph`: the block has a chart, and needs what every sequencer has.
+    """
     element = sub(parent, "Interface")
     for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
         element.set(key, value)
@@ -36,7 +44,10 @@ def write_interface(
         _section(ctx, sections, name, section, renamed or {})
     unsayable = [s for s in interface.sections if s.kind not in _NAMES]
     left = {"sections": [s.model_dump(mode="json", exclude_none=True) for s in unsayable]} if unsayable else None
+    if graph:
+        add_system_parts(ctx, sections)
     finish(ctx, sections, interface, frozenset({"sections"}), also=left)
+    return element
 
 
 def _section(

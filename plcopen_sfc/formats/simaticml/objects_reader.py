@@ -16,6 +16,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_rest,
     child_named,
     children,
+    is_added,
     local,
     plain_text,
     read_comments,
@@ -63,7 +64,9 @@ def read_pou(ctx: ReadContext, element: etree._Element) -> Fields:
     values = _start(ctx, element, fields)
     interface = values.pop("Interface", None)
     if interface is not None:
-        fields["interface"] = read_interface(ctx, interface)
+        read = read_interface(ctx, interface)
+        if read != {"sections": []} or not is_added(interface):
+            fields["interface"] = read
         ctx.types = {
             f"#{m.get('Name', '').lower()}": m.get("Datatype", "") for m in interface.iterfind("*/*/{*}Member")
         }

@@ -24,6 +24,7 @@ from plcopen_sfc.formats.simaticml.writing import (
     add_element,
     finish,
     flag,
+    keep_added,
     sub,
     write_object_text,
 )
@@ -33,6 +34,7 @@ from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, SimpleValue, StructType, Variable
+from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import Fate
 
 _POU_TAGS = {kind: tag for tag, kind in POUS.items()}
@@ -99,11 +101,13 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     else:
         what = "program" if pou.kind is PouKind.PROGRAM else "POU"
         ctx.note(Fate.TRANSLATED, what, why="a function block; TIA Portal has no programs")
+    chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
     if pou.interface is not None:
-        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou))
+        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None)
+    elif chart is not None:
+        keep_added(write_interface(ctx, writer.values, Interface(), graph=True))
     kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
     writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
-    chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _settings(writer, chart.chart.graph_settings)
     write_object_text(ctx, writer.objects, "Comment", pou.comment)

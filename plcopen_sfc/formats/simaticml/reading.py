@@ -32,6 +32,8 @@ It is written as long as it says what the model says. See docs/formats/simaticml
 """
 
 COMMENT_MARK = "plcopen_sfc "
+ADDED = "added"
+"""The mark of what only S7-GRAPH wants: it is not in the model."""
 """XML comments that begin with it hold fields that SimaticML cannot say, as JSON."""
 
 
@@ -205,6 +207,12 @@ def read_object_text(element: etree._Element) -> Fields | None:
                 return None
             texts[values.get("Culture", "")] = values.get("Text", "")
     return {"texts": texts}
+
+
+def is_added(element: etree._Element) -> bool:
+    """Whether a comment marks an element as added by us."""
+    marked = f'{COMMENT_MARK}{{"{ADDED}": true}}'
+    return any(comment.text == marked for comment in element.iterchildren(etree.Comment))
 
 
 def read_comments(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:

@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import (
-    COMMENT_MARK,
     Fields,
     NotUnderstoodError,
     ReadContext,
     carry_attribute,
     children,
+    is_added,
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, read_link
@@ -45,8 +45,6 @@ class Topology:
 
 CARDINALITY = "Cardinality"
 """Carried attribute of a branch, with the number of its legs behind it: what the file says that number is."""
-ADDED = "added"
-"""The field, in a comment of ours, of a step or transition that is none of the chart."""
 
 
 def added_in(element: etree._Element) -> set[Ref]:
@@ -54,10 +52,10 @@ def added_in(element: etree._Element) -> set[Ref]:
     found: set[Ref] = set()
     for owner in element.iterfind("{*}Steps/{*}Step"):
         bare = not any(len(row) or row.attrib for row in owner.iterfind("{*}Actions/{*}Action"))
-        if bare and _is_added(owner):
+        if bare and whole_number(owner.get("Number")) is not None and is_added(owner):
             found.add(Ref("S", int(owner.get("Number", ""))))
     for owner in element.iterfind("{*}Transitions/{*}Transition"):
-        if _is_added(owner):
+        if whole_number(owner.get("Number")) is not None and is_added(owner):
             found.add(Ref("T", int(owner.get("Number", ""))))
     if not found:
         return found
@@ -66,13 +64,6 @@ def added_in(element: etree._Element) -> set[Ref]:
     except NotUnderstoodError:
         return set()
     return found if is_contractible(links, frozenset(found)) else set()
-
-
-def _is_added(owner: etree._Element) -> bool:
-    marked = f'{COMMENT_MARK}{{"{ADDED}": true}}'
-    return whole_number(owner.get("Number")) is not None and any(
-        comment.text == marked for comment in owner.iterchildren(etree.Comment)
-    )
 
 
 def usual_order(links: list[Link], symbols: list[Ref]) -> list[Link]:
