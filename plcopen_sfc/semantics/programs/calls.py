@@ -273,10 +273,8 @@ class Calls:
             return False
         unit = self._unit_of(place.type)
         action = unit.action(name) if unit is not None else None
-        if action is not None:
-            _check_bare(name, arguments)
-            self._library.written.add(place.root)
-            self._translator.writer.write(f"{self._library.linker.name(action)}({place.text})")
+        if action is not None:  # arguments are those of the instance whose action it is (CODESYS)
+            self._call(place, place.type.layout, self._library.linker.name(action), arguments)
             return True
         block = self._library.block_of(place.type.layout)
         run = block.methods.get(name.upper()) if block is not None else None

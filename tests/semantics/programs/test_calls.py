@@ -309,3 +309,16 @@ def test_variables_of_other_types_are_refused(variables: str, call: str) -> None
     text = f"{more}\nPROGRAM Main\nVAR {variables} END_VAR\n{call}\nEND_PROGRAM"
     with pytest.raises(SimulationError, match=r"is passed to|is assigned to|cannot become"):
         Controller(project_of(text, Dialect.CODESYS)).instance("Main").scan()
+
+
+def test_arguments_of_an_action_are_those_of_its_instance() -> None:
+    source = """
+    FUNCTION_BLOCK Tank VAR_INPUT amount : INT := 1; END_VAR VAR n : INT; END_VAR ; END_FUNCTION_BLOCK
+    PROGRAM Main VAR tank : Tank; END_VAR tank.Fill(amount := 5); END_PROGRAM
+    """
+    project = project_of(source, Dialect.CODESYS)
+    project.pou("Tank").actions.append(Action(name="Fill", body=StBody(text="n := n + amount;")))
+    instance = Controller(project).instance("Main")
+    instance.scan()
+    instance.scan()
+    assert (instance["tank.n"], instance["tank.amount"]) == (10, 5)
