@@ -20,6 +20,7 @@ from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.net import Net, NetStep, Rivals, indexes
+from plcopen_sfc.semantics.profile import ScanOrder
 
 _INDENT = "    "
 
@@ -67,6 +68,10 @@ class CaseChain(Chain):
     def reentered(self) -> Mapping[int, Expression]:
         """Nothing tells: where it matters the chart is refused."""
         return {}
+
+    def tells(self) -> dict[str, Expression]:
+        """The state, unless the CASE stands behind the actions: then it is that of the next scan already."""
+        return super().tells() if self.profile.order is ScanOrder.TRANSITIONS_FIRST else {}
 
     def choose(self) -> None:
         """Append the CASE with the transitions of each step."""

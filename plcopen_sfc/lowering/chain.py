@@ -58,6 +58,10 @@ class Chain(ABC):
     def reentered(self) -> Mapping[int, Expression]:
         """For steps that can be left and entered at once: when they are."""
 
+    def tells(self) -> dict[str, Expression]:
+        """What tells, between two scans, that a step is active, by its path; empty where the code is not that far."""
+        return {step.path: self.active(step.index) for step in self.net.steps}
+
     def exact(self) -> None:
         """One scan, as the chart has it."""
         self.code.add(self.texts.logic, self.source.logic)

@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.lowering.bits import StepBits
 from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
 from plcopen_sfc.lowering.code import Code
@@ -53,11 +54,15 @@ class Language(StrEnum):
 
 @dataclass(frozen=True)
 class Constructed:
-    """A POU made of a chart. `why` says why this construction was taken."""
+    """A POU made of a chart. `why` says why this construction was taken.
+
+    `step_flags` is what tells in its code that a step is active, by the path of the step.
+    """
 
     pou: Pou
     construction: Construction
     why: str
+    step_flags: dict[str, str]
 
 
 def construct(
@@ -92,7 +97,8 @@ def construct(
         raise LoweringError(f"{chosen} has no classic style")
     else:
         maker.classic()
-    return Constructed(_pou(pou, code, dialect, language), chosen, why)
+    tells = {path: print_node(expression, dialect) for path, expression in maker.tells().items()}
+    return Constructed(_pou(pou, code, dialect, language), chosen, why, tells)
 
 
 def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:

@@ -85,7 +85,13 @@ def lower(
     project = _with(found, made.pou)
     proof: Verdict | None = None
     if verify:
-        proof = equivalent(found, Subject(project, made.pou, found.name), semantics, fixed=_at_rest(init))
+        proof = equivalent(
+            found,
+            Subject(project, made.pou, found.name),
+            semantics,
+            fixed=_at_rest(init),
+            step_flags=made.step_flags or None,
+        )
         if proof.outcome is Outcome.DIFFERENT and wanted_style is Style.EXACT:
             raise LoweringError(
                 f"the code does not do what the chart does: {proof}",

@@ -26,6 +26,7 @@ def test_the_copy_has_code_where_the_project_has_a_chart() -> None:
     assert isinstance(lowered.project.pou("Ablauf").body, m.StBody)
     assert lowered.proof is not None
     assert lowered.proof.outcome is Outcome.PROVEN
+    assert {"Q1", "Q2", "Q3", "S1.X", "S2.X", "S3.X", "S4.X"} <= set(lowered.proof.compared)
 
 
 def test_the_textbook_chain_is_different_and_says_with_which_inputs() -> None:
