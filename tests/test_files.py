@@ -267,12 +267,12 @@ def test_many_files_are_replaced_together_or_not_at_all(tmp_path: Path, monkeypa
     real_write = os.write
     monkeypatch.setattr(os, "write", write)
     with pytest.raises(FileAccessError, match="disk is full") as caught:
-        write_all({path: b"new" for path in old})
+        write_all(dict.fromkeys(old, b"new"))
     assert caught.value.location.file == str(tmp_path / "c.xml")
     assert {path: path.read_bytes() for path in old} == old
     assert _names(tmp_path) == ["a.xml", "c.xml", "sub"]
     monkeypatch.undo()
-    write_all({path: b"new" for path in old})
+    write_all(dict.fromkeys(old, b"new"))
     assert {path.read_bytes() for path in old} == {b"new"}
 
 

@@ -97,9 +97,9 @@ class Format:
     `module` is imported when the format is used. `recognises` looks at the start of a file (see
     `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
     is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`: the module is
-    an `XmlCodec`, a `TextCodec`. `folders`: a folder of its files is one
-    project; the module has ``standard_folder(thing)`` then, where an object belongs that has no folder
-    yet, and ``new_document(version)``, a project without objects. `ids`: its files keep the ids of steps, transitions and elements of networks.
+    an `XmlCodec`, a `TextCodec`. `folders`: a folder of its files is one project; the module has
+    ``standard_folder(thing)`` then, where an object belongs that has no folder yet, and ``new_document(version)``, a
+    project without objects. `ids`: its files keep the ids of steps, transitions and elements of networks.
     """
 
     name: str

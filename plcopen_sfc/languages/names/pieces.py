@@ -186,6 +186,7 @@ NAMELESS: dict[str, frozenset[str]] = {
         Action.name Configuration.name DataBlock.name DataTypeDeclaration.name EnumValue.name Method.name
         NamedTransition.name PartialChart.name Pou.name Project.name Resource.name Step.name Tag.name TagTable.name
         Task.name Transition.name Variable.name VariableSection.name AccessVariable.alias BodyCondition.name
+        ProjectObject.name
         """.split()
     ),
     "names within a drawing or a body, which nothing else uses": frozenset(
@@ -214,7 +215,8 @@ NAMELESS: dict[str, frozenset[str]] = {
         Project.modified Project.organization Project.author RuntimeLibrary.title Variable.attributes
         RuntimeLibrary.company RuntimeLibrary.version RuntimeLibrary.namespace TaskSettings.interval_unit
         TaskWatchdog.time TaskWatchdog.time_unit TaskWatchdog.sensitivity VendorElement.element_type
-        VendorElement.attributes DataTypeDeclaration.place Pou.place
+        VendorElement.attributes DataTypeDeclaration.place Pou.place ProjectObject.folder DataBlock.folder
+        DataTypeDeclaration.folder Pou.folder TagTable.folder
         """.split()
     ),
     "addresses": frozenset({"ConfigVariable.address", "Tag.address", "Variable.address"}),

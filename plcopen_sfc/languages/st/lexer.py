@@ -95,13 +95,13 @@ _DOUBLE_QUOTED = r'"(?:\$[\s\S]|[^$"\r\n])*"'
 _NUMBER = r"\d[\d_]*(?:\#[0-9A-Za-z_]+|(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?)"
 
 
-def _pattern(dialect: Dialect) -> re.Pattern[str]:
+def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
     scl = dialect is Dialect.SCL
     codesys = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
     groups = [
         # 1 COMMENT to the end of the line, 2 the start of a block, whose end `_Blocks` finds
         r"(//[^\r\n]*)",
-        r"(\(\*|/\*|\(/\*|\{)" if scl else r"(\(\*|/\*|\{)",
+        r"(\(\*|/\*|\(/\*|\{)" if comments is Dialect.SCL else r"(\(\*|/\*|\{)",
         # 3 LITERAL
         r"((?i:(?:L?TIME|L?T|S5T|S5TIME)\#[-+]?(?:\w|\.(?=\d))+"
         r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d_-]|[:.](?=\d))*)"
@@ -133,8 +133,8 @@ _COMMENT, _BLOCK, _LITERAL, _WORD_ASSIGN, _WORD, _NAME, _ADDRESS, _OPERATOR, _PU
 
 
 @cache
-def _compiled(dialect: Dialect) -> re.Pattern[str]:
-    return _pattern(dialect)
+def _compiled(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
+    return _pattern(dialect, comments)
 
 
 @cache
@@ -146,15 +146,24 @@ def _words(dialect: Dialect, keywords: frozenset[str]) -> dict[str, str]:
     return types
 
 
-def tokenize(text: str, dialect: Dialect = Dialect.IEC, keywords: frozenset[str] = frozenset()) -> Tokens:
-    """The tokens of `text`. `keywords` are words that are no names here, beyond those of statements."""
+def tokenize(
+    text: str,
+    dialect: Dialect = Dialect.IEC,
+    keywords: frozenset[str] = frozenset(),
+    *,
+    comments_of: Dialect | None = None,
+) -> Tokens:
+    """The tokens of `text`. `keywords` are words that are no names here, beyond those of statements.
+
+    `comments_of`: the dialect of its comments where that is another one.
+    """
     words = _words(dialect, keywords)
     known = words.get
     tokens: list[Token] = []
     comments: list[Comment] = []
     problems: list[Problem] = []
     append = tokens.append
-    match = _compiled(dialect).match
+    match = _compiled(dialect, comments_of or dialect).match
     position, end = 0, len(text)
     previous = ""
     blocks = _Blocks(text)

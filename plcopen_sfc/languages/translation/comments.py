@@ -64,7 +64,7 @@ def _harmless(text: str) -> str:
 def with_translated_comments(text: str, source: Dialect, target: Dialect, *, regions: bool) -> str:
     """A text whose program is in the target dialect already, with its comments and pragmas so too."""
     edits = []
-    for comment in tokenize(text, target).comments:
+    for comment in tokenize(text, target, comments_of=source).comments:
         new = translated_comment(comment.kind, comment.text, source, target, regions=regions).text
         if new == comment.text:
             continue
