@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from plcopen_sfc.report import ConversionReport
 
 
+TIA_PORTAL = "TIA Portal"
+"""The product in the header of a project that was SimaticML: the markup that its objects carry is not of TC6."""
+
+
 class Reading(NamedTuple):
     """A project that was read, what there is to say about its file, and the version of the format that it has."""
 

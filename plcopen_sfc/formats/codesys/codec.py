@@ -11,6 +11,7 @@ from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
 from plcopen_sfc.formats.codesys.declarations import drop_stale
 from plcopen_sfc.formats.codesys.dialect import CODESYS
+from plcopen_sfc.formats.plcopen import adapting
 from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
@@ -39,6 +40,11 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 def lines(content: bytes, project: Project) -> dict[str, int]:
     """The line of each object of `project` in the file `content`, by the path that the report gives it."""
     return source_lines(content, project)
+
+
+def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
+    """Make of `project`, a copy, what this format makes of it."""
+    adapting.adapt(project, options, report)
 
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

@@ -37,8 +37,8 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
         native = native | {"chart"}
         chart_native = _CHART | ctx.dialect.native_fields.get("chart", frozenset())
-        if ctx.version.first_generation:
-            # elements that TC6 2.0 does not know would not be valid in 1.01 either
+        if not ctx.takes_markup:
+            # elements that TC6 2.0 does not know would not be valid in 1.01 either, and those of others nowhere
             chart_native = chart_native - {"carried"}
         if not all(is_known(ctx, node) for node in body.chart.logic):
             chart_native = chart_native - {"logic"}
@@ -53,7 +53,7 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         sheet = sub(ctx, element, body.language)
         for network in body.networks:
             write_network(ctx, sheet, network)
-        network_native = _NETWORK - ({"carried"} if ctx.version.first_generation else set())
+        network_native = _NETWORK - (set() if ctx.takes_markup else {"carried"})
         known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)
         if len(body.networks) == 1 and known and not left_over(body.networks[0], network_native):
             native = native | {"networks"}

@@ -107,7 +107,7 @@ class ChartWriter:
                 self.write_symbol(parent, symbols[number])
             else:
                 write_node(self.ctx, parent, self.nodes[number], "logic in a chart")
-        if not self.ctx.version.first_generation:
+        if self.ctx.takes_markup:
             add_unknown(self.ctx, parent, self.chart.carried)
 
     def write_symbol(self, parent: etree._Element, symbol: Symbol) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.plcopen import adapting
 from plcopen_sfc.formats.plcopen.beremiz import BEREMIZ
 from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
@@ -25,6 +26,11 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 def lines(content: bytes, project: Project) -> dict[str, int]:
     """The line of each object of `project` in the file `content`, by the path that the report gives it."""
     return source_lines(content, project)
+
+
+def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
+    """Make of `project`, a copy, what this format makes of it."""
+    adapting.adapt(project, options, report)
 
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

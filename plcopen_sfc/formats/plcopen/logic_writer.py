@@ -219,5 +219,5 @@ def write_network(ctx: WriteContext, element: etree._Element, network: LogicNetw
     for node in network.nodes:
         if is_known(ctx, node):
             write_node(ctx, element, node)
-    if not ctx.version.first_generation:
+    if ctx.takes_markup:
         add_unknown(ctx, element, network.carried)

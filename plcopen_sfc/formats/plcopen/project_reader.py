@@ -80,8 +80,7 @@ def read_project(
         placeless=placeless,
     )
     ctx.finish_chart = finish_chart
-    if version.first_generation:
-        ctx.comment_reader = read_comment
+    ctx.comment_reader = read_comment
     ctx.data_readers = {FIELDS_DATA: read_fields, **ctx.data_readers}
     fields: Fields = {"configurations": [], "applications": [], "pous": ctx.pous, "data_types": ctx.data_types}
     for child in root:

@@ -92,7 +92,7 @@ def _file_header(ctx: WriteContext, root: etree._Element, project: Project) -> N
             )
         ),
     )
-    if header.carried is not None:
+    if header.carried is not None and ctx.takes_markup:
         for name, value in header.carried.attributes.items():
             element.set(name, value)
 

@@ -155,9 +155,18 @@ def read_common(ctx: ReadContext, fields: Fields, element: etree._Element, local
     if local == "addData":
         read_foreign_data(ctx, fields, element, owner)
     elif local == "documentation":
-        fields["comment"] = read_text(ctx, element)
+        text = read_text(ctx, element)
+        languages = fields.get("comment")
+        said = languages.get("texts") if isinstance(languages, dict) else None
+        if not isinstance(said, dict) or all_languages(said) != text:  # or somebody has edited it since
+            fields["comment"] = text
     else:
         carry_element(ctx, fields, element)
+
+
+def all_languages(texts: dict[str, str]) -> str:
+    """A text in several languages as TC6 writes it: one below the other. Our own data keep them apart."""
+    return "\n".join(map(str, texts.values()))
 
 
 def read_foreign_data(ctx: ReadContext, fields: Fields, add_data: etree._Element, owner: str) -> None:

@@ -14,9 +14,9 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.base import TIA_PORTAL, WriteOptions
 from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
-from plcopen_sfc.formats.plcopen.reading import NEUTRAL
+from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
@@ -74,6 +74,8 @@ class WriteContext:
         """The name of the body being written, as `Pou.named_bodies` gives it."""
         self.place: list[str] = []
         self.project = project
+        self.takes_markup = not dialect.version.first_generation and project.header.product != TIA_PORTAL
+        """Whether what objects carry can stand in the file as it is: TC6 1.01 has no place, markup of others none."""
         self.resource_place = ""
         """What `Pou.place` says of POUs in the resource being written."""
         self.jump_name = ""
@@ -109,7 +111,7 @@ def write_text(ctx: WriteContext, parent: etree._Element, name: str, text: Text 
         add_markup(element, text.markup)
     else:
         if isinstance(text, MultilingualText):
-            text = "\n".join(text.texts.values())
+            text = all_languages(text.texts)
         xhtml_child(ctx, element).text = legal(text)
 
 
@@ -173,12 +175,14 @@ def finish(
     `also` is more to carry: parts of fields.
     """
     carried: Carried | None = getattr(thing, "carried", None)
-    if not ctx.version.first_generation:
+    if ctx.takes_markup:
         add_unknown(ctx, element, carried)
+        native = native | {"carried"}
+    if not ctx.version.first_generation:
         global_id: str | None = getattr(thing, "global_id", None)
         if global_id is not None:
             element.set("globalId", global_id)
-        native = native | {"carried", "global_id"}
+        native = native | {"global_id"}
         written = list(ctx.dialect.data_writer(ctx, thing, owner)) if ctx.dialect.data_writer else []
     else:
         written = []
@@ -189,8 +193,11 @@ def finish(
         native = native | {"comment"}
     native = native | own
     left = left_over(thing, native) | (also or {})
-    if not ctx.version.first_generation:
-        _add_data(ctx, element, written, carried, left)
+    comment: Text | None = getattr(thing, "comment", None)
+    if documents and isinstance(comment, MultilingualText):  # documentation is in one language
+        left["comment"] = comment.model_dump(mode="json")
+    if not ctx.version.first_generation and owner not in _WITHOUT_DATA:
+        _add_data(ctx, element, written, carried if ctx.takes_markup else None, left)
     elif left:
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
     own_name = str(getattr(thing, "name", None) or "")
@@ -202,9 +209,11 @@ def finish(
         else:
             ctx.note(Fate.CARRIED, _label(name), subject, why)
     if documents:
-        write_text(ctx, element, "documentation", getattr(thing, "comment", None))
+        write_text(ctx, element, "documentation", comment)
 
 
+_WITHOUT_DATA = frozenset({"parameter"})
+"""Elements without ``addData`` in every version of TC6: what they carry stands in an XML comment."""
 _CHANGES = {"exclude": "other tools execute what CODESYS leaves out"}
 """Fields that are carried, but without which a chart does something else."""
 

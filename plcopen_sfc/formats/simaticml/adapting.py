@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from plcopen_sfc.formats.simaticml.coils import put_coils
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.body import BodyBase, StBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -32,6 +34,7 @@ def adapt(project: Project, report: ConversionReport) -> None:
     """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
     if project.header.product != PRODUCT:
         _wrap(project)
+    put_coils(project)
     language = project.language or "en-US"
     for pou in project.pous:
         _languages(pou, language)
@@ -41,6 +44,9 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _without_tabs(project, report)
     _say_instances(project)
     for chart in project.charts():
+        for _, association in chart.network.associations():
+            if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target:
+                association.target = association.target.removeprefix("#").strip('"')  # a step, no variable
         _numbers(chart.network, f"POU {chart.name}", report)
 
 

@@ -8,6 +8,7 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
+from plcopen_sfc.formats.base import TIA_PORTAL
 from plcopen_sfc.formats.simaticml.late_reading import LateDocument
 from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE
 from plcopen_sfc.formats.simaticml.reading import (
@@ -25,7 +26,7 @@ from plcopen_sfc.formats.simaticml.versions import DEFAULT, VERSIONS, TiaVersion
 from plcopen_sfc.formats.xml.source import SourceLines
 from plcopen_sfc.model.dialect import Dialect
 
-PRODUCT = "TIA Portal"
+PRODUCT = TIA_PORTAL
 OBJECTS = "SW."
 IDS = "IDs"
 """Carried attribute of a project: the ids of its objects, where they are no running numbers."""

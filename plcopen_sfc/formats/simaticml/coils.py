@@ -1,0 +1,64 @@
+"""Coils where TIA Portal wants them: for the results of conditions, and for Boolean assignments in FBD."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.formats.simaticml.parts import RESULTS
+from plcopen_sfc.model.body import Body, FbdBody, LdBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.network import Block, Coil, LogicNetwork, Node, OutputVariable
+from plcopen_sfc.model.project import Project
+
+_BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
+"""Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
+
+
+def put_coils(project: Project) -> None:
+    """Make coils of the output variables that other tools write instead.
+
+    The results of conditions (``TrCoil``, ``IlCoil``, ``SvCoil``) are no variables, whatever a translation of names has
+    made of them.
+    """
+    for chart in project.charts():
+        conditions: list[Condition | None] = [t.condition for t in chart.network.transitions]
+        for step in chart.network.steps:
+            conditions += [each.condition for each in (step.interlock, step.supervision) if each is not None]
+        for condition in conditions:
+            if isinstance(condition, BodyCondition):
+                for network in _networks(condition.body):
+                    network.nodes = [_result(node) for node in network.nodes]
+    for _, _, body in project.bodies():
+        if isinstance(body, FbdBody):
+            for network in body.networks:
+                _assignments(network)
+
+
+def _networks(body: Body) -> Iterator[LogicNetwork]:
+    if isinstance(body, FbdBody | LdBody):
+        yield from body.networks
+
+
+def _result(node: Node) -> Node:
+    name = _target(node).removeprefix("#").strip('"')
+    return _coil(node, name) if name in RESULTS else node
+
+
+def _assignments(network: LogicNetwork) -> None:
+    boolean = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() in _BOOLEAN}
+    for index, node in enumerate(network.nodes):
+        if isinstance(node, OutputVariable) and node.input is not None:
+            sources = {connection.source for connection in node.input.connections}
+            if sources and sources <= boolean:
+                network.nodes[index] = _coil(node, node.expression)
+
+
+def _target(node: Node) -> str:
+    if isinstance(node, Coil):
+        return node.variable
+    return node.expression if isinstance(node, OutputVariable) else ""
+
+
+def _coil(node: Node, variable: str) -> Node:
+    shared = {field: getattr(node, field) for field in OutputVariable.model_fields if field in Coil.model_fields}
+    return Coil.model_validate({**shared, "kind": "coil", "variable": variable})

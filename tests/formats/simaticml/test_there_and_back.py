@@ -1,0 +1,56 @@
+"""A PLC of TIA Portal goes to another tool and comes back: what the other cannot say is carried, validly."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.model.compare import differences
+from tests.samples import FIXTURES
+
+PLC = FIXTURES / "simaticml-plc"
+FORMATS = ["plcopen-2.01", "plcopen-2.0", "plcopen-1.01", "codesys"]
+
+
+@pytest.fixture(scope="module")
+def plc() -> m.Project:
+    return sfc.load(PLC)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_what_is_written_is_valid(plc: m.Project, form: str) -> None:
+    assert [d for d in validate(sfc.dumps(plc, format=form), file="plc.xml") if d.severity == "error"] == []
+
+
+def test_it_comes_back_as_it_was(plc: m.Project) -> None:
+    other = sfc.loads(sfc.dumps(plc, format="plcopen-2.01"))
+    back = sfc.loads(sfc.dumps(other, format="simaticml", tia="V21"))
+    # an AND of two variables that is assigned to a third may be drawn with one node less
+    assert [d.path for d in differences(plc, back)] == ["pous[FC_Release].bodies[0].networks[0].nodes"]
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_the_results_of_conditions_are_their_coils_again(plc: m.Project, form: str) -> None:
+    other = sfc.loads(sfc.dumps(plc, format=form), format=form)
+    data = sfc.dumps(other, format="simaticml").decode("utf-8-sig")
+    assert re.findall('<Component Name="(?:Tr|Il|Sv)Coil"', data) == []
+    assert data.count('<Part Name="TrCoil"') == 11
+    assert data.count('<Part Name="IlCoil"') >= 2
+    assert data.count('<Part Name="SvCoil"') >= 2
+
+
+def test_an_edited_documentation_wins_over_the_languages_it_had(plc: m.Project, tmp_path: Path) -> None:
+    text = sfc.dumps(plc, format="plcopen-2.01").decode()
+    assert "Grundstellung\nHome position" in text
+    edited = sfc.loads(text.replace("Grundstellung\nHome position", "Start").encode())
+    kept = sfc.loads(text.encode())
+    chart, other = edited.pou("FB_Drilling").sfc, kept.pou("FB_Drilling").sfc
+    assert chart is not None
+    assert other is not None
+    assert chart.step("Home").comment == "Start"
+    assert other.step("Home").comment == m.MultilingualText(texts={"de-DE": "Grundstellung", "en-US": "Home position"})
