@@ -157,13 +157,11 @@ class _ChartReader:
             if kind in _LISTS:
                 _keep_attributes(sequence, child)
             if kind == "Steps":
-                for step in children(child):
-                    if not self._is_added("S", step):
-                        self._step(step, sequence)
+                for step in self._known(sequence, child, "Step"):
+                    self._step(step, sequence)
             elif kind == "Transitions":
-                for transition in children(child):
-                    if not self._is_added("T", transition):
-                        self._transition(transition)
+                for transition in self._known(sequence, child, "Transition"):
+                    self._transition(transition)
             elif kind == "Branches":
                 self._branches(sequence, child)
             elif kind == CONNECTIONS:
@@ -171,6 +169,18 @@ class _ChartReader:
             elif not _text(sequence, child, "Title", "title") and not _text(sequence, child, "Comment", "comment"):
                 carry_element(sequence, child)
         read_comments(self.ctx, element, sequence)
+
+    def _known(self, sequence: Fields, element: etree._Element, name: str) -> list[etree._Element]:
+        """The children `name`, but for those that our writer put in; whatever else stands there is kept."""
+        shell = _shell(element)
+        found: list[etree._Element] = []
+        for child in children(element):
+            if local(child) != name:
+                shell.append(copy.deepcopy(child))
+            elif not self._is_added(name[0], child):
+                found.append(child)
+        _keep_shell(sequence, shell)
+        return found
 
     def _is_added(self, kind: str, element: etree._Element) -> bool:
         number = whole_number(element.get("Number"))

@@ -164,11 +164,14 @@ class _ChartWriter:
                 self._step(holder, steps[number])
         for number in added.steps:
             self._added_step(holder, number)
+        self._fill_shell(holder, sequence.carried, "Steps")
         holder = sub(element, "Transitions")
         for transition in transitions:
             self._transition(holder, transition)
         for number in added.transitions:
             self._added_transition(holder, number, never=number in added.never)
+        self._fill_shell(holder, sequence.carried, "Transitions")
+        kept = [content for content in kept if not _is_shell(content, "Steps", "Transitions")]
         if connections is not None:
             connections.write(ctx, element)
             for content in kept:
