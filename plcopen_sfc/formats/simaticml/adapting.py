@@ -44,9 +44,7 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _without_tabs(project, report)
     _say_instances(project)
     for chart in project.charts():
-        for _, association in chart.network.associations():
-            if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target:
-                association.target = association.target.removeprefix("#").strip('"')  # a step, no variable
+        _step_targets(chart.network)
         _numbers(chart.network, f"POU {chart.name}", report)
 
 
@@ -100,6 +98,16 @@ def _languages(thing: Any, language: str) -> None:
     elif isinstance(thing, list):
         for item in thing:
             _languages(item, language)
+
+
+def _step_targets(chart: SfcNetwork) -> None:
+    """ON and OFF name a step, which a translation of names has taken for a variable."""
+    names = {step.name for step in chart.steps}
+    for _, association in chart.associations():
+        if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target:
+            name = association.target.removeprefix("#").strip('"')
+            if name in names:
+                association.target = name
 
 
 def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
