@@ -9,7 +9,7 @@ from lxml import etree
 from plcopen_sfc.formats.plcopen.chart_writer import ChartWriter
 from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
-from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub, write_code
+from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub, write_code, xhtml_child
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
@@ -28,8 +28,9 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
     also: dict[str, Any] = {}
     native = frozenset({"language"}) | (frozenset() if ctx.version.first_generation else {"worksheet"})
     if isinstance(body, StBody | IlBody):
-        write_code(ctx, sub(ctx, element, body.language), body.text, body.markup)
-        native = native | {"text", "markup"}
+        own = not ctx.is_foreign
+        write_code(ctx, sub(ctx, element, body.language), body.text, body.markup if own else None)
+        native = native | ({"text", "markup"} if own else {"text"})
     elif isinstance(body, SfcBody) and name == "body" and ctx.body_name in ctx.untouched:
         sub(ctx, element, "SFC")
         native = native | {"chart"}
@@ -58,10 +59,11 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         if len(body.networks) == 1 and known and not left_over(body.networks[0], network_native):
             native = native | {"networks"}
     elif isinstance(body, OpaqueBody):
-        sub(ctx, element, "ST")
+        code = sub(ctx, element, "ST")
         if body.source == "plcopen":
             add_markup(element, body.content)
         else:  # of another format: carried, and said to be no ST
+            xhtml_child(ctx, code)
             also = {"language": body.language}
             ctx.note(Fate.CARRIED, "body", "", f"a body of {body.source}; other tools see an empty one")
     if body.language in _WHAT:

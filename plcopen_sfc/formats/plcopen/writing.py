@@ -74,7 +74,9 @@ class WriteContext:
         """The name of the body being written, as `Pou.named_bodies` gives it."""
         self.place: list[str] = []
         self.project = project
-        self.takes_markup = not dialect.version.first_generation and project.header.product != TIA_PORTAL
+        self.is_foreign = project.header.product == TIA_PORTAL
+        """Whether the markup that objects carry is that of another format."""
+        self.takes_markup = not dialect.version.first_generation and not self.is_foreign
         """Whether what objects carry can stand in the file as it is: TC6 1.01 has no place, markup of others none."""
         self.resource_place = ""
         """What `Pou.place` says of POUs in the resource being written."""

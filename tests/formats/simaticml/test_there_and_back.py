@@ -54,3 +54,23 @@ def test_an_edited_documentation_wins_over_the_languages_it_had(plc: m.Project, 
     assert other is not None
     assert chart.step("Home").comment == "Start"
     assert other.step("Home").comment == m.MultilingualText(texts={"de-DE": "Grundstellung", "en-US": "Home position"})
+
+
+STL = """<Document><Engineering version="V20" /><SW.Blocks.FC ID="0"><AttributeList><Name>Old</Name>
+<Number>1</Number><ProgrammingLanguage>STL</ProgrammingLanguage></AttributeList><ObjectList>
+<SW.Blocks.CompileUnit ID="1" CompositionName="CompileUnits"><AttributeList><NetworkSource>
+<StatementList xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/StatementList/v5">
+<StlStatement UId="21"><StlToken Text="NOP_0" /></StlStatement></StatementList></NetworkSource>
+<ProgrammingLanguage>STL</ProgrammingLanguage></AttributeList></SW.Blocks.CompileUnit></ObjectList></SW.Blocks.FC></Document>"""
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_body_that_nobody_else_knows_is_carried(form: str) -> None:
+    project = sfc.loads(STL.encode())
+    data = sfc.dumps(project, format=form)
+    assert [d for d in validate(data) if d.severity == "error"] == []
+    back = sfc.loads(sfc.dumps(sfc.loads(data, format=form), format="simaticml"))
+    (old,), (new,) = project.pous[0].bodies, back.pous[0].bodies
+    assert isinstance(old, m.OpaqueBody)
+    assert isinstance(new, m.OpaqueBody)
+    assert (new.source, new.content) == (old.source, old.content)
