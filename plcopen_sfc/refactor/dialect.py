@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.st import parse_condition, parse_statements
@@ -18,7 +19,7 @@ from plcopen_sfc.languages.translation import (
     TranslationContext,
     translate,
 )
-from plcopen_sfc.model import Interface, Project, Variable
+from plcopen_sfc.model import ActionAssociation, Interface, Project, Qualifier, Variable
 from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType
 from plcopen_sfc.model.variables import VariableSection
 
@@ -48,7 +49,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
     variables.
     """
     source, target = project.dialect, Dialect(target)
-    texts = [piece for piece in pieces(project) if piece.is_program_text]
+    texts = [piece for piece in pieces(project) if piece.is_program_text and not _names_a_step(piece)]
     renames = Renames()
     while True:  # a later text may need a name that an earlier one has used
         known = len(renames)
@@ -65,17 +66,26 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         if piece.reading is Reading.DECLARATIONS and not isinstance(piece.key, int):
             setattr(piece.holder, piece.key, None)
     _rename_declarations(project, renames)
+    found += _rename_steps(project, renames)
     project.dialect = target
     return found
 
 
+def _names_a_step(piece: Piece) -> bool:
+    """Whether a text is the bare name of a step: the target of ON and OFF (S7-GRAPH)."""
+    holder = piece.holder
+    is_target = isinstance(holder, ActionAssociation) and piece.key == "target"
+    return is_target and holder.qualifier in (Qualifier.ON, Qualifier.OFF)
+
+
 def _translated(piece: Piece, source: Dialect, target: Dialect, renames: Renames, project: Project) -> Translated:
+    names = _locals(piece.site)
     context = TranslationContext(
-        locals=_locals(piece.site),
+        locals=names,
         types=_types(piece.site),
         enumerations=[d.name for d in project.data_types if isinstance(d.type, EnumType)],
         renames=renames,
-        steps=_steps(piece.site, source, target),
+        steps=_steps(piece.site, source, target, renames, names),
     )
     if piece.reading is Reading.STATEMENTS:
         statements = parse_statements(piece.text, source)
@@ -117,9 +127,33 @@ def _types(site: Site) -> dict[str, str]:
     return types
 
 
-def _steps(site: Site, source: Dialect, target: Dialect) -> StepReferences | None:
+def _steps(
+    site: Site, source: Dialect, target: Dialect, renames: Renames, declared: list[str]
+) -> StepReferences | None:
     names = {step.name: step.name for chart in site.charts for step in chart.steps}
+    if source is Dialect.SCL and target is not Dialect.SCL:
+        taken = {name.casefold() for name in declared}
+        names = {name: renames.legal_name(NameScope.LOCAL, name, taken, target) for name in names}
     return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target]) if names else None
+
+
+def _rename_steps(project: Project, renames: Renames) -> list[TranslatedText]:
+    """Give steps the names that the texts use now; says which have another."""
+    found: list[TranslatedText] = []
+    for chart in project.charts():
+        for step in chart.network.steps:
+            new = renames.new_name(NameScope.LOCAL, step.name)
+            if new is not None:
+                note = Note(
+                    Severity.INFO, f"the step is called {new}: the name that it has is none there", (0, 0), 1, 1
+                )
+                found.append(TranslatedText(f"{chart.name} / step {step.name}", True, (note,)))
+                step.name = new
+        for _, association in chart.network.associations():
+            if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target is not None:
+                name = association.target
+                association.target = renames.new_name(NameScope.LOCAL, name) or name
+    return found
 
 
 def _rename_declarations(project: Project, renames: Renames) -> None:

@@ -10,13 +10,17 @@ import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.names.pieces import pieces
 from plcopen_sfc.model import (
+    ActionAssociation,
     Dialect,
+    Expression,
     Interface,
     Pou,
     PouKind,
     Project,
+    Qualifier,
     SectionKind,
     SfcBody,
+    SfcNetwork,
     StBody,
     Variable,
     VariableSection,
@@ -111,3 +115,19 @@ def spelling(before: str, after: str) -> str:
     if before == ":= AND(IN1, IN2, IN3);":  # SCL has no functions of this name, and back the operator is as good
         return "case"
     return "Step" if before == after.replace("Step_2", "Step") else f"{before!r} became {after!r}"
+
+
+def test_steps_get_names_that_other_tools_know_and_texts_follow() -> None:
+    chart = SfcNetwork()
+    first, second = chart.add_step("evacuation 2", initial=True), chart.add_step("Done")
+    chart.add_transition(first, second, '#"evacuation 2".T > T#2s')
+    chart.add_transition(second, first, '#"evacuation 2".X')
+    on = ActionAssociation(id=chart.new_id(), qualifier=Qualifier.ON, target="evacuation 2")
+    second.actions.append(on)
+    pou = Pou(name="Chain", kind=PouKind.FUNCTION_BLOCK, bodies=[SfcBody(chart=chart)])
+    project = Project(pous=[pou], dialect=Dialect.SCL)
+    found = translate_project(project, Dialect.IEC)
+    assert first.name == on.target == "evacuation_2"
+    texts = ["evacuation_2.T > T#2s", "evacuation_2.X"]
+    assert [t.condition for t in chart.transitions] == [Expression(text=text) for text in texts]
+    assert [text.path for text in found if text.notes] == ["Chain / step evacuation 2"]

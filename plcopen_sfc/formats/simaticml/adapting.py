@@ -9,7 +9,6 @@ from plcopen_sfc.formats.simaticml.coils import put_coils
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
-from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.body import BodyBase, StBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -44,7 +43,6 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _without_tabs(project, report)
     _say_instances(project)
     for chart in project.charts():
-        _step_targets(chart.network)
         _numbers(chart.network, f"POU {chart.name}", report)
 
 
@@ -98,16 +96,6 @@ def _languages(thing: Any, language: str) -> None:
     elif isinstance(thing, list):
         for item in thing:
             _languages(item, language)
-
-
-def _step_targets(chart: SfcNetwork) -> None:
-    """ON and OFF name a step, which a translation of names has taken for a variable."""
-    names = {step.name for step in chart.steps}
-    for _, association in chart.associations():
-        if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target:
-            name = association.target.removeprefix("#").strip('"')
-            if name in names:
-                association.target = name
 
 
 def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:

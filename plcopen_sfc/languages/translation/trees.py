@@ -11,7 +11,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Node, Operator, Statement
-from plcopen_sfc.languages.st.walking import parts, walk
+from plcopen_sfc.languages.st.walking import parts, transform, walk
 from plcopen_sfc.languages.translation.addresses import translated_address, translated_part
 from plcopen_sfc.languages.translation.calls import CallTranslator
 from plcopen_sfc.languages.translation.context import TranslationContext
@@ -216,7 +216,8 @@ class TreeTranslator:
         if node.kind in _ARITHMETIC and not isinstance(node.value, n.AssignmentExpression):
             if any(isinstance(part, n.Call) for part in walk(node.target)):
                 self._notes.add(Severity.WARNING, f"{node.kind.value} was written out: the target is read twice", node)
-            operation = n.Operation(_ARITHMETIC[node.kind], (new.target, _grouped(new.value)))
+            read = transform(new.target, lambda part: replace(part, span=None))  # its comments stand at the target
+            operation = n.Operation(_ARITHMETIC[node.kind], (read, _grouped(new.value)))
             return n.Assignment(new.target, operation, span=node.span)
         self._lacks(f"assignments with {node.kind.value}", node)
         return new

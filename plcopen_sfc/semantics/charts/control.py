@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from plcopen_sfc.model import Qualifier
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -204,24 +204,35 @@ class _FallingPulse(_Part):
         return PULSE if before else 0
 
 
-class _StoredDelayed(_Part):
+class _StoredTimed(_Part):
+    """SD and SL: a timer that starts with the first association and goes on without it."""
+
     __slots__ = ("_cancels", "_start", "_time")
 
-    def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
+    def __init__(self, associations: Sequence[Association], reserve: Reserve, name: str, *, cancels: bool) -> None:
         super().__init__(associations)
-        self._start = reserve("SD_TMR", INSTANT)
-        self._time = reserve("SD_TMR.PT", ELAPSED)
+        self._start = reserve(f"{name}_TMR", INSTANT)
+        self._time = reserve(f"{name}_TMR.PT", ELAPSED)
         self._cancels = cancels
 
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        v = frame.v
+    def _elapsed(self, v: list[Any], now: int, seen: int, frame: Frame) -> int | None:
+        """The time since the timer was started; None while it is not."""
         if self.input.is_on(seen, frame):
             v[self._time] = self.input.duration(seen, frame)
             if v[self._start] is None:
                 v[self._start] = now
-        if v[self._start] is None:
+        return None if v[self._start] is None else now - v[self._start]
+
+
+class _StoredDelayed(_StoredTimed):
+    __slots__ = ()
+
+    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
+        v = frame.v
+        elapsed = self._elapsed(v, now, seen, frame)
+        if elapsed is None:
             return 0
-        done = now - v[self._start] >= v[self._time]
+        done = elapsed >= v[self._time]
         if reset and (done or self._cancels):
             v[self._start] = None
             return 0
@@ -249,27 +260,18 @@ class _DelayedStored(_Part):
         return (ON | BUSY if stored else 0) | (0 if v[self._start] is None else BUSY)
 
 
-class _StoredLimited(_Part):
-    __slots__ = ("_cancels", "_start", "_time")
-
-    def __init__(self, associations: Sequence[Association], reserve: Reserve, *, cancels: bool) -> None:
-        super().__init__(associations)
-        self._start = reserve("SL_TMR", INSTANT)
-        self._time = reserve("SL_TMR.PT", ELAPSED)
-        self._cancels = cancels
+class _StoredLimited(_StoredTimed):
+    __slots__ = ()
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
         v = frame.v
-        if self.input.is_on(seen, frame):
-            v[self._time] = self.input.duration(seen, frame)
-            if v[self._start] is None:
-                v[self._start] = now
-        if v[self._start] is None:
+        elapsed = self._elapsed(v, now, seen, frame)
+        if elapsed is None:
             return 0
         if reset and self._cancels:
             v[self._start] = None
             return 0
-        return ON | BUSY if now - v[self._start] < v[self._time] else BUSY
+        return ON | BUSY if elapsed < v[self._time] else BUSY
 
 
 class StandardControl:
@@ -295,11 +297,11 @@ class StandardControl:
         if found := of(Qualifier.P):
             parts.append(_Pulse(found, reserve, ON, "P_TRIG"))
         if found := of(Qualifier.SD):
-            parts.append(_StoredDelayed(found, reserve, cancels=cancels))
+            parts.append(_StoredDelayed(found, reserve, "SD", cancels=cancels))
         if found := of(Qualifier.DS):
             parts.append(_DelayedStored(found, reserve))
         if found := of(Qualifier.SL):
-            parts.append(_StoredLimited(found, reserve, cancels=cancels))
+            parts.append(_StoredLimited(found, reserve, "SL", cancels=cancels))
         if found := of(Qualifier.P1):
             parts.append(_Pulse(found, reserve, PULSE, "P1_TRIG"))
         if found := of(Qualifier.P0):

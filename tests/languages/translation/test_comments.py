@@ -104,3 +104,7 @@ def test_the_end_of_a_region_may_be_named_in_a_comment() -> None:
     assert found == (
         "{region 'a (* END_REGION *)'}\n; (* END_REGION *) {endregion} (* END_REGION; *)  (* END_REGION *)"
     )
+
+
+def test_a_target_that_is_read_too_has_its_comments_once() -> None:
+    assert translated("a[b (* x *) + 1] += (* y *) 2;", SCL, IEC).text == "(* y *) a[b (* x *) + 1] := a[b + 1] + 2;"
