@@ -74,3 +74,20 @@ def test_a_body_that_nobody_else_knows_is_carried(form: str) -> None:
     assert isinstance(old, m.OpaqueBody)
     assert isinstance(new, m.OpaqueBody)
     assert (new.source, new.content) == (old.source, old.content)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_networks_that_count_their_elements_anew_stay_apart_on_one_sheet(form: str) -> None:
+    def network(name: str) -> m.LogicNetwork:
+        source = m.InputVariable(id=21, expression=name)
+        wire = m.InputPin(connections=[m.Connection(source=21)])
+        return m.LogicNetwork(nodes=[source, m.OutputVariable(id=22, expression=f"{name}_out", input=wire)])
+
+    body = m.FbdBody(networks=[network("a"), network("b")])
+    pou = m.Pou(name="Block", kind=m.PouKind.FUNCTION_BLOCK, bodies=[body])
+    data = sfc.dumps(m.Project(pous=[pou]), format=form)
+    assert [d for d in validate(data) if d.severity == "error"] == []
+    ids = re.findall(r'localId="(\d+)"', data.decode("utf-8-sig"))
+    assert len(ids) >= 4
+    assert len(set(ids)) == len(ids)
+    assert sfc.loads(data, format=form).pous[0].bodies == [body]
