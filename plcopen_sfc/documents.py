@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import replace
 
 from plcopen_sfc.collector import collector_paused
@@ -64,18 +65,32 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
     copy = prepared(project, kind, options, report)
     data: bytes = kind.codec().write(copy, options, report)
     verify(copy, kind, kind.codec().read(data).project, report)
+    called = _names_in_the_source(project, copy)
     if origin is not None and format_named(origin.format)[0].xml:
-        report.locate(format_named(origin.format)[0].codec().lines(origin.content, project))
-    locate_in_folder(project, report)
+        report.locate(format_named(origin.format)[0].codec().lines(origin.content, project), called=called)
+    locate_in_folder(project, report, called)
     return data, report
 
 
-def locate_in_folder(project: Project, report: ConversionReport) -> None:
-    """Fill in document and line of the items of `report` that are not simply kept, where the source was a folder."""
+def _names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
+    """The paths in the source of what has another name in the `copy` that was written."""
+    called = {f"POU {new.name}": f"POU {old.name}" for old, new in zip(project.pous, copy.pous, strict=True)}
+    for old, new in zip(project.charts(), copy.charts(), strict=True):
+        for step, renamed in zip(old.network.steps, new.network.steps, strict=False):  # a writer may add steps
+            called[f"POU {new.pou.name} / step {renamed.name}"] = f"POU {old.pou.name} / step {step.name}"
+    return {path: old for path, old in called.items() if path != old}
+
+
+def locate_in_folder(project: Project, report: ConversionReport, called: Mapping[str, str]) -> None:
+    """Fill in document and line of the items of `report` that are not simply kept, where the source was a folder.
+
+    `called`: paths in the source of what has another one in the report.
+    """
     origin = project._origin
     if not isinstance(origin, FolderOrigin):
         return
     told = {item.path.partition(" / ")[0] for item in report.items if item.fate is not Fate.KEPT}
+    told |= {called[path] for path in told & called.keys()}
     pous: dict[str, list[Pou]] = {}
     for pou in project.pous:
         if pou._home is not None and f"POU {pou.name}" in told:
@@ -85,7 +100,7 @@ def locate_in_folder(project: Project, report: ConversionReport) -> None:
         if path in origin.documents:
             document = origin.documents[path]
             part = document.frame.model_copy(update={"pous": found})
-            report.locate(codec.lines(document.origin.content, part), document.origin.path)
+            report.locate(codec.lines(document.origin.content, part), document.origin.path, called=called)
 
 
 def normalized(data: bytes, name: str) -> bytes:

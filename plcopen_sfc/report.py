@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
+from types import MappingProxyType
 from typing import Any
 
 
@@ -76,11 +77,15 @@ class ConversionReport:
         """Add items."""
         self.items.extend(items)
 
-    def locate(self, lines: Mapping[str, int], file: str | None = None) -> None:
+    def locate(
+        self, lines: Mapping[str, int], file: str | None = None, *, called: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
         """Fill in the source line of items: that of their path, or of what is around it.
 
-        With a `file`, the document of a folder, only of those items that are in it.
+        With a `file`, the document of a folder, only of those items that are in it. `called`: paths in the source of
+        what has got another name.
         """
+        lines = {**lines, **{path: lines[old] for path, old in called.items() if old in lines}}
         found = ((item, _line(item.path, lines)) for item in self.items)
         self.items = [
             item if line is None and file is not None else replace(item, line=line, file=file) for item, line in found

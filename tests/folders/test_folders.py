@@ -240,6 +240,7 @@ def test_a_report_names_document_and_line(tmp_path: Path) -> None:
         assert item.file == str(path)
         assert item.line is not None
         step = item.path.partition("step ")[2].partition(" / ")[0]
+        step = {"Clamp_part": "Clamp part"}.get(step, step)  # what only SCL can write has another name in TC6
         assert f'Name="{step}"' in path.read_text("utf-8-sig").splitlines()[item.line - 1]
 
 
