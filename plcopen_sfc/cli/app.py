@@ -232,7 +232,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         str | None, typer.Option("--pou", metavar="NAME", help="Which of its charts: Main, or Main.Fill for an action.")
     ] = None,
     construction: Annotated[
-        str, typer.Option("--as", metavar="FORM", help="flipflop (or fup), case, bits, or auto.")
+        str, typer.Option("--as", metavar="FORM", help="flipflop (or fup), case, regions, bits, or auto.")
     ] = "auto",
     style: Annotated[
         str, typer.Option("--style", metavar="STYLE", help="exact, or classic as in textbooks.")
@@ -246,6 +246,26 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     init: Annotated[
         str | None, typer.Option("--init", metavar="NAME", help="Add an input that starts the chain anew.")
     ] = None,
+    stop: Annotated[
+        str | None,
+        typer.Option("--stop", metavar="CONDITION", help="Emergency stop: sets the initial step, resets all others."),
+    ] = None,
+    reset_actions: Annotated[
+        bool, typer.Option("--reset-actions", help="--init and --stop end stored actions too.")
+    ] = False,
+    states: Annotated[
+        str, typer.Option("--states", metavar="KIND", help="Of a CASE: numbers, constants or enumeration.")
+    ] = "numbers",
+    actions: Annotated[
+        str, typer.Option("--actions", metavar="PLACE", help="inline, or block: in a block of their own.")
+    ] = "inline",
+    flags: Annotated[
+        str, typer.Option("--flags", metavar="PLACE", help="Of steps: local, an address (M20.0), or a data block.")
+    ] = "local",
+    modes: Annotated[
+        list[str] | None,
+        typer.Option("--mode", metavar="MODE", help="Add inputs: enable, single-step, advance, select. Repeatable."),
+    ] = None,
     lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
     verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
     as_json: AsJson = False,
@@ -256,7 +276,23 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
         from plcopen_sfc.cli.commands import lower  # noqa: PLC0415
 
-        how = lower.How(to, pou, construction, style, language, profile, init, lang, verify)
+        how = lower.How(
+            to,
+            pou,
+            construction,
+            style,
+            language,
+            profile,
+            init,
+            stop,
+            reset_actions,
+            states,
+            actions,
+            flags,
+            tuple(modes or ()),
+            lang,
+            verify,
+        )
         screen.exit_code = lower.run(screen, file, target, how)
 
 

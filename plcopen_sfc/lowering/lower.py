@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
-from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -18,7 +18,7 @@ from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
-Choice = TypeVar("Choice", Construction, Style, Language)
+Choice = TypeVar("Choice", Construction, Style, Language, States, ActionPlace, OperatingMode)
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,13 @@ def lower(
     language: Language | str | None = None,
     profile: Profile | str | None = None,
     init: str | None = None,
+    stop: str | None = None,
+    reset_actions: bool = False,
+    states: States | str = States.NUMBERS,
+    actions: ActionPlace | str = ActionPlace.INLINE,
+    flags: str = "local",
+    modes: Iterable[OperatingMode | str] = (),
+    target: str | None = None,
     lang: str = "en",
     verify: bool = True,
 ) -> LoweredPou:
@@ -54,9 +61,8 @@ def lower(
 
     `subject` and `pou` as in `simulate`. `style`: ``exact`` does what the chart does, ``classic`` is the textbook form.
     `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others. `profile`: what the chart
-    does; that of its tool if not given. `init`: the name of an input to add that starts the chain anew. `lang`: of
-    titles and comments, ``en`` or ``de``. `verify`: compare the code with the chart under the profile, `init` being
-    FALSE.
+    does; that of its tool if not given. `lang`: of titles and comments, ``en`` or ``de``. `verify`: compare the code
+    with the chart under the profile, all inputs that were added being at rest. All others are those of `LoweringRules`.
 
     Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot say, and where exact code is
     found to be different; `ModelError` for an unknown name.
@@ -72,7 +78,18 @@ def lower(
     if texts is None:
         raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
     semantics = default_profile(found.project) if profile is None else profile_named(profile)
-    rules = LoweringRules(semantics, texts, init)
+    rules = LoweringRules(
+        semantics,
+        texts,
+        init,
+        stop,
+        reset_actions,
+        _chosen(States, str(states)),
+        _chosen(ActionPlace, str(actions)),
+        flags,
+        frozenset(_chosen(OperatingMode, str(mode)) for mode in modes),
+        target,
+    )
     made = construct(
         found.pou,
         chart,

@@ -24,14 +24,20 @@ class How:
     """What to lower and how: the options of the command."""
 
     to: str
-    pou: str | None = None
-    construction: str = "auto"
-    style: str = "exact"
-    language: str | None = None
-    profile: str | None = None
-    init: str | None = None
-    lang: str = "en"
-    verify: bool = True
+    pou: str | None
+    construction: str
+    style: str
+    language: str | None
+    profile: str | None
+    init: str | None
+    stop: str | None
+    reset_actions: bool
+    states: str
+    actions: str
+    flags: str
+    modes: tuple[str, ...]
+    lang: str
+    verify: bool
 
 
 def run(screen: Screen, source: str, target: str | None, how: How) -> int:
@@ -48,6 +54,13 @@ def run(screen: Screen, source: str, target: str | None, how: How) -> int:
         language=how.language,
         profile=how.profile,
         init=how.init,
+        stop=how.stop,
+        reset_actions=how.reset_actions,
+        states=how.states,
+        actions=how.actions,
+        flags=how.flags,
+        modes=how.modes,
+        target=how.to,
         lang=how.lang,
         verify=False,
     )
