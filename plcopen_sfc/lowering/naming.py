@@ -16,15 +16,16 @@ class Naming:
     def __init__(self, dialect: Dialect, taken: Iterable[str]) -> None:
         self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
         self._taken = {name.casefold() for name in taken}
+        self._numbers: dict[str, int] = {}
 
     def fresh(self, wanted: str) -> str:
         """`wanted` as an identifier, with a number behind it if that is taken."""
-        name = _identifier(wanted)
-        number = 2
-        candidate = name
+        name = candidate = _identifier(wanted)
+        number = self._numbers.get(name.casefold(), 2)
         while candidate.casefold() in self._taken:
             candidate = f"{name}_{number}"
             number += 1
+        self._numbers[name.casefold()] = number
         self._taken.add(candidate.casefold())
         return candidate
 

@@ -100,7 +100,7 @@ class ChartSource:
         """Every name that occurs in the POU or in its chart."""
         found = {variable.name for variable in self.pou.interface.variables()} if self.pou.interface else set()
         found |= {self.pou.name, *(action.name for action in self.pou.actions)}
-        found |= {step.step.name for step in self.net.steps} | {t.transition.name for t in self.net.transitions}
+        found |= {step.step.name for step in self.net.steps} | {each.name for each in self.pou.transitions}
         found |= {helper.name for helper in self.helpers}
         return found | {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
 

@@ -25,7 +25,8 @@ class StepFlags(Chain):
             self.flags.append(self.code.declare(self.texts.flag_name(step.step), initial=initial, comment=comment))
         for transition in source.net.transitions:
             comment = self.texts.transition_of(transition.path)
-            self.fired.append(self.code.declare(f"T{transition.index + 1}", comment=comment))
+            name = self.texts.transition_name(source.net, transition)
+            self.fired.append(self.code.declare(name, comment=comment))
 
     def active(self, step: int) -> Expression:
         """The flag of a step."""

@@ -5,12 +5,24 @@ from __future__ import annotations
 import re
 
 from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.semantics.net import Net, NetTransition
 
 
 def _digits(name: str) -> str:
     """The number that a step's name says and nothing else: of ``S3``, ``Step_3``, ``Schritt 3``, ``3``; else empty."""
     found = re.fullmatch(r"(?i:(?:S|X|Step|Schritt)[ _]?)?(\d+)", name)
     return found.group(1) if found is not None else ""
+
+
+def _transition_digits(name: str) -> str:
+    """The same of a transition: ``T3``, ``Trans3``, ``Transition 3``, ``3``."""
+    found = re.fullmatch(r"(?i:(?:T|Trans|Transition)[ _]?)?(\d+)", name)
+    return found.group(1) if found is not None else ""
+
+
+def _short(step: Step) -> str:
+    """What names of a step's variables end with: ``1`` of step 1 or S1, else ``_Fill``."""
+    return str(step.number) if step.number is not None else _digits(step.name) or f"_{step.name}"
 
 
 def _numbered(step: Step, path: str) -> str:
@@ -52,9 +64,22 @@ class Texts:
 
     def flag_name(self, step: Step) -> str:
         """The flag of a step: ``X1`` of step 1 or S1, else with its name (``X_Fill``)."""
-        if step.number is not None:
-            return f"X{step.number}"
-        return f"X{_digits(step.name) or '_' + step.name}"
+        return f"X{_short(step)}"
+
+    def transition_name(self, net: Net, transition: NetTransition) -> str:
+        """The bit of a transition: ``T3`` of transition 3 or Trans3, else with its name (``T_Full``).
+
+        Without a name: with the steps that it joins, the first ones of each side (``T1_2``, ``T_Fill_Drain``). So it is
+        the same when other transitions come or go.
+        """
+        model = transition.transition
+        if model.number is not None:
+            return f"T{model.number}"
+        if model.name:
+            return f"T{_transition_digits(model.name) or '_' + model.name}"
+        sides = transition.sources, transition.targets
+        before, after = (_short(net.steps[side[0]].step) if side else "" for side in sides)
+        return f"T{before}_{after.removeprefix('_') or 'end'}"
 
     def time_name(self, step: Step) -> str:
         """The timer of a step."""

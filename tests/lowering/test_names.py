@@ -1,0 +1,92 @@
+"""Names that lowered code declares tell what they stand for, and stay when the chart is edited elsewhere."""
+
+from __future__ import annotations
+
+import difflib
+import re
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering.naming import Naming
+from tests.analysis.nets import chart_of
+from tests.lowering.charts import act, pou_with
+
+
+def code_of(chart: m.SfcNetwork, construction: str = "bits") -> str:
+    body = lower(pou_with(chart), construction, language="ST", verify=False).pou.body
+    assert isinstance(body, m.StBody)
+    return body.text
+
+
+def declared(chart: m.SfcNetwork) -> list[str]:
+    interface = lower(pou_with(chart), "bits", verify=False).pou.interface
+    assert interface is not None
+    return [variable.name for variable in interface.variables()]
+
+
+def changed_lines(before: str, after: str) -> list[str]:
+    """What a review of the edit shows: the lines added and removed."""
+    lines = difflib.ndiff(before.splitlines(), after.splitlines())
+    return [line for line in lines if line.startswith(("+ ", "- "))]
+
+
+def test_transitions_are_named_after_the_steps_that_they_join() -> None:
+    names = declared(chart_of("1>2+3 2>Fill 3>S4 Fill+S4>1 1>Fill 1>2 >2 1>"))
+    assert [name for name in names if name.startswith("T")] == [
+        "T1_2",
+        "T2_Fill",
+        "T3_4",
+        "T_Fill_1",
+        "T1_Fill",
+        "T1_2_2",
+        "T_2",
+        "T1_end",
+    ]
+
+
+def test_transitions_with_a_name_or_a_number_keep_it() -> None:
+    chart = chart_of("1>2 2>3 3>1")
+    chart.transitions[0].name = "Trans7"
+    chart.transitions[1].name = "Full"
+    chart.transitions[2].number = 12
+    assert [name for name in declared(chart) if name.startswith("T")] == ["T7", "T_Full", "T12"]
+
+
+@pytest.mark.parametrize("construction", ["bits", "flipflop"])
+def test_a_step_that_is_added_leaves_the_names_of_all_others(construction: str) -> None:
+    chart = chart_of(" ".join(f"{i}>{i % 12 + 1}" for i in range(1, 13)))
+    for step in chart.steps:
+        act(chart, step, f"q{step.name}")
+    before = code_of(chart, construction)
+    after = chart.steps[4]
+    new = chart.add_step("Wait")
+    transition = chart.transitions[4]
+    transition.sources = [new.id]
+    chart.add_transition(after, new, "ready")
+    chart.transitions.insert(4, chart.transitions.pop())
+    changed = changed_lines(before, code_of(chart, construction))
+    assert len(changed) <= 16
+    assert all(re.search("Wait|[56]", line) for line in changed if line[2:] not in {"", "END_IF;"}), changed
+
+
+@pytest.mark.parametrize("construction", ["bits", "flipflop"])
+def test_a_step_that_is_renamed_changes_the_lines_that_name_it(construction: str) -> None:
+    chart = chart_of(" ".join(f"{i}>{i % 12 + 1}" for i in range(1, 13)))
+    before = code_of(chart, construction)
+    chart.steps[4].name = "Wait"
+    changed = changed_lines(before, code_of(chart, construction))
+    assert changed
+    assert all(re.search("Wait|5", line) for line in changed), changed
+
+
+def test_wanted_names_that_are_taken_get_numbers_whatever_their_case() -> None:
+    naming = Naming(Dialect.IEC, ["Motor", "motor_3"])
+    assert [naming.fresh(name) for name in ("MOTOR", "Motor", "motor", "Motor_2")] == [
+        "MOTOR_2",
+        "Motor_4",
+        "motor_5",
+        "Motor_2_2",
+    ]
