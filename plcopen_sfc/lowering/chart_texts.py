@@ -1,0 +1,90 @@
+"""Reading the texts and drawings of a chart for lowering: what is not understood completely is refused."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import Helper, NetworkText, body_statements, chart_statements, condition_expression
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+
+
+class ConditionText(NamedTuple):
+    """A condition, and what must be executed before it is evaluated."""
+
+    value: n.Expression
+    preparation: tuple[n.Statement, ...]
+
+
+class TextReader:
+    """Reads the texts of a chart of `pou`. `helpers` are the variables that drawings need."""
+
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect) -> None:
+        self.pou = pou
+        self.chart = chart
+        self.dialect = dialect
+        self.helpers: list[Helper] = []
+
+    def refuse(self, message: str, path: str) -> NoReturn:
+        """Raise a `LoweringError` at `path` of the chart."""
+        place = f"{self.pou.name} / {path}" if path else self.pou.name
+        raise LoweringError(message, location=Location(path=place))
+
+    def _taken(self) -> list[str]:
+        return [helper.name for helper in self.helpers]
+
+    def _accept(self, found: NetworkText, path: str) -> None:
+        """Take over the variables that a drawing needs. Refuses what could not be read completely."""
+        if not found.complete:
+            why = next(problem.message for problem in found.problems)
+            self.refuse(f"it cannot be read: {why}", path)
+        self.helpers += found.helpers
+
+    def logic(self) -> tuple[n.Statement, ...]:
+        """What is drawn in the chart and executed in every scan."""
+        if not self.chart.logic:
+            return ()
+        drawn = chart_statements(self.chart, self.dialect, taken=self._taken())
+        self._accept(drawn, "logic of the chart")
+        return drawn.tree.statements
+
+    def condition(self, chart: SfcNetwork, transition: Transition, path: str) -> ConditionText:
+        """The condition of a transition, however it is given."""
+        found = condition_expression(
+            chart, transition, self.dialect, transitions=self.pou.transitions, taken=self._taken()
+        )
+        self._accept(found, path)
+        if found.tree is None:
+            self.refuse("the condition has no value", path)
+        return ConditionText(n.bare(found.tree), found.before)
+
+    def expression(self, text: str, path: str) -> n.Expression:
+        """An expression."""
+        parsed = parse_expression(text, self.dialect)
+        if parsed.problems:
+            self.refuse(f"{text!r}: {parsed.problems[0].message}", path)
+        return n.bare(parsed.tree)
+
+    def read(self, text: str, path: str) -> tuple[n.Statement, ...]:
+        """Statements in structured text."""
+        parsed = parse_statements(text, self.dialect)
+        if parsed.problems:
+            self.refuse(f"{parsed.problems[0].message}", path)
+        return parsed.tree.statements
+
+    def statements(self, body: Body | None, path: str) -> tuple[n.Statement, ...]:
+        """What a body does."""
+        if body is None:
+            return ()
+        if isinstance(body, StBody):
+            return self.read(body.text, path)
+        if not isinstance(body, FbdBody | LdBody):
+            self.refuse(f"actions in {body.language} are not lowered", path)
+        found = body_statements(body, self.dialect, taken=self._taken())
+        self._accept(found, path)
+        return found.tree.statements
