@@ -38,6 +38,11 @@ def negation(operand: Expression) -> Expression:
     return n.Unary(Operator.NOT, inner)
 
 
+def equal(left: Expression, right: Expression) -> Expression:
+    """``left = right``"""
+    return n.Operation(Operator.EQUAL, (left, right))
+
+
 def is_constant(expression: Expression, constant: n.Literal) -> bool:
     """Whether it is the literal TRUE or FALSE, however it is written."""
     inner = n.bare(expression)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.semantics.net import Net, NetTransition
@@ -36,6 +37,9 @@ class Texts:
     """English texts."""
 
     init = "Start the chain anew"
+    stop = "holds the chain at its initial step"
+    restart = "Restart"
+    restart_comment = "the chain starts anew"
     transitions = "Transitions"
     logic = "Logic drawn in the chart"
     times = "Step times"
@@ -46,6 +50,9 @@ class Texts:
     chain = "Step sequence"
     state = "step_number"
     state_comment = "number of the active step"
+    next_state = "next_step_number"
+    next_state_comment = "number of the step that will be active"
+    moves = "Steps that become active"
     actions = "Actions"
     transition = "Transition"
     set_action = "set action"
@@ -93,6 +100,18 @@ class Texts:
         """The comment of a transition's bit."""
         return f"transition {path} fires"
 
+    def again_of(self, path: str) -> str:
+        """The comment of the flag of a step that a transition leaves and enters at once."""
+        return f"step {path} starts anew"
+
+    def part(self, path: str) -> str:
+        """The title of the CASE of a part of the chart, which begins with a step."""
+        return f"Step sequence from {path}"
+
+    def waiting(self, paths: Iterable[str]) -> str:
+        """The comment of the state that waits for the end of the branches that begin with these steps."""
+        return f"simultaneous branches from {', '.join(paths)}"
+
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """The title of a step's network."""
         return f"Step {_numbered(step, path)}" + (" – initial step" if initial else "")
@@ -106,6 +125,9 @@ class GermanTexts(Texts):
     """German texts."""
 
     init = "Kette initialisieren"
+    stop = "hält die Kette im Initialschritt"
+    restart = "Grundstellung"
+    restart_comment = "die Kette beginnt neu"
     transitions = "Transitionen"
     logic = "Logik im Ablauf"
     times = "Schrittzeiten"
@@ -116,6 +138,9 @@ class GermanTexts(Texts):
     chain = "Schrittfolge"
     state = "schrittnummer"
     state_comment = "Nummer des aktiven Schritts"
+    next_state = "neue_schrittnummer"
+    next_state_comment = "Nummer des Schritts, der aktiv wird"
+    moves = "Schritte, die aktiv werden"
     actions = "Aktionen"
     transition = "Transition"
     set_action = "Aktion setzen"
@@ -139,6 +164,18 @@ class GermanTexts(Texts):
     def transition_of(self, path: str) -> str:
         """The comment of a transition's bit."""
         return f"Transition {path} schaltet"
+
+    def again_of(self, path: str) -> str:
+        """The comment of the flag of a step that a transition leaves and enters at once."""
+        return f"Schritt {path} beginnt neu"
+
+    def part(self, path: str) -> str:
+        """The title of the CASE of a part of the chart, which begins with a step."""
+        return f"Schrittfolge ab {path}"
+
+    def waiting(self, paths: Iterable[str]) -> str:
+        """The comment of the state that waits for the end of the branches that begin with these steps."""
+        return f"parallele Zweige ab {', '.join(paths)}"
 
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """The title of a step's network."""

@@ -34,6 +34,10 @@ class StepTimes:
             return n.Member(timer, n.Name("Q"))
         return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
 
+    def measures(self, step: int) -> bool:
+        """Whether anything asks for the time of a step."""
+        return step in self._timers
+
     def _timer(self, step: int) -> n.Name:
         timer = self._timers.get(step)
         if timer is None:

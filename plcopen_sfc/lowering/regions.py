@@ -1,0 +1,282 @@
+"""One CASE for each part of a chart in which one step is active at a time.
+
+All of them look at the situation as it was and write that which is to be: no CASE sees what another one has just done,
+whatever their order. A fork gives the state variable of its part a state of its own, in which the join is waited for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.chain import Chain
+from plcopen_sfc.lowering.code import TextNetwork
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, equal, negation, when
+from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.states import StateNames
+from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
+from plcopen_sfc.semantics.profile import ScanOrder
+
+INDENT = "    "
+
+
+def no_regions(source: ChartSource) -> str:
+    """Why a chart is not built of regions that one CASE each can hold; empty if it is."""
+    found = find_regions(source.net)
+    if isinstance(found, Unstructured):
+        return found.message
+    for step in source.net.steps:
+        if found.region_of[step.index] is None:
+            return f"step {step.path} can never become active"
+    return ""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A region and its state variable. `first`: the step with which it starts, `blocks`: what is forked from it."""
+
+    region: Region
+    first: int
+    blocks: tuple[ParallelBlock, ...]
+    state: n.Name
+
+
+class _Try(NamedTuple):
+    """A transition as the CASE tries it: what must be executed before, its condition, and what it does."""
+
+    before: tuple[Statement, ...]
+    condition: Expression
+    effect: list[str]
+
+
+class RegionChain(Chain):
+    """Lowers one chart into `code`. Raises `LoweringError` where it is not built of regions."""
+
+    def declare_states(self, source: ChartSource) -> None:
+        """A state variable for each region, that of the initial step at the start, else that of no step."""
+        self._refuse_rivals(source)
+        self._regions = self.structure(source)
+        self._region_of = [r or 0 for r in self._regions.region_of]
+        self.names = StateNames(source.net, self._regions, self.code)
+        self.machines = tuple(self._machine(region) for region in self._regions.regions)
+        self._next = {machine.region.index: machine.state for machine in self.machines}
+        self._apart = False
+        self._bits: dict[int, n.Name] = {}
+        for index in self._needing_bits(source):
+            transition = self.net.transitions[index]
+            comment = self.texts.transition_of(transition.path)
+            self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
+        self._again: dict[int, n.Name] = {}
+
+    def active(self, step: int) -> Expression:
+        """A comparison of the state of its region."""
+        return equal(self.machines[self._region_of[step]].state, self.names.step(step))
+
+    def exact(self) -> None:
+        """One scan, as the chart has it."""
+        self._apart = self.profile.order is ScanOrder.ACTIONS_FIRST or len(self.machines) > 1
+        if self._apart:
+            for machine in self.machines:
+                self._next[machine.region.index] = self._declared(
+                    machine.region, self.texts.next_state, self.texts.next_state_comment
+                )
+        super().exact()
+
+    def choose(self) -> None:
+        """Append the CASE of each region with the transitions of each step."""
+        self.code.add(self.texts.transitions, list(self._computed_bits()))
+        self._declare_again()
+        self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
+        parts = [(self._title(machine), self._case(machine)) for machine in self.machines]
+        if self.init is None:
+            self.code.networks += [TextNetwork(title, "\n".join(lines)) for title, lines in parts]
+            return
+        if self._apart:  # then the states are set where they change
+            lines = [f"IF {self.text(negation(self.init))} THEN"]
+        else:
+            restart = [INDENT + self.text(statement) for statement in self._restarted()]
+            lines = [f"IF {self.text(self.init)} THEN", *restart, "ELSE"]
+        for title, part in parts:
+            lines += [f"{INDENT}// {title}"] if len(parts) > 1 else []
+            lines += [INDENT + line for line in part]
+        self.code.networks.append(TextNetwork(self.texts.chain, "\n".join([*lines, "END_IF;"])))
+
+    def move(self) -> None:
+        """Append what makes the states those that they are to be, if they are told apart."""
+        if not self._apart:
+            return
+        restart = [when(self.init, *self._restarted())] if self.init is not None else []
+        moves = [assignment(machine.state, self._next[machine.region.index]) for machine in self.machines]
+        self.code.add(self.texts.moves, [*restart, *moves])
+
+    def reentered(self) -> Mapping[int, Expression]:
+        """Steps that a transition leaves and enters at once: a flag that it sets, where their time is measured."""
+        return self._again
+
+    def text(self, node: n.Node) -> str:
+        """A node in the dialect of the code."""
+        return print_node(node, self.source.dialect)
+
+    # -- structure
+
+    def structure(self, source: ChartSource) -> Regions:
+        """The regions of the chart. Raises `LoweringError` where it is not built of them."""
+        found = find_regions(source.net)
+        objection = no_regions(source)
+        if objection or isinstance(found, Unstructured):
+            raise LoweringError(
+                f"the chart is not built of parts that one CASE each could hold: {objection}",
+                location=Location(path=source.pou.name),
+                hint="Step bits can hold every chart.",
+            )
+        return found
+
+    def _refuse_rivals(self, source: ChartSource) -> None:
+        if self.profile.rivals is Rivals.PRIORITY:
+            return
+        for step in source.net.steps:
+            if len(source.net.leaving[step.index]) > 1:
+                raise LoweringError(
+                    f"a CASE cannot hold rivals that fire together under the profile {self.profile.name}",
+                    location=Location(path=f"step {step.path}"),
+                    hint="Step bits can.",
+                )
+
+    def _machine(self, region: Region) -> Machine:
+        blocks = tuple(self._regions.blocks[i] for i in region.blocks)
+        state = self._declared(region, self.texts.state, self.texts.state_comment)
+        return Machine(region, first_step(self._regions, region), blocks, state)
+
+    def _declared(self, region: Region, wanted: str, comment: str) -> n.Name:
+        """A variable for a state of a region. That of the first region of the chart has no step in its name."""
+        first = self.net.steps[first_step(self._regions, region)].path
+        return self.names.declare(wanted if region.index == 0 else f"{wanted}_{first}", region.initial, comment)
+
+    def _restarted(self) -> list[Statement]:
+        """The assignments that start the chart anew."""
+        found: list[Statement] = []
+        for machine in self.machines:
+            initial = machine.region.initial
+            state = self.names.none if initial is None else self.names.step(initial)
+            found.append(assignment(self._next[machine.region.index], state))
+        return found
+
+    # -- transitions whose rivals are tried in another CASE
+
+    def _needing_bits(self, source: ChartSource) -> list[int]:
+        """Joins that have rivals, with these; joins before whose condition something must be executed."""
+        found: set[int] = set()
+        for block in self._regions.blocks:
+            rivals = self._regions.exit_rivals(block)
+            if rivals:
+                found.update(block.joins, rivals)
+            found.update(join for join in block.joins if source.preparations[join])
+        return sorted(found)
+
+    def _computed_bits(self) -> Iterator[Statement]:
+        for index, bit in self._bits.items():
+            transition = self.net.transitions[index]
+            free = [negation(self._bits[rival]) for rival in transition.rivals if rival in self._bits]
+            free += [negation(self.init)] if self.init is not None else []
+            enabled = self._enabled(transition)
+            yield from self.prepared(index, conjunction([enabled, *free]))
+            yield assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))
+
+    def _enabled(self, transition: NetTransition) -> Expression:
+        return conjunction(self.active(i) for i in transition.sources)
+
+    # -- steps that are left and entered at once
+
+    def _declare_again(self) -> None:
+        for transition in self.net.transitions:
+            for step in set(transition.sources) & set(transition.targets):
+                if self.times.measures(step) and step not in self._again:
+                    path = self.net.steps[step].path
+                    wanted = f"{self.texts.flag_name(self.net.steps[step].step)}_again"
+                    self._again[step] = self.code.declare(wanted, comment=self.texts.again_of(path))
+
+    # -- the CASE of one region
+
+    def _title(self, machine: Machine) -> str:
+        if len(self.machines) == 1:
+            return self.texts.chain
+        return self.texts.part(self.net.steps[machine.first].path)
+
+    def _case(self, machine: Machine) -> list[str]:
+        lines = [f"CASE {self.text(machine.state)} OF"]
+        for i in machine.region.steps:
+            step = self.net.steps[i]
+            leaving = [self.net.transitions[t] for t in self.net.leaving[i]]
+            choice = [self._try(machine, t) for t in leaving if len(t.sources) == 1]
+            lines += self._branch(self.names.step(i), self.heading(step), choice)
+        for block in machine.blocks:
+            firsts = [self.net.steps[i].path for i in first_steps(self._regions, block)]
+            choice = [self._try(machine, self.net.transitions[t]) for t in block.joins]
+            lines += self._branch(self.names.waiting(block), self.texts.waiting(firsts), choice)
+        return [*lines, "END_CASE;"]
+
+    def _branch(self, label: Expression, heading: str, choice: Sequence[_Try]) -> list[str]:
+        tried = self._tried(choice) or [";"]
+        return [f"{INDENT}{self.text(label)}: // {heading}", *(INDENT * 2 + line for line in tried)]
+
+    def heading(self, step: NetStep) -> str:
+        """The comment of a step's branch."""
+        return self.texts.step(step.step, step.path, initial=bool(self.net.initial & step.bit))
+
+    def _try(self, machine: Machine, transition: NetTransition) -> _Try:
+        effect = self._effect(machine, transition)
+        if transition.index in self._bits:
+            return _Try((), self._bits[transition.index], effect)
+        # a step with one source is active where it is tried, a join is tried while its branches are
+        enabled = TRUE if len(transition.sources) == 1 else self._enabled(transition)
+        condition = conjunction([enabled, self.source.conditions[transition.index]])
+        return _Try(self.source.preparations[transition.index], condition, effect)
+
+    def _effect(self, machine: Machine, transition: NetTransition) -> list[str]:
+        joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
+        lines = [self.entered(i) for i in transition.targets]
+        if len(transition.targets) > 1:
+            block = next(b for b in machine.blocks if transition.index in b.forks)
+            lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
+        lines += [self._becoming(region, self.names.none) for region in sorted(joined)]
+        loops = set(transition.sources) & set(transition.targets) & set(self._again)
+        return lines + [f"{self.text(self._again[i])} := TRUE;" for i in loops]
+
+    def entered(self, step: int) -> str:
+        """The assignment that activates a step."""
+        return self._becoming(self._region_of[step], self.names.step(step))
+
+    def _becoming(self, region: int, state: Expression) -> str:
+        return self.text(assignment(self._next[region], state))
+
+    def _tried(self, choice: Sequence[_Try]) -> list[str]:
+        """IF and ELSIF in the order in which they are tried; ELSE where something must be executed between them."""
+        lines: list[str] = []
+        for number, each in enumerate(choice):
+            if lines and each.before:
+                return [*lines, "ELSE", *(INDENT + line for line in self._tried(choice[number:])), "END_IF;"]
+            if each.before:
+                lines += self.text(n.Statements(each.before)).splitlines()
+            opened = number > 0
+            lines.append(f"{'ELSIF' if opened else 'IF'} {self.text(each.condition)} THEN")
+            lines += [INDENT + line for line in each.effect]
+        return [*lines, "END_IF;"] if lines else []
+
+
+def first_step(regions: Regions, region: Region) -> int:
+    """The step with which a region starts: the initial one, or that which the first fork enters."""
+    if region.initial is not None or region.block is None:
+        return region.initial if region.initial is not None else region.steps[0]
+    fork = regions.net.transitions[regions.blocks[region.block].forks[0]]
+    return next(i for i in fork.targets if regions.region_of[i] == region.index)
+
+
+def first_steps(regions: Regions, block: ParallelBlock) -> Iterable[int]:
+    """The steps with which the branches of a block start."""
+    return (first_step(regions, regions.regions[branch]) for branch in block.branches)
