@@ -187,6 +187,7 @@ def equivalent(
     step_flags: Mapping[str, str] | None = None,
     inputs: Mapping[str, str] | None = None,
     fixed: Mapping[str, Value] | None = None,
+    left_out: str | None = None,
     cap: int = 100_000,
     runs: int = 100,
     scans: int = 200,
@@ -200,7 +201,8 @@ def equivalent(
     single values that both have under the same name and that are no inputs. `step_flags`: by the path of a step of `a`
     the variable of `b` that tells that it is active (``X2``), or what it must equal (``s = 2``); without it flags with
     usual names are recognised, and steps of the same path in two charts. `inputs`: by their names in `b` those of
-    inputs in `a` where they differ. `fixed`: inputs that keep a value, by their names in either. `cap`: the most states
+    inputs in `a` where they differ. `fixed`: inputs that keep a value, by their names in either. `left_out`: a
+    variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. `cap`: the most states
     of the search; `runs` of `scans` scans are tried where that ends without an answer. `scan_time`: without it one for
     which all durations of the programs end exactly in a scan.
 
@@ -211,6 +213,8 @@ def equivalent(
     chosen = default_profile(subjects[0].project) if profile is None else profile_named(profile)
     clock = clocking(subjects, nanoseconds(scan_time) if scan_time is not None else None)
     left, right = (ProgramSystem(subject, chosen, clock, functions=functions) for subject in subjects)
+    if left_out is not None:
+        right.leave_out(left_out)
     comparison = _Comparison(left, right, outputs, step_flags)
     signals = _connect(left, right, inputs or {}, fixed or {})
     domains = {name: Domain(name, signal) for name, signal in signals.items()}

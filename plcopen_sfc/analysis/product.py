@@ -17,7 +17,7 @@ from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen
 from plcopen_sfc.errors import SfcError, UnknownBehaviourError, UnknownFunctionError, UnstableChartError
 from plcopen_sfc.semantics.signals import Value
 
-__all__ = ["Branching", "Explored", "System", "compare", "end_of", "explore", "failure_of"]
+__all__ = ["Branching", "Explored", "LeftOutError", "System", "compare", "end_of", "explore", "failure_of"]
 
 _RUNS_FOR_A_STATE = 4
 InputReader = Callable[[str], Any]
@@ -40,6 +40,10 @@ class System(Protocol):
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a state."""
+
+
+class LeftOutError(SfcError):
+    """A scan is none of those that are to be compared."""
 
 
 class _Regrown(Exception):  # noqa: N818  # no error: the search starts again
@@ -185,14 +189,16 @@ def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tup
 def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
     """Where two systems cannot be compared any further: why, and the error.
 
-    Both fail; or a chart never becomes stable, which is a mistake of its author: nobody can say what follows. Raises an
-    error that says that a system cannot be executed at all.
+    Both fail; or a chart never becomes stable, which is a mistake of its author: nobody can say what follows; or the
+    user does not want to know what follows. Raises an error that says that a system cannot be executed at all.
     """
     for failure in failures:
         if isinstance(failure, UnknownBehaviourError | UnknownFunctionError):
             raise failure
         if isinstance(failure, UnstableChartError):
             return "situations that never become stable are left out", failure
+        if isinstance(failure, LeftOutError):
+            return f"what follows {failure.message} is left out", failure
     first = failures[0]
     if first is not None and all(failures):
         return f"both end with an error: {first.message}", first

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking
+from plcopen_sfc.analysis.product import LeftOutError
 from plcopen_sfc.analysis.scratch import scratch_variables
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.semantics.charts import compile_chart
@@ -78,6 +79,8 @@ class ProgramSystem:
         self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
         self._initial = self.snapshot()
         self._observe: Callable[[], tuple[Any, ...]] = tuple
+        self._left_out: Callable[[], tuple[Any, ...]] | None = None
+        self._left_out_name = ""
 
     @property
     def inputs(self) -> dict[str, Signal]:
@@ -108,6 +111,11 @@ class ProgramSystem:
 
         self._observe = observed
 
+    def leave_out(self, name: str) -> None:
+        """Do not compare scans at whose end a variable is TRUE. Raises `ModelError` for an unknown name."""
+        self._left_out_name = name
+        self._left_out = self.instance.reader([name])
+
     def reset(self) -> None:
         """Go to the state before the first scan."""
         self.restore(self._initial)
@@ -118,6 +126,8 @@ class ProgramSystem:
         if not first:
             self._controller.now += self.clock.scan_time
         self.instance.scan()
+        if self._left_out is not None and self._left_out()[0]:
+            raise LeftOutError(f"{self._left_out_name} = TRUE")
 
     def observed(self) -> tuple[Any, ...]:
         """What is compared."""
@@ -142,8 +152,8 @@ class ProgramSystem:
         return tuple(self.instance.reader(list(names))())
 
     def _forgetting(self, profile: Profile) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
-        """What sets back the times of steps; in GRAPH and GRAFCET more depends on them than what reads them."""
-        if profile.step_variables not in (StepVariables.ELAPSED, StepVariables.FLAG):
+        """What sets back the times of steps; in GRAPH more depends on them than what reads them."""
+        if profile.step_variables is StepVariables.GRAPH:
             return []
         charts = [(chart, frame) for _, chart, frame in self.instance.charts() if isinstance(chart, ChartProgram)]
         return [(frame, chart.forgetting(self.clock.anywhere, self.clock.timed)) for chart, frame in charts]

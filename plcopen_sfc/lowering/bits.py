@@ -7,8 +7,9 @@ it holds for every chart, also for one that is not safe.
 from __future__ import annotations
 
 from plcopen_sfc.languages.st.nodes import Statement
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, when
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, negation, when
 from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class StepBits(StepFlags):
@@ -16,6 +17,9 @@ class StepBits(StepFlags):
 
     def move(self) -> None:
         """Append all resets, then all sets."""
+        # transitions of the last scan are forgotten where the chain is to start anew now
+        late = self.profile.order is ScanOrder.ACTIONS_FIRST
+        free = [negation(self.init)] if self.init is not None and late else []
         resets: list[Statement] = []
         sets: list[Statement] = []
         for transition in self.net.transitions:
@@ -23,7 +27,7 @@ class StepBits(StepFlags):
             leaving = [assignment(self.flags[i], FALSE) for i in transition.sources]
             entering = [assignment(self.flags[i], TRUE) for i in transition.targets]
             resets += [when(flag, *leaving)] if leaving else []
-            sets += [when(flag, *entering)] if entering else []
+            sets += [when(conjunction([flag, *free]), *entering)] if entering else []
         if self.init is not None:
             resets.append(when(self.init, *(assignment(flag, FALSE) for flag in self.flags)))
             initial = [self.flags[s.index] for s in self.net.steps if self.net.initial & s.bit]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import BOOL, Code
 from plcopen_sfc.lowering.control import ActionControl, add_actions
+from plcopen_sfc.lowering.logic import FALSE
 from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.references import resolve_steps
+from plcopen_sfc.lowering.restart import declare_restart
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.step_code import add_step_code
@@ -25,10 +27,17 @@ class Chain(ABC):
     A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`).
     """
 
-    def __init__(self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules) -> None:
+    def __init__(
+        self,
+        source: ChartSource,
+        code: Code,
+        memory: Memory,
+        rules: LoweringRules,
+        surroundings: Collection[str] = (),
+    ) -> None:
         self.code, self.memory, self.rules = code, memory, rules
         self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
-        self.init = code.declare_input(rules.init, rules.texts.init) if rules.init is not None else None
+        self.init = declare_restart(source, code, rules, surroundings)
         for helper in source.helpers:
             known = Elementary.__members__.get(helper.type_name or "BOOL")
             kind = ElementaryType(name=known) if known else DerivedType(name=helper.type_name or "")
@@ -83,7 +92,9 @@ class Chain(ABC):
     def add_actions(self) -> None:
         """Append what steps execute, then the actions."""
         add_step_code(self.source, self.code, self.memory, self.active, self.texts)
-        add_actions(self.source, self.code, ActionControl(self.memory, self.active), self.rules)
+        ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
+        control = ActionControl(self.memory, self.active, ending)
+        add_actions(self.source, self.code, control, self.rules)
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
         """What must be executed before the condition of a transition is evaluated, where it is."""

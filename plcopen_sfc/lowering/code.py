@@ -32,12 +32,18 @@ class TextNetwork:
 
 @dataclass
 class Code:
-    """What a lowering has made so far. `variables` are local, `inputs` come from outside."""
+    """What a lowering has made so far. `variables` are local, `inputs` come from outside.
+
+    `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
+    is FALSE.
+    """
 
     naming: Naming
     networks: list[CodeNetwork | TextNetwork] = field(default_factory=list)
     variables: list[Variable] = field(default_factory=list)
     inputs: list[Variable] = field(default_factory=list)
+    at_rest: dict[str, bool] = field(default_factory=dict)
+    left_out: n.Name | None = None
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and give its name."""
@@ -50,9 +56,11 @@ class Code:
         """Declare a local variable of this very name."""
         self.variables.append(Variable(name=name, type=kind))
 
-    def declare_input(self, name: str, comment: str) -> n.Name:
-        """Declare a Boolean input of this very name."""
-        self.inputs.append(Variable(name=name, type=BOOL, comment=comment))
+    def declare_input(self, name: str, comment: str, kind: DataType = BOOL, *, at_rest: bool | None = None) -> n.Name:
+        """Declare an input of this very name; `at_rest` is its value while it is not used."""
+        self.inputs.append(Variable(name=name, type=kind, comment=comment))
+        if at_rest is not None:
+            self.at_rest[name] = at_rest
         return self.naming.local(name)
 
     def add(self, title: str, statements: Sequence[n.Statement], comment: str = "") -> None:

@@ -16,10 +16,14 @@ from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.memory import BitMemory, BlockMemory, Memory
 from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.reading import read_chart
+from plcopen_sfc.lowering.regions import RegionChain, no_regions
+from plcopen_sfc.lowering.restart import names_in_conditions
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.surroundings import names_of
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
@@ -27,12 +31,14 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 class Construction(StrEnum):
     """What a chart is lowered to.
 
-    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. BITS: step bits in
+    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. REGIONS: one
+    CASE for each part in which one step is active at a time. BITS: step bits in
     structured text. AUTO: the most readable of structured text that is exact.
     """
 
     FLIPFLOP = "flipflop"
     CASE = "case"
+    REGIONS = "regions"
     BITS = "bits"
     AUTO = "auto"
 
@@ -56,13 +62,16 @@ class Language(StrEnum):
 class Constructed:
     """A POU made of a chart. `why` says why this construction was taken.
 
-    `step_flags` is what tells in its code that a step is active, by the path of the step.
+    `step_flags` is what tells in its code that a step is active, by the path of the step. `at_rest` and `left_out` say
+    when it does what the chart does: while inputs that were added have these values, and the variable is FALSE.
     """
 
     pou: Pou
     construction: Construction
     why: str
     step_flags: dict[str, str]
+    at_rest: dict[str, bool]
+    left_out: str | None
 
 
 def construct(
@@ -74,40 +83,49 @@ def construct(
     construction: Construction = Construction.AUTO,
     style: Style = Style.EXACT,
     language: Language | None = None,
+    project: Project | None = None,
 ) -> Constructed:
-    """Lower `chart`, which is the body of `pou`. Raises `LoweringError` for what cannot be said in the target."""
+    """Lower `chart`, which is the body of `pou`, a part of `project`.
+
+    Raises `LoweringError` for what cannot be said in the target.
+    """
     source = read_chart(pou, chart, dialect, rules.profile)
     chosen, why = _choice(source, construction)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
         raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}")
-    init = [rules.init] if rules.init is not None else []
-    code = Code(Naming(dialect, [*source.names(), *init]))
+    surroundings = names_of(project) if project is not None else set()
+    code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     memory: Memory = BitMemory(code) if language is Language.ST else BlockMemory(code)
-    makers: dict[Construction, type[FlipFlopChain | CaseChain | StepBits]] = {
+    makers: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
         Construction.FLIPFLOP: FlipFlopChain,
         Construction.CASE: CaseChain,
+        Construction.REGIONS: RegionChain,
         Construction.BITS: StepBits,
     }
-    maker = makers[chosen](source, code, memory, rules)
+    maker = makers[chosen](source, code, memory, rules, surroundings)
     if style is Style.EXACT:
         maker.exact()
-    elif isinstance(maker, StepBits):
-        raise LoweringError(f"{chosen} has no classic style")
-    else:
+    elif isinstance(maker, FlipFlopChain | CaseChain):
         maker.classic()
+    else:
+        raise LoweringError(f"{chosen} has no classic style")
     tells = {path: print_node(expression, dialect) for path, expression in maker.tells().items()}
-    return Constructed(_pou(pou, code, dialect, language), chosen, why, tells)
+    left_out = code.left_out.identifier if code.left_out is not None else None
+    return Constructed(_pou(pou, code, dialect, language), chosen, why, tells, code.at_rest, left_out)
 
 
 def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
-    objection = one_step_at_a_time(source)
-    if not objection:
+    several = one_step_at_a_time(source)
+    if not several:
         return Construction.CASE, "exactly one step is active at a time"
-    return Construction.BITS, f"one CASE cannot hold the chart: {objection}"
+    objection = no_regions(source)
+    if not objection:
+        return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
+    return Construction.BITS, f"no CASE can hold the chart: {objection}"
 
 
 def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:

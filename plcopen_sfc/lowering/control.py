@@ -21,11 +21,15 @@ Q = Qualifier
 
 
 class ActionControl:
-    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net."""
+    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
 
-    def __init__(self, memory: Memory, active: Callable[[int], Expression]) -> None:
+    `ending`: what ends stored actions besides R.
+    """
+
+    def __init__(self, memory: Memory, active: Callable[[int], Expression], ending: Expression = FALSE) -> None:
         self._memory = memory
         self._active = active
+        self._ending = ending
 
     def drive(self, action: ActionSource, into: list[Statement]) -> Expression:
         """Whether the action is active: the output Q of its action control, with its pulses P1 and P0."""
@@ -49,6 +53,7 @@ class ActionControl:
         return disjunction([active, single, self._memory.falling(f"{action.name}_end", active, into)])
 
     def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        reset = disjunction([reset, self._ending])
         makers = (self._level, self._stored, self._limited, self._delayed, self._pulse, self._stored_and_timed)
         return [term for make in makers for term in make(action, reset, into)]
 

@@ -9,10 +9,11 @@ the step behind. It does something else than the chart; see docs/lowering.md.
 from __future__ import annotations
 
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import conjunction, disjunction
+from plcopen_sfc.lowering.logic import conjunction, disjunction, negation
 from plcopen_sfc.lowering.steps import StepFlags
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetStep
+from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class FlipFlopChain(StepFlags):
@@ -27,7 +28,8 @@ class FlipFlopChain(StepFlags):
             if self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             reset: list[Expression] = [self.fired[i] for i in leaving if i not in loops]
-            self._add_step(step, set_, reset)
+            guarded = self.profile.order is ScanOrder.ACTIONS_FIRST
+            self._add_step(step, set_, reset, guarded=guarded)
 
     def classic(self) -> None:
         """The textbook chain: steps one after the other, each looks at the flags as they are at that moment.
@@ -37,17 +39,21 @@ class FlipFlopChain(StepFlags):
         for step in self.net.steps:
             entering = [self.net.transitions[i] for i in self.net.entering[step.index]]
             set_ = [conjunction([self.enabled(t), self.source.conditions[t.index]]) for t in entering]
-            if self.init is None and self.net.initial & step.bit:
+            if self.rules.init is None and self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
             self._add_step(step, set_, [self.active(i) for i in sorted(following)])
         self.add_actions()
         self.memory.finish(self.texts.first_scan)
 
-    def _add_step(self, step: NetStep, set_: list[Expression], reset: list[Expression]) -> None:
+    def _add_step(
+        self, step: NetStep, set_: list[Expression], reset: list[Expression], *, guarded: bool = False
+    ) -> None:
         initial = bool(self.net.initial & step.bit)
         if self.init is not None:
             set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
+            if initial and reset and guarded:  # transitions of the last scan, when nobody wanted to start anew yet
+                reset = [conjunction([disjunction(reset), negation(self.init)])]
         flag = self.flags[step.index]
         statements: list[Statement] = []
         self.memory.latch(f"FF_{flag.identifier}", disjunction(set_), disjunction(reset), statements, flag)

@@ -26,7 +26,8 @@ class LoweredPou:
     """A POU without a chart, in a copy of its project, that does what the chart did.
 
     `construction` was taken, `why` says why. `proof` is what the comparison with the chart came to, None where none was
-    wanted.
+    wanted. `at_rest` and `left_out` say for what it holds: while inputs that were added have these values, and in all
+    scans but those in which a variable of the code is TRUE.
     """
 
     project: Project
@@ -36,6 +37,8 @@ class LoweredPou:
     profile: Profile
     why: str
     proof: Verdict | None
+    at_rest: Mapping[str, bool]
+    left_out: str | None
 
 
 def lower(
@@ -98,6 +101,7 @@ def lower(
         construction=chosen,
         style=wanted_style,
         language=spoken,
+        project=found.project,
     )
     project = _with(found, made.pou)
     proof: Verdict | None = None
@@ -106,7 +110,8 @@ def lower(
             found,
             Subject(project, made.pou, found.name),
             semantics,
-            fixed=_at_rest(init),
+            fixed=made.at_rest,
+            left_out=made.left_out,
             step_flags=made.step_flags or None,
         )
         if proof.outcome is Outcome.DIFFERENT and wanted_style is Style.EXACT:
@@ -115,7 +120,9 @@ def lower(
                 location=Location(path=found.name),
                 hint="This is an error of plcopen_sfc: please report it with the chart.",
             )
-    return LoweredPou(project, made.pou, made.construction, wanted_style, semantics, made.why, proof)
+    return LoweredPou(
+        project, made.pou, made.construction, wanted_style, semantics, made.why, proof, made.at_rest, made.left_out
+    )
 
 
 _ALIASES = {"fup": "flipflop"}
@@ -127,10 +134,6 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
     except ValueError:
         hint = "There are: " + ", ".join(each.value for each in kind)
         raise LoweringError(f"{name!r} is nothing a chart can be lowered to", hint=hint) from None
-
-
-def _at_rest(init: str | None) -> Mapping[str, bool]:
-    return {init: False} if init is not None else {}
 
 
 def _with(subject: Subject, pou: Pou) -> Project:

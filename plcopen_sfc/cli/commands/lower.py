@@ -69,8 +69,7 @@ def run(screen: Screen, source: str, target: str | None, how: How) -> int:
     if how.verify:
         subject = resolve(project, how.pou)
         again = resolve(loads(data, format=how.to), subject.pou.name)
-        fixed = {how.init: False} if how.init is not None else {}
-        proof = equivalent(subject, again, lowered.profile, fixed=fixed)
+        proof = equivalent(subject, again, lowered.profile, fixed=lowered.at_rest, left_out=lowered.left_out)
         if proof.outcome is Outcome.DIFFERENT and lowered.style is Style.EXACT:
             raise LoweringError(
                 f"nothing is written: read back, the code does not do what the chart does: {proof}",
