@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.charts.grafcet.terms import term_times
 from plcopen_sfc.semantics.subjects import Subject
 
 __all__ = ["Clocking", "clocking"]
@@ -23,7 +26,6 @@ _COMPARED = re.compile(
 )
 _CLOCK = re.compile(r"\bTIME\s*\(\s*\)|\bRD_SYS_T\b|\bTIME_TCK\b", re.IGNORECASE)
 _CALCULATED = re.compile(r"(?:[-+*/]|\bMOD)\s*$", re.IGNORECASE)
-_GRAFCET_TIME = re.compile(r"[0-9]\s*(?:ms|min|s|h)\s*/|/\s*[0-9]+\s*(?:ms|min|s|h)\b|/\s*X[0-9]", re.IGNORECASE)
 _TIME_PIN = '"pin":"T"'  # of a step that a wire leads from
 _DEFAULT_SCAN = 10_000_000
 
@@ -53,7 +55,9 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
     in a scan and there is one before and one after it; 10 ms without durations.
     """
     texts = [text for subject in subjects for text in _texts(subject)]
-    constants = sorted({value for text in texts for value in _durations(text)})
+    charts = [chart for s in subjects if s.pou.sfc is not None for chart in _charts(s.pou.sfc)]
+    terms = [time for chart in charts for text in _conditions(chart) for time in term_times(text)]
+    constants = sorted({value for text in [*texts, *terms] for value in _durations(text)})
     if scan_time is None:
         common = math.gcd(*constants)
         scan_time = (common // 2 if common % 2 == 0 else common) or _DEFAULT_SCAN
@@ -65,33 +69,47 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
         for text in texts
         for match in _STEP_TIME.finditer(text)
     )
-    steps = [step for s in subjects if s.pou.sfc is not None for step in s.pou.sfc.steps]
+    steps = [step for chart in charts for step in chart.steps]
     durations = [a.duration for step in steps for a in step.actions]
     durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
     known = all(duration is None or _DURATION.fullmatch(duration.strip()) for duration in durations)
-    known = known and not any(_GRAFCET_TIME.search(text) for text in texts)
     limit = max(constants, default=0) + scan_time if plain and known else None
-    timed, anywhere = _timed_steps(subjects, texts)
+    timed, anywhere = _timed_steps(charts, texts)
     return Clocking(scan_time, tuple(constants), limit, reason, timed, anywhere)
 
 
-def _timed_steps(subjects: Sequence[Subject], texts: Sequence[str]) -> tuple[frozenset[str], frozenset[str]]:
+def _timed_steps(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[frozenset[str], frozenset[str]]:
     """The names of steps whose time is used, and of those for which it is used when they are not active."""
     read = Counter(name for text in texts for name in _times_read(text))
     own: Counter[str] = Counter()
     if any(_TIME_PIN in text for text in texts):
-        read.update(step.name.casefold() for s in subjects if s.pou.sfc is not None for step in s.pou.sfc.steps)
+        read.update(step.name.casefold() for chart in charts for step in chart.steps)
     timed = set(read)
-    for subject in subjects:
-        chart = subject.pou.sfc
-        for step in chart.steps if chart is not None else ():
+    for chart in charts:
+        for step in chart.steps:
             key = step.name.casefold()
             if step.min_time or step.max_time or step.warning_time or any(a.duration for a in step.actions):
                 timed.add(key)
-            if chart is not None and key in read:
+            if key in read:
                 conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
                 own[key] += sum(_times_read(each.model_dump_json()).count(key) for each in conditions)
     return frozenset(timed), frozenset(name for name, count in read.items() if count != own[name])
+
+
+def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
+    """The chart, its partial charts, and what stands in its macro-steps."""
+    yield chart
+    for partial in chart.partial_charts:
+        yield from _charts(partial.network)
+    for step in chart.steps:
+        if step.macro is not None and isinstance(step.macro.body, SfcBody):
+            yield from _charts(step.macro.body.chart)
+
+
+def _conditions(chart: SfcNetwork) -> Iterator[str]:
+    """The texts of conditions, which may have times of IEC 60848 in them (``3s/X5``)."""
+    conditions = [t.condition for t in chart.transitions] + [a.condition for _, a in chart.associations()]
+    return (each.text for each in conditions if isinstance(each, Expression))
 
 
 def _times_read(text: str) -> list[str]:

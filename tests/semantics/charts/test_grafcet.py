@@ -201,6 +201,15 @@ def test_a_delay_at_both_ends() -> None:
     assert bench.log("Q", 2, a=True) + bench.log("Q", 3, a=False) == "00000"
 
 
+def test_a_delay_at_the_end_goes_on_while_the_one_at_the_beginning_starts_again() -> None:
+    """It ends the time after the falling edge that the standard gives, though the operand is TRUE again by then."""
+    chart = chain("1", "2")
+    chart.step("1").actions = [action("conditional", condition="50ms/a/20ms")]
+    bench = rig(chart, "a Q").scan()
+    assert bench.log("Q", 6, a=True) == "000001"
+    assert bench.log("Q", 1, a=False) + bench.log("Q", 6, a=True) == "1" + "100001"
+
+
 @pytest.mark.parametrize(("kind", "log"), [("delayed", "0001|00"), ("limited", "1110|00"), ("continuous", "1111|00")])
 def test_delayed_and_limited_actions(kind: str, log: str) -> None:
     chart = chain("1", "2", "3")

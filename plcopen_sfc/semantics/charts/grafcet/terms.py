@@ -2,8 +2,8 @@
 
 IEC 60848:2013, 4.6 (transition conditions). An edge lasts for one evolution: it is TRUE when its operand has another
 value than in the evolution before. ``t1/x/t2`` becomes TRUE when `x` was TRUE for t1, and stays so for t2 after `x`
-has become FALSE. Program text knows neither: each term becomes a hidden variable, and the condition is translated with
-its name in place of the term.
+has become FALSE: it is an on-delay with an off-delay behind. Program text knows neither: each term becomes a hidden
+variable, and the condition is translated with its name in place of the term.
 """
 
 from __future__ import annotations
@@ -30,6 +30,73 @@ _TIMED = re.compile(
 )
 
 
+@dataclass(frozen=True, slots=True)
+class EdgeTerm:
+    """``↑operand``, or ``↓operand`` where it is not `rising`. In the texts that were read `name` stands for it."""
+
+    name: str
+    operand: str
+    rising: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TimeTerm:
+    """``first/operand/last``, the times as literals of program text (``T#3s``); None: without this delay."""
+
+    name: str
+    operand: str
+    first: str | None
+    last: str | None
+
+
+class TermTexts:
+    """Takes the terms out of texts. `edges` and `timers` stand in an order in which each needs only those before it."""
+
+    def __init__(self) -> None:
+        self._names: dict[str, str] = {}
+        self.edges: list[EdgeTerm] = []
+        self.timers: list[TimeTerm] = []
+
+    def read(self, text: str) -> str:
+        """The text with a name in place of each term, the same for the same term."""
+        return _TIMED.sub(self._timer, _EDGE.sub(self._edge, text))
+
+    def _edge(self, found: re.Match[str]) -> str:
+        term = found.group(0)
+        if term not in self._names:
+            name = self._names[term] = f"GRAFCET_EDGE_{len(self._names) + 1}"
+            self.edges.append(EdgeTerm(name, self.read(found["operand"]), found["sign"] == "↑"))
+        return self._names[term]
+
+    def _timer(self, found: re.Match[str]) -> str:
+        term = found.group(0)
+        if term not in self._names:
+            name = self._names[term] = f"GRAFCET_TIME_{len(self._names) + 1}"
+            first, last = found["first"], found["last"] or found["off"]
+            operand = self.read(found["operand"] or found["left"])
+            self.timers.append(TimeTerm(name, operand, _literal(first), _literal(last)))
+        return self._names[term]
+
+
+def has_edge(text: str) -> bool:
+    """Whether there is an edge in a text."""
+    return _EDGE.search(text) is not None
+
+
+def term_times(text: str) -> list[str]:
+    """The times of the terms in a text, as literals of program text."""
+    found = TermTexts()
+    found.read(text)
+    return [time for timer in found.timers for time in (timer.first, timer.last) if time is not None]
+
+
+def _literal(time: str | None) -> str | None:
+    if time is None:
+        return None
+    compact = "".join(time.split())
+    return compact if "#" in compact else "T#" + compact.replace("min", "m")
+
+
 @dataclass(slots=True)
 class _Edge:
     operand: str
@@ -41,9 +108,7 @@ class _Edge:
 
 @dataclass(slots=True)
 class _Timer:
-    operand: str
-    first: str
-    last: str
+    term: TimeTerm
     slot: int
     on_since: int
     off_since: int
@@ -58,7 +123,7 @@ class Terms:
     def __init__(self, scope: Scope, path: str) -> None:
         self._scope = scope
         self._path = path
-        self._names: dict[str, str] = {}
+        self._texts = TermTexts()
         self._edges: list[_Edge] = []
         self._timers: list[_Timer] = []
 
@@ -69,43 +134,25 @@ class Terms:
         """The condition without terms. Only while the chart is being declared."""
         if not isinstance(condition, Expression):
             return condition
-        text = _TIMED.sub(self._timer, _EDGE.sub(self._edge, condition.text))
+        text = self._texts.read(condition.text)
+        self._declare()
         return condition if text == condition.text else condition.model_copy(update={"text": text})
 
     def rising(self, condition: Condition) -> Condition:
         """The rising edge of a condition, unless it has an edge in it already."""
-        if not isinstance(condition, Expression) or _EDGE.search(condition.text):
-            return self.read(condition) or condition
-        text = f"NOT ({condition.text})" if condition.negated else condition.text
-        return self.read(Expression(text=f"↑({text})")) or condition
+        return self.read(rising(condition)) or condition
 
-    def _hidden(self, term: str, kind: str) -> str:
-        name = f"GRAFCET_{kind}_{len(self._names) + 1}"
-        self._names[term] = name
-        return name
-
-    def _edge(self, found: re.Match[str]) -> str:
-        term = found.group(0)
-        name = self._names.get(term)
-        if name is None:
-            name = self._hidden(term, "EDGE")
-            slot = self._scope.declare(name, BOOL, hidden=True)
-            before = self._scope.declare(f"{self._path}: {term} before", BOOL, hidden=True)
-            operand = _EDGE.sub(self._edge, found["operand"])
-            self._edges.append(_Edge(_TIMED.sub(self._timer, operand), found["sign"] == "↑", slot, before))
-        return name
-
-    def _timer(self, found: re.Match[str]) -> str:
-        term = found.group(0)
-        name = self._names.get(term)
-        if name is None:
-            name = self._hidden(term, "TIME")
-            slot = self._scope.declare(name, BOOL, hidden=True)
-            on, off = (self._scope.declare(f"{self._path}: {term} {w}", INSTANT, hidden=True) for w in ("on", "off"))
-            operand = found["operand"] or found["left"]
-            first, last = found["first"] or "T#0s", found["last"] or found["off"] or "T#0s"
-            self._timers.append(_Timer(operand, _literal(first), _literal(last), slot, on, off))
-        return name
+    def _declare(self) -> None:
+        """Declare the variables of terms that are new."""
+        hidden = self._scope.declare
+        for edge in self._texts.edges[len(self._edges) :]:
+            slot = hidden(edge.name, BOOL, hidden=True)
+            before = hidden(f"{self._path}: {edge.name} before", BOOL, hidden=True)
+            self._edges.append(_Edge(edge.operand, edge.rising, slot, before))
+        for timer in self._texts.timers[len(self._timers) :]:
+            slot = hidden(timer.name, BOOL, hidden=True)
+            on, off = (hidden(f"{self._path}: {timer.name} {which}", INSTANT, hidden=True) for which in ("on", "off"))
+            self._timers.append(_Timer(timer, slot, on, off))
 
     def translate(self) -> None:
         """Prepare the operands and times."""
@@ -113,9 +160,9 @@ class Terms:
         for edge in self._edges:
             edge.value = self._scope.condition(Expression(text=edge.operand), self._path)
         for timer in self._timers:
-            timer.value = self._scope.condition(Expression(text=timer.operand), self._path)
-            timer.on_time = self._scope.expression(timer.first, self._path, duration)
-            timer.off_time = self._scope.expression(timer.last, self._path, duration)
+            timer.value = self._scope.condition(Expression(text=timer.term.operand), self._path)
+            timer.on_time = self._scope.expression(timer.term.first or "T#0s", self._path, duration)
+            timer.off_time = self._scope.expression(timer.term.last or "T#0s", self._path, duration)
 
     def start(self, frame: Frame) -> None:
         """What is TRUE at the start is no edge."""
@@ -138,22 +185,22 @@ class Terms:
         v = frame.v
         for timer in self._timers:
             assert timer.value is not None and timer.on_time is not None and timer.off_time is not None  # noqa: S101, PT018
-            if timer.value(frame):
-                if v[timer.on_since] is None:
-                    v[timer.on_since] = now
-                done = now - v[timer.on_since] >= timer.on_time(frame)
-                v[timer.slot] = done or (v[timer.slot] and v[timer.off_since] is not None)
-                if done:
-                    v[timer.off_since] = None
-                continue
-            v[timer.on_since] = None
-            if v[timer.slot]:
+            if not timer.value(frame):
+                v[timer.on_since] = None
+            elif v[timer.on_since] is None:
+                v[timer.on_since] = now
+            if v[timer.on_since] is not None and now - v[timer.on_since] >= timer.on_time(frame):
+                v[timer.slot], v[timer.off_since] = True, None
+            elif v[timer.slot]:
                 if v[timer.off_since] is None:
                     v[timer.off_since] = now
                 if now - v[timer.off_since] >= timer.off_time(frame):
                     v[timer.slot], v[timer.off_since] = False, None
 
 
-def _literal(time: str) -> str:
-    compact = "".join(time.split())
-    return compact if "#" in compact else "T#" + compact.replace("min", "m")
+def rising(condition: Condition) -> Condition:
+    """The rising edge of a condition as a condition, unless it has an edge in it already."""
+    if not isinstance(condition, Expression) or has_edge(condition.text):
+        return condition
+    text = f"NOT ({condition.text})" if condition.negated else condition.text
+    return Expression(text=f"↑({text})")
