@@ -194,6 +194,8 @@ class RegionChain(Chain):
     # -- steps that are left and entered at once
 
     def _declare_again(self) -> None:
+        if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            return  # steps change between two scans: such a step is never seen to be left
         for transition in self.net.transitions:
             for step in set(transition.sources) & set(transition.targets):
                 if self.times.measures(step) and step not in self._again:

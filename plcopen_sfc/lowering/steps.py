@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
-from plcopen_sfc.lowering.logic import assignment, conjunction, negation
+from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.semantics.net import NetTransition, Rivals
 
@@ -50,5 +51,17 @@ class StepFlags(Chain):
         self.code.add(self.texts.transitions, statements)
 
     def reentered(self) -> Mapping[int, Expression]:
-        """Steps that a transition leaves and enters at once: its bit."""
-        return {i: self.fired[t.index] for t in self.net.transitions for i in t.sources if i in t.targets}
+        """Steps that are left and entered in one scan, by the bits of the transitions.
+
+        In a safe chart one transition does both; where it is not known to be safe two of them can.
+        """
+        safe = isinstance(find_regions(self.net), Regions)
+        found: dict[int, Expression] = {}
+        for step in range(len(self.net.steps)):
+            leaving, entering = self.net.leaving[step], self.net.entering[step]
+            loops = disjunction(self.fired[i] for i in leaving if i in entering)
+            both = [disjunction(self.fired[i] for i in side) for side in (leaving, entering)]
+            again = loops if safe else disjunction([loops, conjunction(both)])
+            if not is_constant(again, FALSE):
+                found[step] = again
+        return found

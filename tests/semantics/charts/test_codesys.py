@@ -72,6 +72,14 @@ def test_the_next_step_is_announced() -> None:
     assert (bench["A.x"], bench["A._x"], bench["B.x"], bench["B._x"]) == (False, False, True, True)
 
 
+def test_a_loop_on_itself_lets_the_time_go_on() -> None:
+    """Steps change between two scans: that one was left is not to be seen."""
+    chart = SfcNetwork()
+    step = chart.add_step("A", initial=True)
+    chart.add_transition(step, step, "TRUE")
+    assert rig(chart).scan(4)["A.t"] == 30 * MS
+
+
 def test_a_pulse_action_runs_exactly_twice() -> None:
     chart = chain("A", "B")
     chart.step("B").actions = [ActionAssociation(id=1, qualifier=Qualifier.P, target="Count")]

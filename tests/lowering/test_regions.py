@@ -1,0 +1,170 @@
+"""One CASE for each part of a chart: proven equal, whatever its branches are, under both orders of a scan."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.constructing import Constructed, Construction, construct
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.semantics.net import Net, NetStep
+from plcopen_sfc.semantics.profile import PROFILES
+from tests.analysis.nets import block_chart, chart_of
+from tests.lowering.charts import act, pou_with
+
+PARALLEL = "S1>S2+S10 S2>S3 S10>S11 S3+S11>S4 S4>S1"
+
+
+def chain(text: str, initial: str = "S1", conditions: dict[int, str] | None = None) -> m.Pou:
+    """A chart like ``S1>S2+S3``: transition 1 waits for c1, each step drives an output of its own."""
+    return driven(chart_of(text, initial), conditions or {})
+
+
+def driven(chart: m.SfcNetwork, conditions: dict[int, str]) -> m.Pou:
+    for number, transition in enumerate(chart.transitions, 1):
+        transition.condition = m.Expression(text=f"c{number}")
+    for step in chart.steps:
+        act(chart, step, f"q{step.name}")
+    pou = pou_with(chart)
+    for number, text in conditions.items():
+        chart.transitions[number - 1].condition = m.Expression(text=text)
+    return pou
+
+
+def lowered(pou: m.Pou, construction: Construction = Construction.REGIONS, profile: str = "iec") -> Constructed:
+    chart = pou.sfc
+    assert chart is not None
+    return construct(pou, chart, Dialect.IEC, LoweringRules(PROFILES[profile], Texts()), construction=construction)
+
+
+def verdict(
+    pou: m.Pou, construction: Construction = Construction.REGIONS, profile: str = "iec", cap: int = 5_000
+) -> Verdict:
+    made = lowered(pou, construction, profile)
+    assert set(made.step_flags) == {s.path for s in steps_of(pou)}
+    return equivalent(pou, made.pou, profile, step_flags=made.step_flags, cap=cap, runs=20)
+
+
+def steps_of(pou: m.Pou) -> tuple[NetStep, ...]:
+    assert pou.sfc is not None
+    return Net.of(pou.sfc).steps
+
+
+def text_of(made: Constructed) -> str:
+    body = made.pou.body
+    assert isinstance(body, m.StBody)
+    return body.text
+
+
+CHARTS = {
+    "one block": (PARALLEL, "S1"),
+    "three branches, one of a single step": ("S1>S2+S3+S4 S2>S5 S3>S6 S5+S6+S4>S1", "S1"),
+    "a block in a branch": ("S1>S2+S3 S3>S4+S5 S4+S5>S6 S2+S6>S1", "S1"),
+    "a block behind a block": ("S1>S2+S3 S2+S3>S4 S4>S5+S6 S5+S6>S1", "S1"),
+    "branches that never end": ("S1>S2+S3 S2>S4 S4>S2 S3>S5", "S1"),
+    "two forks and two joins": ("S1>S2+S3 S1>S4+S5 S2>S4 S3>S5 S4+S5>S6 S2+S5>S1 S6>S1", "S1"),
+    "selection inside a branch": ("S1>S2+S3 S2>S4 S2>S5 S4>S6 S5>S6 S3+S6>S1", "S1"),
+    "exit behind the join in priority": ("S1>S2+S3 S2>S4 S3+S4>S1 S4>S2", "S1"),
+    "exit before the join in priority": ("S1>S2+S3 S2>S4 S4>S2 S3+S4>S1", "S1"),
+    "exits of both branches": ("S1>S2+S3 S4>S2 S2>S4 S3>S5 S4+S5>S1 S5>S3 S2+S3>S1", "S1"),
+    "exit into a block": ("S1>S2+S3 S2>S4+S5 S4+S5>S2 S2+S3>S1", "S1"),
+    "two sequences": ("S1>S2 S2>S1 S5>S6 S6>S7 S7>S5", "S1+S5"),
+    "two sequences, one with a block": ("S1>S2 S2>S1 S5>S6+S7 S6+S7>S5", "S1+S5"),
+    "one step at a time": ("S1>S2 S1>S3 S2>S1 S3>S1", "S1"),
+    "a step that is left and entered at once": ("S1>S1 S1>S2+S3 S2>S2 S2+S3>S1", "S1"),
+    "a step with the number of no step": ("S0>S1+S2 S1+S2>S0", "S0"),
+}
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize("name", CHARTS)
+def test_parts_of_every_kind(name: str, profile: str) -> None:
+    found = verdict(chain(*CHARTS[name]), profile=profile)
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@settings(deadline=None, max_examples=12)
+@given(seed=st.integers(0, 10_000), size=st.integers(3, 9))
+def test_random_charts_of_blocks(profile: str, seed: int, size: int) -> None:
+    pou = driven(block_chart(seed, size), {})
+    found = verdict(pou, profile=profile)
+    assert found.outcome is not Outcome.DIFFERENT, str(found)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_conditions_see_other_parts_as_they_were(profile: str) -> None:
+    """S10 becomes active in the scan in which S2 is left: a CASE must not see what another one has just done."""
+    watching = {2: "c2 AND S10.X", 3: "c3 AND NOT S3.X"}
+    assert verdict(chain(PARALLEL, conditions=watching), profile=profile).outcome is Outcome.PROVEN
+    sequences = chain("S1>S2 S2>S1 S5>S6 S6>S5", "S1+S5", {1: "c1 AND S5.X", 3: "S2.X", 4: "S1.X AND c4"})
+    assert verdict(sequences, profile=profile).outcome is Outcome.PROVEN
+
+
+@pytest.mark.parametrize("construction", list(Construction))
+def test_the_time_of_a_step_begins_anew_when_it_is_entered_again(construction: Construction) -> None:
+    pou = chain("S1>S2 S2>S2 S2>S2 S2>S1", conditions={4: "S2.T >= T#30ms"})
+    assert verdict(pou, construction, "iec").outcome is Outcome.PROVEN
+    # where nothing ends the time there are as many states as there are times
+    assert verdict(pou, construction, "codesys", cap=200).equal
+
+
+def test_the_time_of_a_step_that_one_transition_leaves_and_another_one_enters() -> None:
+    pou = chain("S1>S2 S2>S1", "S1+S2", conditions={2: "S2.T >= T#30ms"})
+    assert verdict(pou, Construction.BITS).outcome is Outcome.PROVEN
+
+
+def test_the_text_of_a_block() -> None:
+    assert text_of(lowered(chain(PARALLEL))).startswith(
+        """\
+// Step sequence from S1
+CASE step_number OF
+    1: // Step 1 – initial step
+        IF c1 THEN
+            next_step_number := 101;
+            next_step_number_S2 := 2;
+            next_step_number_S10 := 10;
+        END_IF;
+    4: // Step 4
+        IF c5 THEN
+            next_step_number := 1;
+        END_IF;
+    101: // simultaneous branches from S2, S10
+        IF step_number_S2 = 3 AND step_number_S10 = 11 AND c4 THEN
+            next_step_number := 4;
+            next_step_number_S2 := 0;
+            next_step_number_S10 := 0;
+        END_IF;
+END_CASE;
+"""
+    )
+
+
+def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:
+    for text, initial, why in (
+        ("S1>S2+S3 S2>S1 S3>S1", "S1", "connected with its outside"),
+        ("S1>S2 S2>S1 S3>S1", "S1", "step S3 can never become active"),
+        ("S1>S2 S2>S1", "S1+S2", "both initial"),
+        ("S1>S2+S3 S2+S3>S4+S5 S4+S5>S1", "S1", "ends simultaneous branches and starts others"),
+    ):
+        pou = chain(text, initial)
+        with pytest.raises(LoweringError, match=why):
+            lowered(pou)
+        made = lowered(pou, Construction.AUTO)
+        if text != "S1>S2 S2>S1 S3>S1":  # one CASE holds steps that nothing leads to
+            assert made.construction is Construction.BITS
+            assert why in made.why
+
+
+def test_the_most_readable_form_that_is_exact_says_why() -> None:
+    made = lowered(chain("S1>S2 S2>S1"), Construction.AUTO)
+    assert (made.construction, made.why) == (Construction.CASE, "exactly one step is active at a time")
+    made = lowered(chain(PARALLEL), Construction.AUTO)
+    assert made.construction is Construction.REGIONS
+    assert "S1 -> S2 + S10" in made.why
