@@ -9,10 +9,8 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from lxml import etree
-
 from plcopen_sfc.formats.simaticml.operands import CONSTANTS, read_operand, read_path
-from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, attributes, children, local
+from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode, attributes, child_named, children, local
 
 HINT = "operand "
 """Carried attributes that begin so are hints: what follows is the text of an operand."""
@@ -21,19 +19,23 @@ _INDEX = "index "
 _ADDRESS = {"Area", "Type", "BlockNumber", "BitOffset"}
 
 
-def operand_hints(element: etree._Element) -> dict[str, str]:
-    """The hints that a network needs, as carried attributes."""
-    pins = _pins(element)
+def operand_hints(element: XmlNode, texts: Mapping[str, str]) -> dict[str, str]:
+    """What there is to say of the operands of a network, as carried attributes. `texts` are theirs by number."""
     found: dict[str, str] = {}
-    for access in element.iterfind("{*}Parts/{*}Access"):
-        if access.get("Scope") == "Label":
-            continue
-        pin, text, hint = pins.get(access.get("UId", ""), ""), read_operand(access), _hint(access)
-        if found.setdefault(HINT + text, hint) != hint:
-            found[f"{_AT}{pin} {text}"] = hint
-        for nested in access.iterfind(".//{*}Access"):
-            found[HINT + _INDEX + read_operand(nested)] = _hint(nested)
-    for instance in element.iterfind("{*}Parts//{*}Instance"):
+    instances: list[XmlNode] = []
+    pins: dict[str, str] | None = None
+    for part in (part for group in children(element) if local(group) == "Parts" for part in children(group)):
+        if local(part) != "Access":
+            instances += [each for each in part.iter() if local(each) == "Instance"]
+        elif part.get("Scope") != "Label":
+            text, hint = texts[part.get("UId", "")], _hint(part)
+            if found.setdefault(HINT + text, hint) != hint:
+                pins = _pins(element) if pins is None else pins
+                found[f"{_AT}{pins.get(part.get('UId', ''), '')} {text}"] = hint
+            for nested in part.iter() if "[" in text else ():
+                if local(nested) == "Access" and nested is not part:
+                    found[HINT + _INDEX + read_operand(nested)] = _hint(nested)
+    for instance in instances:
         globally = instance.get("Scope") == "GlobalVariable"
         found[HINT + ("" if globally else "#") + read_path(instance, globally=globally)] = _place(instance)
     return {name: hint for name, hint in found.items() if hint or name.startswith(_AT)}
@@ -66,10 +68,10 @@ def is_hint(name: str) -> bool:
     return name.startswith((HINT, _AT))
 
 
-def _pins(element: etree._Element) -> dict[str, str]:
+def _pins(element: XmlNode) -> dict[str, str]:
     """The part and pin at which each operand stands."""
     found: dict[str, str] = {}
-    for wire in element.iterfind("{*}Wires/{*}Wire"):
+    for wire in (wire for group in children(element) if local(group) == "Wires" for wire in children(group)):
         ends = children(wire)
         for one, other in zip([*ends, *ends[1:]], [*ends[1:], *([ends[0]] * (len(ends) - 1))], strict=False):
             if local(one) == "IdentCon" and local(other) == "NameCon":
@@ -77,7 +79,7 @@ def _pins(element: etree._Element) -> dict[str, str]:
     return found
 
 
-def _hint(access: etree._Element) -> str:
+def _hint(access: XmlNode) -> str:
     inner = next(iter(children(access)), None)
     if inner is None:
         raise NotUnderstoodError("an operand without content")
@@ -94,9 +96,9 @@ def _hint(access: etree._Element) -> str:
     return kind
 
 
-def _place(symbol: etree._Element) -> str:
+def _place(symbol: XmlNode) -> str:
     """Where a symbol lies, where that is said for information."""
-    address = next((child for child in symbol.iterchildren("{*}Address")), None)
+    address = child_named(symbol, "Address")
     if address is None:
         return ""
     said = attributes(address)

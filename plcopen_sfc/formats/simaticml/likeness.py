@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterable
 
-from lxml import etree
-
-from plcopen_sfc.formats.simaticml.reading import attributes, children, local
+from plcopen_sfc.formats.simaticml.reading import XmlNode, attributes, children, local
 from plcopen_sfc.formats.simaticml.uids import UID, are_numbers, numbers_of
-from plcopen_sfc.formats.xml.canonical import canonical_form
 
 Key = tuple[str, ...]
 """Where an element stands in a network: the place of a part among the parts, or the pin that an operand is wired to."""
 
 
-def numbers_like(given: etree._Element, written: etree._Element) -> list[str] | None:
+def numbers_like(given: XmlNode, written: XmlNode) -> list[str] | None:
     """The numbers of `given` in the order of those of `written`; None where the two do not say the same.
 
     Mostly they are the same to the letter, or have other words in them; only what is left takes long to compare.
     """
-    text, written_text = _text(given), _text(written)
-    if text == written_text:
+    if equal(given, written):
         return numbers_of(written)
-    if _words(text) != _words(written_text):
+    if _words(given) != _words(written):
         return None
     one, other = _described(given), _described(written)
     if [local(child) for child in children(given)] != [local(child) for child in children(written)]:
@@ -34,32 +30,49 @@ def numbers_like(given: etree._Element, written: etree._Element) -> list[str] | 
     return [one[key][0] for key in sorted(other, key=lambda key: int(other[key][0]))]
 
 
-def _text(net: etree._Element) -> bytes:
-    """A network as text without comments, and without blanks between elements."""
-    text = canonical_form(net, comments=False)
-    if net.prefix is not None:  # what our writer makes has one, files do not
-        prefix = net.prefix.encode()
-        text = text.replace(b"<" + prefix + b":", b"<").replace(b"</" + prefix + b":", b"</")
-        text = text.replace(b" xmlns:" + prefix + b"=", b" xmlns=", 1)
-    return _BEFORE_START.sub(b">", _BEHIND_END.sub(lambda found: found[1], text))
+def equal(one: XmlNode, other: XmlNode) -> bool:
+    """Whether two elements are the same to the letter but for blanks between elements."""
+    if one.tag != other.tag or one.attrib != other.attrib or len(one) != len(other):
+        return False
+    text, other_text = one.text, other.text
+    if text != other_text and _said(text, one) != _said(other_text, other):
+        return False
+    pairs: Iterable[tuple[XmlNode, XmlNode]] = zip(one, other, strict=True)
+    for mine, theirs in pairs:
+        if mine.tail != theirs.tail and (mine.tail or "").strip() != (theirs.tail or "").strip():
+            return False
+        if not equal(mine, theirs):
+            return False
+    return True
 
 
-_BEHIND_END = re.compile(rb"(</[^>]*+>)\s++")
-_BEFORE_START = re.compile(rb">\s++(?=<[^/])")
-_NUMBER = re.compile(rb' UId="\d*+"')
+def _said(text: str | None, element: XmlNode) -> str:
+    """The text at the start of an element; blanks before other elements mean nothing."""
+    return (text or "").strip() if len(element) else text or ""
 
 
-def _words(text: bytes) -> list[bytes]:
-    """The tags and texts of a network, without numbers, in no order."""
-    return sorted(_NUMBER.sub(b"", text).split(b"<"))
+def _words(net: XmlNode) -> list[tuple[str, ...]]:
+    """The names, attributes and texts of the elements of a network, without numbers, in no order."""
+    found: list[tuple[str, ...]] = []
+    for element in net.iter():
+        marks = [
+            f"{name}={value}" for name, value in sorted(attributes(element).items()) if not _is_number(name, value)
+        ]
+        tail = "" if element is net else (element.tail or "").strip()
+        found.append((str(element.tag), _said(element.text, element), tail, *marks))
+    return sorted(found)
 
 
-def _described(net: etree._Element) -> dict[Key, tuple[str, str]] | None:
+def _is_number(name: str, value: str) -> bool:
+    return name == UID and (not value or (value.isascii() and value.isdigit()))
+
+
+def _described(net: XmlNode) -> dict[Key, tuple[str, str]] | None:
     """The number and the content of each numbered element by its place; None for a network that is built otherwise."""
     found: dict[Key, tuple[str, str]] = {}
     operands: dict[str, str] = {}
     places: dict[str, int] = {}
-    wires: list[etree._Element] = []
+    wires: list[XmlNode] = []
     for group in children(net):
         if group.attrib or local(group) not in ("Labels", "Parts", "Wires"):
             return None
@@ -76,8 +89,9 @@ def _described(net: etree._Element) -> dict[Key, tuple[str, str]] | None:
             else:
                 places[number] = len(places)
                 found["part", str(places[number])] = number, _content(child)
-                for instance in child.iter("{*}Instance"):
-                    found["instance", str(places[number])] = instance.get(UID, ""), ""
+                for instance in child.iter():
+                    if local(instance) == "Instance":
+                        found["instance", str(places[number])] = instance.get(UID, ""), ""
     count = len(found) + len(operands)
     for wire in wires:
         ends = [_end(end, places, operands) for end in children(wire)]
@@ -95,14 +109,14 @@ def _described(net: etree._Element) -> dict[Key, tuple[str, str]] | None:
     return found if known else None
 
 
-def _end(end: etree._Element, places: dict[str, int], operands: dict[str, str]) -> tuple[str, str, str]:
+def _end(end: XmlNode, places: dict[str, int], operands: dict[str, str]) -> tuple[str, str, str]:
     kind, number = local(end), end.get(UID, "")
     if kind == "NameCon":
         return kind, str(places.get(number, "?")), end.get("Name", "")
     return kind, operands.get(number, "?") if kind == "IdentCon" else "", ""
 
 
-def _content(element: etree._Element) -> str:
+def _content(element: XmlNode) -> str:
     """What an element says, without numbers."""
     marks = sorted(
         (key, value) for key, value in attributes(element).items() if key != UID or local(element) in _NESTED

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree as ET
+
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.hints import operand_hints
+from plcopen_sfc.formats.simaticml.light import is_complete, light, text_of
 from plcopen_sfc.formats.simaticml.likeness import numbers_like
 from plcopen_sfc.formats.simaticml.networks_reader import DamagedError, read_flgnet
 from plcopen_sfc.formats.simaticml.networks_writer import write_flgnet
@@ -12,6 +15,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
     ReadContext,
+    XmlNode,
     carried,
     carry_attribute,
     child_named,
@@ -34,29 +38,39 @@ def read_network(ctx: ReadContext, element: etree._Element) -> Fields:
 
     What our writer would write otherwise is kept as it stands beside it.
     """
-    fields: Fields = {"nodes": read_flgnet(element)}
+    text = text_of(element)
+    net = light(text)
+    texts: dict[str, str] = {}
+    fields: Fields = {"nodes": read_flgnet(net, texts)}
     read_comments(ctx, element, fields)
-    if fields.get("nodes") and element.find("{*}Wires") is None:
+    if fields.get("nodes") and child_named(net, "Wires") is None:
         return fields  # from a comment
     if not fields["nodes"]:
         keep_verbatim(fields, element)
         return fields
-    for hints in ({}, operand_hints(element)):
-        copy = etree.Element(element.tag)
-        try:
-            write_flgnet(copy, LogicNetwork.model_validate({**fields, "carried": {"attributes": hints}}))
-        except NotUnderstoodError:
-            break
-        numbers = numbers_like(element, copy) if not element.attrib else None
-        if numbers is not None:
-            short = shortened(numbers, numbers_of(copy))
-            attributes = hints | ({NUMBERS: short} if short else {})
-            if attributes:
-                carried(fields)["attributes"].update(attributes)
-            return fields
-    fields.pop("carried", None)
-    keep_verbatim(fields, element)
+    kept = _beside(net, fields, operand_hints(net, texts)) if is_complete(text) else None
+    if kept is None:
+        fields.pop("carried", None)
+        keep_verbatim(fields, element)
+    elif kept:
+        carried(fields)["attributes"].update(kept)
     return fields
+
+
+def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, str] | None:
+    """What must be carried beside `fields`, so that `net` is written from them; None where that cannot be."""
+    if net.attrib:
+        return None
+    copy = ET.Element(str(net.tag))
+    try:
+        matter = write_flgnet(copy, LogicNetwork.model_validate({**fields, "carried": {"attributes": hints}}))
+    except NotUnderstoodError:
+        return None
+    numbers = numbers_like(net, copy)
+    if numbers is None:
+        return None
+    short = shortened(numbers, numbers_of(copy))
+    return (hints if matter else {}) | ({NUMBERS: short} if short else {})
 
 
 def write_network(ctx: WriteContext, root: etree._Element, network: LogicNetwork) -> etree._Element | None:

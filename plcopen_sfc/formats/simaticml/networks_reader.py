@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from lxml import etree
-
 from plcopen_sfc.formats.simaticml.operands import read_operand, read_path
 from plcopen_sfc.formats.simaticml.parts import (
     CALL_MARKS,
@@ -25,7 +23,7 @@ from plcopen_sfc.formats.simaticml.parts import (
     part_block,
     template_type,
 )
-from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, attributes, children, local
+from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, XmlNode, attributes, children, local
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 
 _PARAMETER_SECTIONS = {"Input": "inputs", "InOut": "in_outs", "Output": "outputs", "Return": "outputs"}
@@ -46,7 +44,7 @@ class _Pin:
 
 @dataclass
 class _Part:
-    element: etree._Element
+    element: XmlNode
     pins: dict[str, _Pin] = field(default_factory=dict)
     label: str | None = None
 
@@ -55,8 +53,11 @@ class _Part:
         return self.pins.pop(name, None)
 
 
-def read_flgnet(element: etree._Element) -> list[Fields]:
-    """The nodes of a network. Raises `NotUnderstoodError` where the model cannot say all of it."""
+def read_flgnet(element: XmlNode, texts: dict[str, str] | None = None) -> list[Fields]:
+    """The nodes of a network. Raises `NotUnderstoodError` where the model cannot say all of it.
+
+    `texts` gets the texts of the operands by their numbers.
+    """
     found = _Network()
     for child in children(element):
         kind = local(child)
@@ -68,6 +69,8 @@ def read_flgnet(element: etree._Element) -> list[Fields]:
             raise NotUnderstoodError(f"an element {kind}")
         for one in children(child) if kind == "Parts" else ():
             found.add(one)
+    if texts is not None:
+        texts |= found.operands
     has_rail = False
     for wire in found.wires:
         has_rail |= _wire(wire, found)
@@ -91,9 +94,9 @@ class _Network:
     targets: dict[str, str] = field(default_factory=dict)
     parts: dict[str, _Part] = field(default_factory=dict)
     labels: list[Fields] = field(default_factory=list)
-    wires: list[etree._Element] = field(default_factory=list)
+    wires: list[XmlNode] = field(default_factory=list)
 
-    def add(self, element: etree._Element) -> None:
+    def add(self, element: XmlNode) -> None:
         """Add a child of ``Parts``."""
         if local(element) not in ("Access", "Part", "Call"):
             raise NotUnderstoodError(f"an element {local(element)}")
@@ -109,7 +112,7 @@ class _Network:
             self.parts[number] = _Part(element)
 
 
-def _label(element: etree._Element) -> Fields:
+def _label(element: XmlNode) -> Fields:
     """Read ``LabelDeclaration``: the label of a network, to which jumps of the same block lead."""
     number = element.get("UId", "")
     if local(element) != "LabelDeclaration" or len(element.attrib) != 1 or not number.isdigit():
@@ -117,7 +120,7 @@ def _label(element: etree._Element) -> Fields:
     return {"kind": "label", "id": int(number), "label": _label_name(element)}
 
 
-def _label_name(owner: etree._Element) -> str:
+def _label_name(owner: XmlNode) -> str:
     inner = children(owner)
     if len(inner) != 1 or local(inner[0]) != "Label" or set(inner[0].attrib) != {"Name"} or len(inner[0]):
         raise NotUnderstoodError("a label")
@@ -137,7 +140,7 @@ def _inverter(number: int, coil: Fields) -> Fields:
     }
 
 
-def _wire(wire: etree._Element, net: _Network) -> bool:
+def _wire(wire: XmlNode, net: _Network) -> bool:
     """Note a wire at the pins that it connects; whether it starts at the power rail."""
     parts = net.parts
     ends = [(local(end), end.get("UId", ""), end.get("Name", "")) for end in children(wire)]
@@ -204,7 +207,7 @@ def _connection(parts: dict[str, _Part], number: str, pin: str) -> Fields:
     return {"source": int(number), "pin": model_pin(known_part(element), pin)}
 
 
-def known_part(element: etree._Element) -> StandardBlock | None:
+def known_part(element: XmlNode) -> StandardBlock | None:
     """The standard block that a ``Part`` is; None for others and for calls."""
     return part_block(element.get("Name", "")) if local(element) == "Part" else None
 
@@ -304,7 +307,7 @@ def _block(number: str, part: _Part, name: str) -> Fields:
     return fields
 
 
-def _instance(element: etree._Element) -> str:
+def _instance(element: XmlNode) -> str:
     scope = element.get("Scope")
     if scope == "LocalVariable":
         return "#" + read_path(element, globally=False)
@@ -366,7 +369,7 @@ def _call(number: str, part: _Part) -> Fields:
     return fields
 
 
-def _parameter(part: _Part, element: etree._Element, parameters: Fields, negated: set[str]) -> None:
+def _parameter(part: _Part, element: XmlNode, parameters: Fields, negated: set[str]) -> None:
     name, section = element.get("Name", ""), element.get("Section", "")
     group = _PARAMETER_SECTIONS.get(section)
     if group is None or any(child.get("Informative") != "true" for child in children(element)):

@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from lxml import etree
-
 from plcopen_sfc.formats.simaticml.hints import Hints
 from plcopen_sfc.formats.simaticml.networks_reader import JUMP_PIN
 from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand, write_operand, write_path
@@ -25,7 +23,7 @@ from plcopen_sfc.formats.simaticml.parts import (
     s7_name,
     template_type,
 )
-from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
+from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode
 from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, renumber
 from plcopen_sfc.formats.simaticml.writing import sub
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
@@ -83,20 +81,24 @@ class _Draft:
     """Whether the input of a coil is negated."""
 
 
-def write_flgnet(root: etree._Element, network: LogicNetwork, types: Mapping[str, str] | None = None) -> None:
+def write_flgnet(root: XmlNode, network: LogicNetwork, types: Mapping[str, str] | None = None) -> bool:
     """Fill the ``FlgNet`` element `root`. Raises `NotUnderstoodError` where TIA Portal has no such network.
 
     `types` are those of variables (``#x``) as TIA Portal spells them, for boxes that must say of which type they are.
+    Returns whether the hints of the network made a difference.
     """
-    _Writer(root, network, types or {}).run()
+    writer = _Writer(root, network, types or {})
+    writer.run()
+    return writer.hints_matter
 
 
 class _Writer:
-    def __init__(self, root: etree._Element, network: LogicNetwork, types: Mapping[str, str]) -> None:
+    def __init__(self, root: XmlNode, network: LogicNetwork, types: Mapping[str, str]) -> None:
         self.root = root
         self.types = types
         self.numbers = _kept(network.carried).get(NUMBERS, "")
         self.hints = Hints(_kept(network.carried))
+        self.hints_matter = False
         self.labels = [node for node in network.nodes if isinstance(node, Label)]
         self.rails = {node.id for node in network.nodes if isinstance(node, LeftPowerRail)}
         self.inputs = {node.id: node for node in network.nodes if isinstance(node, InputVariable)}
@@ -220,16 +222,16 @@ class _Writer:
             return False
         return not end.is_output or not self._consumers((draft.number, end.name))
 
-    def _access(self, parent: etree._Element, draft: _Draft, end: _End, text: str) -> None:
+    def _access(self, parent: XmlNode, draft: _Draft, end: _End, text: str) -> None:
         number = self.uid()
         self.access[draft.number, end.name] = number
         if isinstance(draft.node, Jump) and end.name == JUMP_PIN:
             sub(sub(parent, "Access", {"Scope": "Label", "UId": number}), "Label", {"Name": text})
             return
         hint = self.hints.at(text, draft.number, end.name)
-        write_operand(parent, text, draft.kind, {"UId": number}, hint=hint, index=self.hints.index)
+        self.hints_matter |= write_operand(parent, text, draft.kind, {"UId": number}, hint=hint, index=self.hints.index)
 
-    def _part(self, parent: etree._Element, draft: _Draft) -> None:
+    def _part(self, parent: XmlNode, draft: _Draft) -> None:
         node = draft.node
         if isinstance(node, Block) and node.call is not None and node.call.value in _CALL_NAMES:
             self._call(parent, draft, node)
@@ -282,7 +284,7 @@ class _Writer:
             return "Time"
         return literal_type(literals[0], "") if literals else "Int"
 
-    def _call(self, parent: etree._Element, draft: _Draft, node: Block) -> None:
+    def _call(self, parent: XmlNode, draft: _Draft, node: Block) -> None:
         draft.uid = self.uid()
         element = sub(parent, "Call", {"UId": draft.uid})
         call = _CALL_NAMES[node.call.value] if node.call is not None else "FC"
@@ -307,14 +309,14 @@ class _Writer:
                 if variable.negated:
                     sub(element, "Negated", {"Name": variable.name})
 
-    def _instance(self, parent: etree._Element, text: str) -> None:
+    def _instance(self, parent: XmlNode, text: str) -> None:
         operand = parse_operand(text)
         if operand is None or not operand.path:
             raise NotUnderstoodError(f"{text} is no instance")
         instance = sub(parent, "Instance", {"Scope": operand.scope, "UId": self.uid()})
-        write_path(instance, operand.path, hint=self.hints.of(text), index=self.hints.index)
+        self.hints_matter |= write_path(instance, operand.path, hint=self.hints.of(text), index=self.hints.index)
 
-    def _wires(self, parent: etree._Element, draft: _Draft, end: _End, opens: dict[tuple[str, str], str]) -> None:
+    def _wires(self, parent: XmlNode, draft: _Draft, end: _End, opens: dict[tuple[str, str], str]) -> None:
         """Write the wires that start at a pin, or end at it from an operand or nowhere."""
         here = ("NameCon", {"UId": draft.uid, "Name": end.name})
         if end.is_output:
@@ -332,7 +334,7 @@ class _Writer:
     def _consumers(self, key: tuple[int, str | None]) -> list[tuple[str, dict[str, str]]]:
         return [("NameCon", {"UId": draft.uid, "Name": end.name}) for draft, end in self.consumers.get(key, ())]
 
-    def _wire(self, parent: etree._Element, *ends: tuple[str, dict[str, str]]) -> None:
+    def _wire(self, parent: XmlNode, *ends: tuple[str, dict[str, str]]) -> None:
         wire = sub(parent, "Wire", {"UId": self.uid()})
         for kind, marks in ends:
             sub(wire, kind, marks)

@@ -6,10 +6,9 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
-from lxml import etree
-
-from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, attributes, children, local
+from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode, attributes, children, local
 from plcopen_sfc.formats.simaticml.versions import schema_of
 from plcopen_sfc.formats.simaticml.writing import sub
 from plcopen_sfc.formats.xml.carrying import legal
@@ -24,7 +23,7 @@ def quoted(name: str, *, always: bool = False) -> str:
     return name if not always and _PLAIN.fullmatch(name) else f'"{name}"'
 
 
-def read_operand(access: etree._Element) -> str:
+def read_operand(access: XmlNode) -> str:
     """The text of an ``Access``. Raises `NotUnderstoodError`."""
     scope = access.get("Scope", "")
     inner = children(access)
@@ -46,7 +45,7 @@ def read_operand(access: etree._Element) -> str:
     raise NotUnderstoodError
 
 
-def read_path(element: etree._Element, *, globally: bool) -> str:
+def read_path(element: XmlNode, *, globally: bool) -> str:
     """The path of ``Component`` children: ``a.b[1].%X0``; the first name of a global one is in quotes."""
     parts: list[str] = []
     for child in children(element):
@@ -56,17 +55,27 @@ def read_path(element: etree._Element, *, globally: bool) -> str:
             continue
         if local(child) != "Component":
             raise NotUnderstoodError
-        left = attributes(child)
-        name = left.pop("Name", "")
-        text = quoted(name, always=globally and not parts) if name else ""
-        bits = left.pop("SliceAccessModifier", None)
-        indices = [read_operand(index) for index in children(child) if local(index) == "Access"]
-        if len(indices) != len(child) or left not in ({}, {"AccessModifier": "Array"}) or '"' in name or not name:
+        name = child.get("Name", "")
+        if '"' in name or not name:
             raise NotUnderstoodError
-        parts.append(text + (f"[{', '.join(indices)}]" if indices else "") + (f".%{bits.upper()}" if bits else ""))
+        text = quoted(name, always=globally and not parts)
+        if len(child) or len(child.attrib) > 1:
+            text += _read_details(child)
+        parts.append(text)
     if not parts:
         raise NotUnderstoodError
     return ".".join(parts)
+
+
+def _read_details(component: XmlNode) -> str:
+    """What stands behind the name of a ``Component``: indices and a slice."""
+    left = attributes(component)
+    del left["Name"]
+    bits = left.pop("SliceAccessModifier", None)
+    indices = [read_operand(index) for index in children(component) if local(index) == "Access"]
+    if len(indices) != len(component) or left not in ({}, {"AccessModifier": "Array"}):
+        raise NotUnderstoodError
+    return (f"[{', '.join(indices)}]" if indices else "") + (f".%{bits.upper()}" if bits else "")
 
 
 _AREAS = {"I": "Input", "E": "Input", "Q": "Output", "A": "Output", "M": "Memory"}
@@ -74,7 +83,7 @@ _LETTERS = {"Input": "I", "Output": "Q", "Memory": "M"}
 _WIDTHS = {"": "Bool", "X": "Bool", "B": "Byte", "W": "Word", "D": "DWord", "L": "LWord"}
 
 
-def read_address(element: etree._Element) -> str:
+def read_address(element: XmlNode) -> str:
     """The text of an absolute address: ``%I0.1``. Raises `NotUnderstoodError`."""
     area, kind = element.get("Area", ""), element.get("Type", "")
     offset = element.get("BitOffset", "")
@@ -114,6 +123,7 @@ _ADDRESS = re.compile(r"%([IQMEA])([XBWDL]?)(\d+)(?:\.([0-7]))?", re.IGNORECASE)
 _LITERAL = re.compile(r"(?i:TRUE|FALSE)|[-+]?\d.*|'.*'|[^\W\d]\w*#.*", re.DOTALL)
 
 
+@lru_cache(maxsize=4096)
 def parse_operand(text: str) -> Operand | None:
     """What `text` means as an operand; None where it is more than one (an expression)."""
     text = text.strip()
@@ -178,17 +188,18 @@ def _parse_indices(text: str, position: int) -> tuple[tuple[str, ...], int]:
 
 
 def write_operand(
-    parent: etree._Element,
+    parent: XmlNode,
     text: str,
     kind: str,
     attributes: dict[str, str] | None = None,
     *,
     hint: str | None = None,
     index: Callable[[str], str | None] | None = None,
-) -> None:
+) -> bool:
     """Write an ``Access``; `kind` is the type of a number where it stands. Raises `NotUnderstoodError` for no operand.
 
-    `hint` says what the text does not (see `hints`), `index` gives that of an index of an array.
+    `hint` says what the text does not (see `hints`), `index` gives that of an index of an array. Returns whether they
+    made a difference.
     """
     operand = parse_operand(text)
     if operand is None:
@@ -196,20 +207,24 @@ def write_operand(
     if hint in CONSTANTS and operand.path:
         constant = sub(parent, "Access", {"Scope": hint, **(attributes or {})})
         sub(constant, "Constant", {"Name": operand.path[0].name})
-        return
+        return True
     element = sub(parent, "Access", {"Scope": operand.scope, **(attributes or {})})
     if operand.path:
-        write_path(sub(element, "Symbol"), operand.path, hint=hint, index=index)
-    elif operand.scope == "Address":
+        return write_path(sub(element, "Symbol"), operand.path, hint=hint, index=index)
+    if operand.scope == "Address":
         _write_address(element, text.strip())
-    else:
-        constant = sub(element, "Constant")
-        given, _, shown = (hint or "").partition(" ")
-        if operand.scope == "LiteralConstant":
-            sub(constant, "ConstantType").text = given or literal_type(operand.value, kind)
-        sub(constant, "ConstantValue").text = operand.value
-        if shown:
-            sub(constant, "StringAttribute", {"Name": "Format", "Informative": "true"}).text = shown
+        return False
+    constant = sub(element, "Constant")
+    given, _, shown = (hint or "").partition(" ")
+    differs = bool(shown)
+    if operand.scope == "LiteralConstant":
+        usual = literal_type(operand.value, kind)
+        sub(constant, "ConstantType").text = given or usual
+        differs |= given not in ("", usual)
+    sub(constant, "ConstantValue").text = operand.value
+    if shown:
+        sub(constant, "StringAttribute", {"Name": "Format", "Informative": "true"}).text = shown
+    return differs
 
 
 def literal_type(value: str, kind: str) -> str:
@@ -232,13 +247,17 @@ _NUMBERS = frozenset(
 
 
 def write_path(
-    parent: etree._Element,
+    parent: XmlNode,
     path: tuple[PathPart, ...],
     *,
     hint: str | None = None,
     index: Callable[[str], str | None] | None = None,
-) -> None:
-    """Write the ``Component`` children of a symbol or an instance, with where it lies where `hint` says so."""
+) -> bool:
+    """Write the ``Component`` children of a symbol or an instance, with where it lies where `hint` says so.
+
+    Returns whether a hint made a difference.
+    """
+    differs = False
     for part in path:
         marks = {"Name": part.name}
         if part.slice is not None:
@@ -247,14 +266,17 @@ def write_path(
             marks["AccessModifier"] = "Array"
         component = sub(parent, "Component", marks)
         for text in part.indices:
-            write_operand(component, text, "DInt", hint=index(text) if index is not None else None, index=index)
+            said = index(text) if index is not None else None
+            differs |= write_operand(component, text, "DInt", hint=said, index=index)
     if address := details(hint or ""):
         sub(parent, "Address", {**address, "Informative": "true"})
+        differs = True
+    return differs
 
 
-def _is_first_schema(element: etree._Element) -> bool:
+def _is_first_schema(element: XmlNode) -> bool:
     """Whether an element is of the first schemas of programs (V14 SP1), where an index has no mark of its own."""
-    found = schema_of(etree.QName(element).namespace or "")
+    found = schema_of(str(element.tag)[1:].partition("}")[0])
     return found is not None and found[1] == 1 and found[0] != "StructuredText"
 
 
@@ -267,7 +289,7 @@ def details(hint: str) -> dict[str, str]:
     return {name: legal(value) for name, value in found.items() if isinstance(value, str) and _PLAIN.fullmatch(name)}
 
 
-def _write_address(parent: etree._Element, text: str) -> None:
+def _write_address(parent: XmlNode, text: str) -> None:
     found = _ADDRESS.fullmatch(text)
     if found is None:
         raise NotUnderstoodError(text)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from typing import Any, TypeVar
+from xml.etree import ElementTree as ET
 
 from lxml import etree
 from pydantic import ValidationError
@@ -24,6 +25,10 @@ M = TypeVar("M", bound=Model)
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""
+
+XmlNode = etree._Element | ET.Element
+"""An element of the document, or of a program that was taken out of it (see `light`)."""
+N = TypeVar("N", bound=XmlNode)
 
 VERBATIM = "urn:plcopen-sfc:simaticml"
 """Foreign data that is the element as it stood in the file, where our writer would write it otherwise.
@@ -82,7 +87,7 @@ class ReadContext:
 _LOCAL: dict[str, str] = {}
 
 
-def local(element: etree._Element) -> str:
+def local(element: XmlNode) -> str:
     """The local name of an element, "" for a comment or processing instruction."""
     tag: Any = element.tag
     name = _LOCAL.get(tag)
@@ -99,17 +104,22 @@ _KNOWN_NAMES = 4096
 """Files of strangers may have any number of names; only so many are remembered."""
 
 
-def children(element: etree._Element) -> list[etree._Element]:
+def children(element: N) -> list[N]:
     """The child elements, without comments."""
-    return [child for child in element if isinstance(child.tag, str)]
+    if isinstance(element, ET.Element):
+        return list(element)  # type: ignore[arg-type]  # elements hold those of their own kind, here and below
+    return [child for child in element if isinstance(child.tag, str)]  # type: ignore[misc]
 
 
-def child_named(element: etree._Element, name: str) -> etree._Element | None:
+def child_named(element: N, name: str) -> N | None:
     """The first child of this local name."""
-    return next((child for child in element if local(child) == name), None)
+    for child in element:
+        if local(child) == name:
+            return child  # type: ignore[return-value]
+    return None
 
 
-def attributes(element: etree._Element) -> dict[str, str]:
+def attributes(element: XmlNode) -> dict[str, str]:
     """The attributes of `element`, to take from."""
     return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
 
@@ -156,7 +166,7 @@ def keep_verbatim(fields: Fields, element: etree._Element) -> None:
     carried(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
 
 
-def same(one: etree._Element, other: etree._Element) -> bool:
+def same(one: XmlNode, other: XmlNode) -> bool:
     """Whether two elements say the same; namespaces and blanks between elements do not count."""
     if local(one) != local(other) or one.attrib != other.attrib:
         return False

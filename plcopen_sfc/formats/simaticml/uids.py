@@ -6,7 +6,9 @@ so that a program that nobody edited keeps them; an edited one of another length
 
 from __future__ import annotations
 
-from lxml import etree
+from typing import Any
+
+from plcopen_sfc.formats.simaticml.reading import XmlNode, children, local
 
 UID = "UId"
 FIRST = 21
@@ -53,12 +55,12 @@ def _is_number(text: str) -> bool:
 _LONGEST = 12
 
 
-def numbers_of(root: etree._Element) -> list[str]:
+def numbers_of(root: XmlNode) -> list[str]:
     """The numbers of the elements below `root`, which must be whole numbers; rising."""
     return [str(number) for number in sorted({int(str(element.get(UID))) for element in _numbered(root)})]
 
 
-def renumber(root: etree._Element, text: str) -> None:
+def renumber(root: XmlNode, text: str) -> None:
     """Give the elements below `root`, which has the usual numbers, those of a short form.
 
     Operands, parts and wires of networks stand in the order of their numbers then, as in TIA Portal.
@@ -67,9 +69,15 @@ def renumber(root: etree._Element, text: str) -> None:
     numbers = dict(zip(usual, lengthened(text, usual), strict=True))
     for element in _numbered(root):
         element.set(UID, numbers[str(element.get(UID))])
-    for group in root.iterchildren("{*}Parts", "{*}Wires"):
-        group[:] = sorted(group, key=lambda element: int(str(element.get(UID))))
+    for group in root:
+        if local(group) in ("Parts", "Wires"):
+            ordered: list[Any] = sorted(children(group), key=lambda element: int(str(element.get(UID))))
+            group[:] = ordered
 
 
-def _numbered(root: etree._Element) -> list[etree._Element]:
-    return [element for element in root.iterdescendants(etree.Element) if element.get(UID) is not None]
+def _numbered(root: XmlNode) -> list[XmlNode]:
+    return [
+        element
+        for element in root.iter()
+        if isinstance(element.tag, str) and element.get(UID) is not None and element is not root
+    ]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from typing import Any
+from xml.etree import ElementTree as ET
 
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.simaticml.reading import ADDED, COMMENT_MARK, VERBATIM
+from plcopen_sfc.formats.simaticml.reading import ADDED, COMMENT_MARK, VERBATIM, N
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
 from plcopen_sfc.model.base import Carried, Model
@@ -64,10 +65,12 @@ class WriteContext:
         return etree.Element(tag, nsmap=nsmap) if parent is None else etree.SubElement(parent, tag, nsmap=nsmap)
 
 
-def sub(parent: etree._Element, name: str, attributes: dict[str, str] | None = None) -> etree._Element:
+def sub(parent: N, name: str, attributes: dict[str, str] | None = None) -> N:
     """A new child of `parent`, in the namespace of `parent`."""
     head, brace, _ = str(parent.tag).rpartition("}")
-    return etree.SubElement(parent, head + brace + name, attributes or {})
+    if isinstance(parent, ET.Element):
+        return ET.SubElement(parent, head + brace + name, attributes or {})  # type: ignore[return-value]  # of its kind
+    return etree.SubElement(parent, head + brace + name, attributes or {})  # type: ignore[return-value]
 
 
 def flag(value: bool) -> str:
