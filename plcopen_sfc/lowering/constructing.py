@@ -62,14 +62,16 @@ class Language(StrEnum):
 class Constructed:
     """A POU made of a chart. `why` says why this construction was taken.
 
-    `step_flags` is what tells in its code that a step is active, by the path of the step. `at_rest` and `left_out` say
-    when it does what the chart does: while inputs that were added have these values, and the variable is FALSE.
+    `step_flags` is what tells in its code that a step is active, by the path of the step; `situation` what does between
+    two scans, where that is not the same. `at_rest` and `left_out` say when it does what the chart does: while inputs
+    that were added have these values, and the variable is FALSE.
     """
 
     pou: Pou
     construction: Construction
     why: str
     step_flags: dict[str, str]
+    situation: dict[str, str]
     at_rest: dict[str, bool]
     left_out: str | None
 
@@ -112,8 +114,9 @@ def construct(
     else:
         raise LoweringError(f"{chosen} has no classic style")
     tells = {path: print_node(expression, dialect) for path, expression in maker.tells().items()}
+    situation = {step.path: print_node(maker.active(step.index), dialect) for step in source.net.steps}
     left_out = code.left_out.identifier if code.left_out is not None else None
-    return Constructed(_pou(pou, code, dialect, language), chosen, why, tells, code.at_rest, left_out)
+    return Constructed(_pou(pou, code, dialect, language), chosen, why, tells, situation, code.at_rest, left_out)
 
 
 def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:

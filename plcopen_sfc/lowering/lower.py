@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.fault_search import find_faults
+from plcopen_sfc.lowering.faults import Fault
+from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.pou import Pou
@@ -27,18 +30,53 @@ class LoweredPou:
 
     `construction` was taken, `why` says why. `proof` is what the comparison with the chart came to, None where none was
     wanted. `at_rest` and `left_out` say for what it holds: while inputs that were added have these values, and in all
-    scans but those in which a variable of the code is TRUE.
+    scans but those in which a variable of the code is TRUE. `faults` are those that textbook code has (`find_faults`),
+    as far as it was compared; `situation` says what tells in the code that a step is active, by the path of the step.
     """
 
     project: Project
     pou: Pou
     construction: Construction
     style: Style
-    profile: Profile
+    rules: LoweringRules
     why: str
     proof: Verdict | None
+    faults: tuple[Fault, ...]
     at_rest: Mapping[str, bool]
     left_out: str | None
+    situation: Mapping[str, str]
+
+    @property
+    def profile(self) -> Profile:
+        """What the chart does."""
+        return self.rules.profile
+
+    @property
+    def language(self) -> str:
+        """The language of the code: ``ST``, ``FBD`` or ``LD``."""
+        return str(self.pou.body.language) if self.pou.body is not None else ""
+
+    def __str__(self) -> str:
+        """What was made and why, what the comparison came to, and the faults."""
+        lines = [f"{self.pou.name}: {self.style} {self.construction} in {self.language}: {self.why}"]
+        if self.proof is not None:
+            verdict = str(self.proof).splitlines()
+            lines.append(f"under the profile {self.profile.name}: {verdict[0]}")
+            lines += [] if self.faults else verdict[1:]  # their traces say it better
+        return "\n".join([*lines, *map(str, self.faults)])
+
+    def as_dict(self) -> dict[str, Any]:
+        """What `str` says as plain data, for JSON."""
+        return {
+            "pou": self.pou.name,
+            "construction": self.construction.value,
+            "style": self.style.value,
+            "language": self.language,
+            "profile": self.profile.name,
+            "why": self.why,
+            "proof": self.proof.as_dict() if self.proof is not None else None,
+            "faults": [fault.as_dict() for fault in self.faults],
+        }
 
 
 def lower(
@@ -104,11 +142,12 @@ def lower(
         project=found.project,
     )
     project = _with(found, made.pou)
+    code = Subject(project, made.pou, found.name)
     proof: Verdict | None = None
     if verify:
         proof = equivalent(
             found,
-            Subject(project, made.pou, found.name),
+            code,
             semantics,
             fixed=made.at_rest,
             left_out=made.left_out,
@@ -120,8 +159,36 @@ def lower(
                 location=Location(path=found.name),
                 hint="This is an error of plcopen_sfc: please report it with the chart.",
             )
-    return LoweredPou(
-        project, made.pou, made.construction, wanted_style, semantics, made.why, proof, made.at_rest, made.left_out
+    lowered = LoweredPou(
+        project,
+        made.pou,
+        made.construction,
+        wanted_style,
+        rules,
+        made.why,
+        proof,
+        (),
+        made.at_rest,
+        made.left_out,
+        made.situation,
+    )
+    return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
+
+
+def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
+    """The faults of textbook code that was made of a chart; exact code has none."""
+    chart = subject.pou.sfc
+    if lowered.style is Style.EXACT or chart is None:
+        return ()
+    return find_faults(
+        subject,
+        Subject(lowered.project, lowered.pou, subject.name),
+        read_chart(subject.pou, chart, subject.project.dialect, lowered.profile),
+        lowered.construction,
+        lowered.rules,
+        situation=lowered.situation,
+        at_rest=lowered.at_rest,
+        left_out=lowered.left_out,
     )
 
 
@@ -137,7 +204,7 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
 
 
 def _with(subject: Subject, pou: Pou) -> Project:
-    """A copy of the project with `pou` instead of the one of the same name."""
+    """A copy of the project with `pou` instead of the one of the same name, and with new data types."""
     project = subject.project.model_copy(deep=True)
     names = [each.name for each in project.pous]
     if subject.pou.name in names:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.api import dumps, load, loads
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering.constructing import Style
-from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.semantics.subjects import resolve
 
 _FINDINGS = 1
@@ -75,34 +74,22 @@ def run(screen: Screen, source: str, target: str | None, how: How) -> int:
                 f"nothing is written: read back, the code does not do what the chart does: {proof}",
                 hint="Please report it with the chart.",
             )
+        lowered = replace(lowered, proof=proof, faults=faults_of(subject, lowered))
     name = target or _beside(Path(source), how.to)
     write_atomic(Path(name), data)
-    _show(screen, name, lowered, proof)
+    if screen.as_json:
+        screen.json({"file": name} | lowered.as_dict())
+    else:
+        _show(screen, name, lowered)
     return _FINDINGS if proof is not None and proof.outcome is Outcome.DIFFERENT else 0
 
 
-def _show(screen: Screen, target: str, lowered: LoweredPou, proof: Verdict | None) -> None:
-    if screen.as_json:
-        screen.json(_data(target, lowered, proof))
-        return
-    body = lowered.pou.body
-    language = body.language if body is not None else ""
-    what = f"{lowered.style} {lowered.construction} in {language}: {lowered.why}"
-    screen.line((lowered.pou.name, "bold"), f"  {what}")
-    screen.line(f"under the profile {lowered.profile.name}: ", str(proof) if proof is not None else "not compared")
+def _show(screen: Screen, target: str, lowered: LoweredPou) -> None:
+    head, *rest = str(lowered).splitlines()
+    screen.line((lowered.pou.name, "bold"), head.removeprefix(lowered.pou.name))
+    for line in rest if lowered.proof is not None else ["not compared with the chart"]:
+        screen.line(line)
     screen.line("written: ", (target, "bold"))
-
-
-def _data(target: str, lowered: LoweredPou, proof: Verdict | None) -> dict[str, Any]:
-    return {
-        "file": target,
-        "pou": lowered.pou.name,
-        "construction": lowered.construction,
-        "style": lowered.style,
-        "profile": lowered.profile.name,
-        "why": lowered.why,
-        "proof": proof.as_dict() if proof is not None else None,
-    }
 
 
 def _beside(source: Path, to: str) -> str:

@@ -1,0 +1,231 @@
+"""How to see, from one scan of a textbook chain, which of its faults has shown itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from plcopen_sfc.analysis.marking import MarkingGraph
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.lowering.faults import FaultKind
+from plcopen_sfc.lowering.logic import TRUE, is_constant
+from plcopen_sfc.lowering.source import ActionSource
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.semantics.net import Net, Rivals, indexes, mask
+from plcopen_sfc.semantics.profile import Profile, ScanOrder
+
+Place = tuple[str, ...]
+"""The steps, and the output, in which a fault has shown itself."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """What one scan of the code has done.
+
+    `before` and `after` are the active steps, `wanted` the transitions that were enabled with a TRUE condition at its
+    beginning, all as bits. `restarted`: the chain was initialised. `was` and `now` are the outputs of `Facts.outputs`
+    before and after it.
+    """
+
+    first: bool
+    before: int
+    after: int
+    wanted: int
+    restarted: bool
+    was: Sequence[bool]
+    now: Sequence[bool]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A variable that is driven by qualifier N only: by the steps `always`, and by `sometimes` under conditions."""
+
+    name: str
+    always: int
+    sometimes: int
+
+
+class Facts:
+    """What is known of a chart before anything runs."""
+
+    def __init__(self, net: Net, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output]) -> None:
+        self.net, self.profile, self.graph = net, profile, graph
+        self.outputs = outputs
+        self.following = [mask(x for t in each for x in net.transitions[t].targets) for each in net.leaving]
+
+    def together(self, a: int, b: int) -> bool:
+        """Whether the chart can have both steps active, as far as was searched."""
+        together = self.graph.concurrency
+        if together is not None:
+            return bool(together[a] >> b & 1)
+        both = 1 << a | 1 << b
+        return any(marking & both == both for marking in self.graph)
+
+    def names(self, *steps: int) -> Place:
+        """The paths of steps."""
+        return tuple(self.net.steps[step].path for step in steps)
+
+
+def outputs_of(actions: Sequence[ActionSource]) -> list[Output]:
+    """The Boolean variables that nothing but qualifier N drives."""
+    found: list[Output] = []
+    for action in actions:
+        plain = all(use.qualifier in (Qualifier.N, Qualifier.NONE) and not use.inverted for use in action.uses)
+        if not isinstance(action.target, n.Name) or not plain:
+            continue
+        always = sometimes = 0
+        for use in action.uses:
+            bits = mask(use.steps)
+            always |= bits if is_constant(use.condition, TRUE) else 0
+            sometimes |= bits
+        found.append(Output(action.target.identifier, always, sometimes))
+    return found
+
+
+def _overlap(facts: Facts, scan: Scan) -> Iterator[Place]:
+    for transition in facts.net.transitions:
+        for source in indexes(transition.pre & scan.after):
+            for target in indexes(transition.post & scan.after & ~transition.pre):
+                if not facts.together(source, target):
+                    yield facts.names(source, target)
+
+
+def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
+    entered = scan.after & ~scan.before
+    if scan.restarted or scan.first:
+        entered &= ~facts.net.initial
+    for step in indexes(entered):
+        ways = [facts.net.transitions[t] for t in facts.net.entering[step]]
+        if any(not way.pre & ~scan.before for way in ways):
+            continue
+        for way in ways:
+            if way.pre & ~(scan.before | scan.after):
+                continue
+            through = next(indexes(way.pre & ~scan.before))
+            origins = [facts.net.transitions[t].pre for t in facts.net.entering[through]]
+            origin = next((bits for bits in origins if not bits & ~(scan.before | scan.after)), 0)
+            yield facts.names(*indexes(origin), through, step)
+
+
+def _blocked_loop(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted:
+        return
+    for transition in facts.net.transitions:
+        if not scan.wanted & transition.bit or any(scan.wanted >> rival & 1 for rival in transition.rivals):
+            continue
+        for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):
+            if transition.pre & facts.following[target]:
+                source = next(indexes(transition.pre & facts.following[target]))
+                yield facts.names(*sorted((source, target)))
+
+
+def _init_empties(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if not scan.restarted:
+        return
+    for step in indexes(facts.net.initial & ~scan.after):
+        behind = facts.following[step] & scan.before
+        if behind and not scan.after & ~facts.net.initial:
+            yield facts.names(step, next(indexes(behind)))
+
+
+def _duplicated(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if facts.profile.rivals is Rivals.ALL:
+        return
+    entered = scan.after & ~scan.before
+    for transition in facts.net.transitions:
+        for rival in (facts.net.transitions[i] for i in transition.rivals):
+            if not scan.wanted & transition.bit or not scan.wanted & rival.bit:
+                continue
+            mine, theirs = transition.post & ~rival.post, rival.post & ~transition.post
+            if mine & entered and theirs & entered:
+                source = next(indexes(transition.pre & rival.pre))
+                yield facts.names(source, next(indexes(theirs & entered)), next(indexes(mine & entered)))
+
+
+def _lost(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted or scan.first:
+        return
+    for step in indexes(scan.before & ~scan.after):
+        leaving = [facts.net.transitions[t] for t in facts.net.leaving[step]]
+        behind = facts.following[step] & ~(1 << step)
+        if not behind & (scan.before | scan.after) and all(t.post for t in leaving):
+            yield facts.names(step)
+
+
+def _not_started(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.first and not scan.after and not scan.restarted:
+        yield facts.names(*indexes(facts.net.initial))
+
+
+def _gap(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.before == scan.after or scan.restarted:
+        return
+    for output, now in zip(facts.outputs, scan.now, strict=True):
+        if output.always & scan.before and output.always & scan.after and not now:
+            yield (*facts.names(*indexes(scan.before), *indexes(scan.after)), output.name)
+
+
+def _shifted(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.before == scan.after or scan.restarted:
+        return
+    late = facts.profile.order is ScanOrder.TRANSITIONS_FIRST
+    active = scan.after if late else scan.before
+    other = scan.before if late else scan.after
+    for output, now in zip(facts.outputs, scan.now, strict=True):
+        if output.always & active and not output.always & other and not now:
+            yield (*facts.names(*indexes(active)), output.name)
+
+
+def _swallowed(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.before == scan.after or scan.restarted or scan.first:
+        return
+    for output, was, now in zip(facts.outputs, scan.was, scan.now, strict=True):
+        if output.always & scan.before and not was and not now:
+            yield (*facts.names(*indexes(scan.before)), output.name)
+
+
+def _stuck(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if not scan.restarted:
+        return
+    for output, now in zip(facts.outputs, scan.now, strict=True):
+        if now and output.sometimes & scan.before and not output.sometimes & (facts.net.initial | scan.after):
+            yield (*facts.names(*indexes(scan.before)), output.name)
+
+
+def _later_rival(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted or facts.profile.rivals is Rivals.ALL:
+        return
+    for transition in facts.net.transitions:
+        for rival in (facts.net.transitions[i] for i in transition.rivals):
+            both = scan.wanted & transition.bit and scan.wanted & rival.bit
+            if both and scan.after == transition.post != rival.post:
+                yield facts.names(*indexes(rival.pre & transition.pre), *indexes(rival.post), *indexes(scan.after))
+
+
+def _init_ignored(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted and scan.after & ~facts.net.initial:
+        yield facts.names(*indexes(facts.net.initial), *indexes(scan.after & ~facts.net.initial))
+
+
+Rule = Callable[[Facts, Scan], Iterator[Place]]
+
+FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
+    FaultKind.OVERLAP: _overlap,
+    FaultKind.RUN_THROUGH: _run_through,
+    FaultKind.BLOCKED_LOOP: _blocked_loop,
+    FaultKind.INIT_EMPTIES: _init_empties,
+    FaultKind.DUPLICATED: _duplicated,
+    FaultKind.LOST: _lost,
+    FaultKind.NOT_STARTED: _not_started,
+}
+"""What can be wrong with a chain of flip-flops."""
+
+CASE_RULES: Mapping[FaultKind, Rule] = {
+    FaultKind.GAP: _gap,
+    FaultKind.SHIFTED: _shifted,
+    FaultKind.SWALLOWED: _swallowed,
+    FaultKind.STUCK: _stuck,
+    FaultKind.LATER_RIVAL: _later_rival,
+    FaultKind.INIT_IGNORED: _init_ignored,
+}
+"""What can be wrong with a CASE whose branches hold their actions."""

@@ -1,0 +1,195 @@
+"""Faults of textbook chains: what they are, and what a report says of those that one chart has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location
+from plcopen_sfc.semantics.signals import Value
+
+_OTHERS_SHOWN = 10
+__all__ = ["Fault", "FaultKind", "FaultScan"]
+
+
+class FaultKind(Enum):
+    """A way in which a textbook chain does something else than its chart. The codes are stable."""
+
+    def __init__(self, code: str, title: str, why: str) -> None:
+        self.code = code
+        self.title = title
+        self.why = why
+
+    OVERLAP = (
+        "LOW101",
+        "two steps that follow each other are active in one scan",
+        "A step is reset by the flag of the step behind it, and so a scan after that was set. What both drive is on "
+        "together: forward and backward, for instance.",
+    )
+    RUN_THROUGH = (
+        "LOW102",
+        "a token runs through several steps in one scan",
+        "The network of a step sees the flag that the network before it has just set. Where the next condition is TRUE "
+        "already, it goes on at once.",
+    )
+    BLOCKED_LOOP = (
+        "LOW103",
+        "two steps that lead to each other block the chain",
+        "The step before it is the step behind it too, and resets it in the scan in which it is to be set.",
+    )
+    INIT_EMPTIES = (
+        "LOW104",
+        "an initialisation of one scan leaves no initial step active",
+        "The initial step is reset by the step behind it, which is still active in that scan; then that is reset too.",
+    )
+    DUPLICATED = (
+        "LOW105",
+        "a selection activates several of its legs",
+        "The conditions of two legs are TRUE together, and nothing gives way to the other.",
+    )
+    LOST = (
+        "LOW106",
+        "a step ends although no transition has left it",
+        "It leads to itself, and so is reset by its own flag.",
+    )
+    NOT_STARTED = (
+        "LOW107",
+        "no step is active until the first initialisation",
+        "The chart starts at its initial step; the flip-flop of that step waits for a pulse.",
+    )
+    GAP = (
+        "LOW201",
+        "an output is off for a scan between two steps that both drive it",
+        "The step that ends resets it behind everything that set it.",
+    )
+    SHIFTED = (
+        "LOW202",
+        "an output is off in a scan in which its step is active",
+        "The actions of a step stand before its transition: they begin a scan after it has become active, and are "
+        "reset in the scan in which it ends.",
+    )
+    SWALLOWED = (
+        "LOW203",
+        "the output of a step never comes on",
+        "The condition behind the step is TRUE at once: its transition resets the output in the scan that sets it.",
+    )
+    STUCK = (
+        "LOW204",
+        "an output stays on that no active step drives",
+        "The initialisation changes the step without what its transition would have reset.",
+    )
+    LATER_RIVAL = (
+        "LOW205",
+        "of two transitions that are TRUE together the later one wins",
+        "Each has an IF of its own, and the last assignment counts.",
+    )
+    INIT_IGNORED = (
+        "LOW206",
+        "the chain goes on while it is initialised",
+        "The transition of the initial step is tried in the same scan.",
+    )
+
+
+@dataclass(frozen=True)
+class FaultScan:
+    """One scan of the inputs that show a fault, and what both do with them.
+
+    `inputs` are all that the code reads. `chart` and `code` are the steps that are active at its end, `chart_outputs`
+    and `code_outputs` the values of the outputs concerned.
+    """
+
+    inputs: Mapping[str, Value]
+    chart: tuple[str, ...]
+    code: tuple[str, ...]
+    chart_outputs: Mapping[str, bool]
+    code_outputs: Mapping[str, bool]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault that the code of a chart has.
+
+    `place`: the steps, and the output, that `trace` shows it with; `others` has it in other places. `shortest`: no
+    shorter sequence of inputs shows any.
+    """
+
+    kind: FaultKind
+    place: tuple[str, ...]
+    others: tuple[tuple[str, ...], ...]
+    trace: tuple[FaultScan, ...]
+    shortest: bool
+
+    @property
+    def code(self) -> str:
+        """``LOW101`` ..: stable."""
+        return self.kind.code
+
+    @property
+    def message(self) -> str:
+        """What is wrong, and where."""
+        return f"{self.kind.title}: {_listed(self.place)}"
+
+    def diagnostic(self, pou: str) -> Diagnostic:
+        """The fault as a finding about a POU."""
+        return Diagnostic(
+            self.code, Severity.WARNING, self.message, Location(path=pou), "The exact style does what the chart does."
+        )
+
+    def table(self) -> list[str]:
+        """The trace as lines of a table: what comes in, and what the chart and the code make of it."""
+        changing = [
+            name for name in self.trace[0].inputs if any(scan.inputs[name] != self._usual(name) for scan in self.trace)
+        ]
+        outputs = list(self.trace[0].code_outputs)
+        read = [*changing, "|"] if changing else []
+        rows = [["scan", "|", *read, "chart", *outputs, "|", "code", *outputs]]
+        for number, scan in enumerate(self.trace, 1):
+            inputs = [*(_shown(scan.inputs[name]) for name in changing), "|"] if changing else []
+            chart = [" ".join(scan.chart) or "-", *(_shown(scan.chart_outputs[name]) for name in outputs)]
+            code = [" ".join(scan.code) or "-", *(_shown(scan.code_outputs[name]) for name in outputs)]
+            rows.append([str(number), "|", *inputs, *chart, "|", *code])
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return [" ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+    def _usual(self, name: str) -> Value:
+        first = self.trace[0].inputs[name]
+        return False if isinstance(first, bool) else first
+
+    def __str__(self) -> str:
+        """What is wrong, why, and the table."""
+        lines = [f"{self.code}: {self.message}", f"  {self.kind.why}"]
+        if self.others:
+            more = len(self.others) - _OTHERS_SHOWN
+            also = "; ".join(map(_listed, self.others[:_OTHERS_SHOWN])) + (f"; and {more} more" if more > 0 else "")
+            lines.append(f"  Likewise: {also}")
+        return "\n".join([*lines, *(f"  {line}" for line in self.table())])
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fault as plain data, for JSON."""
+        return {
+            "code": self.code,
+            "title": self.kind.title,
+            "why": self.kind.why,
+            "place": list(self.place),
+            "others": [list(each) for each in self.others],
+            "shortest": self.shortest,
+            "trace": [
+                {
+                    "inputs": dict(scan.inputs),
+                    "chart": {"active": list(scan.chart), "outputs": dict(scan.chart_outputs)},
+                    "code": {"active": list(scan.code), "outputs": dict(scan.code_outputs)},
+                }
+                for scan in self.trace
+            ],
+        }
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return ", ".join(names)
+
+
+def _shown(value: Value) -> str:
+    return str(int(value)) if isinstance(value, bool) else str(value)
