@@ -9,6 +9,7 @@ from functools import partial
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart import ChartProgram
+from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Type
 from plcopen_sfc.semantics.signals import Signal, SignalKind
@@ -72,7 +73,7 @@ def _as_declared(signal: Signal, project: Project) -> Signal:
 def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]]:
     """The paths of the steps of the chart that an instance is, and what gives the active ones as bits."""
     for path, chart, frame in instance.charts():
-        if not path and isinstance(chart, ChartProgram):
+        if not path and isinstance(chart, ChartProgram | GraphProgram):
             return tuple(step.path for step in chart.net.steps), partial(chart.marking, frame)
     return (), lambda: 0
 

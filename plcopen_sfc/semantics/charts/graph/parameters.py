@@ -24,14 +24,17 @@ class Mode(IntEnum):
     """SW_TOP: a transition switches when it is satisfied, or when T_PUSH rises."""
 
 
-_MODES = {
+MODES = {
     "SW_AUTO": (Mode.AUTOMATIC, "AUTO_ON"),
     "SW_MAN": (Mode.MANUAL, "MAN_ON"),
     "SW_TAP": (Mode.INCHING, "TAP_ON"),
     "SW_TOP": (Mode.AUTOMATIC_OR_STEP_BY_STEP, "TOP_ON"),
 }
+"""The inputs that switch modes by a rising edge (the last of several counts), and the outputs that show them."""
 _COMMANDS = "OFF_SQ INIT_SQ ACK_EF REG_EF REG_S S_ON S_OFF T_PUSH S_PREV S_NEXT".split()
-_OUTPUTS = {"S_NO": "INT", "S_MORE": "BOOL", "S_ACTIVE": "BOOL", "ERR_FLT": "BOOL"}
+_OUTPUTS = ("S_NO", "S_MORE", "S_ACTIVE", "ERR_FLT")
+PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODES.values()))
+"""All parameters that are known."""
 
 
 class Commands(NamedTuple):
@@ -56,14 +59,10 @@ class Parameters:
     def __init__(self, scope: Scope, path: str, *, locked: bool) -> None:
         self._scope = scope
         self._locked = locked
-        self._declared = {
-            name
-            for name in [*_COMMANDS, *_MODES, *_OUTPUTS, "S_SEL", *(lamp for _, lamp in _MODES.values())]
-            if scope.lookup(name) is not None
-        }
+        self._declared = {name for name in PARAMETERS if scope.lookup(name) is not None}
         self._edges = {
             name: scope.declare(f"{path}: {name} before", BOOL, hidden=True)
-            for name in [*_COMMANDS, *_MODES]
+            for name in [*_COMMANDS, *MODES]
             if name in self._declared
         }
         self._mode = scope.declare(f"{path}: mode", ELEMENTARY["INT"], hidden=True)
@@ -82,7 +81,7 @@ class Parameters:
         """What has changed at the inputs."""
         rising = {name for name in self._edges if self._rises(name, frame)}
         if rising and not self._locked:
-            for name, (mode, _) in _MODES.items():
+            for name, (mode, _) in MODES.items():
                 if name in rising:
                     frame.v[self._mode] = int(mode)
         selected = self._get["S_SEL"](frame) if "S_SEL" in self._get else 0
@@ -114,7 +113,7 @@ class Parameters:
 
     def report(self, frame: Frame, mode: Mode, values: dict[str, Any]) -> None:
         """Write the outputs."""
-        for which, lamp in _MODES.values():
+        for which, lamp in MODES.values():
             self._write(lamp, frame, which is mode)
         for name, value in values.items():
             self._write(name, frame, value)

@@ -1,0 +1,197 @@
+"""The actions of steps as code: first the coils, then what is executed, first by the steps that were left.
+
+A coil is written while a step that drives it is active, and once more when that was left. Where nothing else writes the
+operand, this is one assignment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.graph.source import COUNTERS, TIMERS, GraphSource, Row
+from plcopen_sfc.lowering.graph.step_data import texts_of
+from plcopen_sfc.lowering.graph.texts import GraphTexts
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.net import NetStep
+
+_LAST_COUNT = "999"
+
+
+@dataclass(frozen=True)
+class StepSignals:
+    """What tells of steps, by their indexes: that one is active, an event of one, that its interlock is satisfied.
+
+    `over`: that one has been active for a time.
+    """
+
+    active: Callable[[int], Expression]
+    event: Callable[[int, ActionEvent], Expression]
+    released: Callable[[int], Expression]
+    over: Callable[[int, Expression], Expression]
+
+
+class Actions:
+    """Makes the code of all actions."""
+
+    def __init__(
+        self, source: GraphSource, code: Code, texts: Texts, own_texts: GraphTexts, signals: StepSignals
+    ) -> None:
+        self._source, self._code, self._signals = source, code, signals
+        self._texts, self._own_texts = texts, own_texts
+        self._own = _only_written_by_coils(source)
+
+    def add(self) -> None:
+        """Append the networks."""
+        self._add_coils()
+        for step in self._source.net.steps:
+            leaving = [row for row in self._executed(step) if row.event is ActionEvent.S0]
+            self._code.add(self._own_texts.leaving(step.path), self._step(step, leaving))
+        for step in self._source.net.steps:
+            acting = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
+            self._code.add(self._own_texts.acting(step.path), self._step(step, acting))
+
+    def switched(self, qualifier: Qualifier, target: int) -> Expression:
+        """Whether an action switches a step on or off."""
+        return disjunction(
+            self._condition(step, row)
+            for step in self._source.net.steps
+            for row in self._source.rows[step.index]
+            if row.qualifier is qualifier and target in row.switched
+            # a step that switches all off stays itself
+            if qualifier is Qualifier.ON or len(row.switched) == 1 or target != step.index
+        )
+
+    def _executed(self, step: NetStep) -> list[Row]:
+        return [row for row in self._source.rows[step.index] if not row.is_coil and not row.switched]
+
+    def _condition(self, step: NetStep, row: Row) -> Expression:
+        """When an action acts."""
+        what = self._signals.active(step.index) if row.event is None else self._signals.event(step.index, row.event)
+        if not row.interlock:
+            return what
+        if row.event is ActionEvent.S0:
+            return FALSE  # the interlock of a step that was left is not satisfied
+        return conjunction([what, self._signals.released(step.index)])
+
+    # -- coils
+
+    def _add_coils(self) -> None:
+        coils: dict[str, list[tuple[NetStep, Row]]] = {}
+        for step in self._source.net.steps:
+            for row in self._source.rows[step.index]:
+                if row.is_coil:
+                    coils.setdefault(row.name.casefold(), []).append((step, row))
+        for found in coils.values():
+            row = found[0][1]
+            assert row.target is not None  # noqa: S101  # a coil has an operand
+            drive = assignment(row.target, disjunction(self._wanted(step, row) for step, row in found))
+            if row.name.casefold() in self._own:
+                self._code.add(self._texts.action(row.name), [drive])
+            else:
+                self._code.add(self._texts.action(row.name), [when(self._written(found), drive)])
+
+    def _wanted(self, step: NetStep, row: Row) -> Expression:
+        """Whether a coil is to be TRUE."""
+        condition = self._condition(step, row)
+        if row.value is None or row.event is not None:
+            return condition
+        over = self._signals.over(step.index, row.value)
+        return conjunction([condition, over if row.qualifier is Qualifier.D else negation(over)])
+
+    def _written(self, found: Iterable[tuple[NetStep, Row]]) -> Expression:
+        """Whether any step drives a coil or did in the last cycle."""
+        steps = dict.fromkeys(step.index for step, _ in found)
+        active = [self._signals.active(step) for step in steps]
+        return disjunction([*active, *(self._signals.event(step, ActionEvent.S0) for step in steps)])
+
+    # -- what is executed
+
+    def _step(self, step: NetStep, rows: Sequence[Row]) -> list[Statement]:
+        """What a step executes, under one condition what has the same."""
+        groups: list[tuple[Expression, list[Statement]]] = []
+        for row in rows:
+            condition = self._condition(step, row)
+            if is_constant(condition, FALSE):
+                continue
+            if not groups or groups[-1][0] != condition:
+                groups.append((condition, []))
+            groups[-1][1].extend(self._execution(step, row))
+        return [when(condition, *statements) for condition, statements in groups]
+
+    def _execution(self, step: NetStep, row: Row) -> Iterator[Statement]:
+        if row.qualifier in TIMERS and row.target is not None:
+            path = f"{self._source.pou.name} / step {step.path}"
+            raise LoweringError(f"{row.qualifier} of {row.name} is not lowered yet", location=Location(path=path))
+        if row.target is None:
+            yield from row.statements
+        elif row.qualifier in COUNTERS:
+            yield self._counted(row, row.target)
+        else:
+            yield assignment(row.target, TRUE if row.qualifier is Qualifier.S else FALSE)
+
+    def _counted(self, row: Row, counter: Expression) -> Statement:
+        one, none, last = n.Literal("1"), n.Literal("0"), n.Literal(_LAST_COUNT)
+        match row.qualifier:
+            case Qualifier.CU:
+                more = assignment(counter, n.Operation(n.Operator.ADD, (counter, one)))
+                return n.If(
+                    (n.Branch(n.Operation(n.Operator.LESS, (counter, last)), (more,)),), (assignment(counter, last),)
+                )
+            case Qualifier.CD:
+                less = assignment(counter, n.Operation(n.Operator.SUBTRACT, (counter, one)))
+                return n.If(
+                    (n.Branch(n.Operation(n.Operator.GREATER, (counter, none)), (less,)),), (assignment(counter, none),)
+                )
+            case Qualifier.CS if row.value is not None:
+                return assignment(counter, row.value)
+        return assignment(counter, none)
+
+
+def _only_written_by_coils(source: GraphSource) -> set[str]:
+    """The operands (lower case, as in the chart) of coils that are variables of the block, and that no text writes."""
+    interface = source.pou.interface
+    own = {
+        variable.name.casefold(): variable
+        for section in (interface.sections if interface is not None else [])
+        if section.kind in (SectionKind.OUTPUT, SectionKind.LOCAL, SectionKind.TEMP)
+        for variable in section.variables
+    }
+    rows = [row for rows in source.rows for row in rows]
+    named = {row.name.casefold(): row.target for row in rows if row.is_coil and isinstance(row.target, n.Name)}
+    written = {name.casefold() for name in _written_names(source, rows)}
+    return {
+        key
+        for key, target in named.items()
+        if target.identifier.casefold() in own
+        and target.quoting is not n.Quoting.GLOBAL
+        and target.identifier.casefold() not in written
+        and own[target.identifier.casefold()].initial is None
+    }
+
+
+def _written_names(source: GraphSource, rows: Sequence[Row]) -> Iterator[str]:
+    """The names of variables that anything but coils could write."""
+    for row in rows:
+        if not row.is_coil and isinstance(row.target, n.Name):
+            yield row.target.identifier
+    for text in texts_of(source):
+        for node in walk(text.tree):
+            match node:
+                case n.Assignment(n.Name(name)):
+                    yield name
+                case n.Argument(value=n.Name(name)):
+                    yield name  # an in-out or output
+                case n.AssignmentExpression(n.Name(name)):
+                    yield name
+                case n.For(n.Name(name)):
+                    yield name
+    yield from source.parameters.values()

@@ -1,0 +1,175 @@
+"""Reading a sequencer of S7-GRAPH for lowering."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
+from plcopen_sfc.lowering.graph.source import COILS, COUNTERS, SWITCHES, TIMERS, GraphSource, Row
+from plcopen_sfc.lowering.graph.surface import check_rules
+from plcopen_sfc.lowering.logic import TRUE, assignment
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
+from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.semantics.charts.graph.conditions import programmed
+from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.net import Net, NetStep
+from plcopen_sfc.semantics.profile import Profile
+
+_NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
+_WITHOUT_EVENT = frozenset({Qualifier.D, Qualifier.L, Qualifier.TF})
+_NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
+_ALL_STEPS = "s_all"
+
+
+def read_sequencer(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules) -> GraphSource:
+    """Read a sequencer of `pou`.
+
+    Raises `LoweringError` for what has no meaning that could be lowered, and for options that sequencers do not have.
+    """
+    check_rules(rules)
+    return _Reader(pou, chart, dialect, rules.profile).source()
+
+
+class _Reader(TextReader):
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> None:
+        super().__init__(pou, chart, dialect)
+        self._profile = profile
+        self._net = Net.of(chart)
+        self._variables = {v.name.casefold(): v for v in pou.interface.variables()} if pou.interface else {}
+
+    def source(self) -> GraphSource:
+        """The sequencer."""
+        net, chart = self._net, self.chart
+        if net.problems:
+            self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path)
+        if net.macros or net.hierarchy:
+            self.refuse("S7-GRAPH has no macro-steps, enclosing steps and forcing orders", "")
+        settings = chart.graph_settings
+        before = [s for p in chart.permanent_pre for s in self.statements(p.body, "permanent operations before")]
+        logic = self.logic()
+        conditions = [self._stated(t.chart, t.transition.condition, f"transition {t.path}") for t in net.transitions]
+        interlocks = dict(self._conditions("interlock"))
+        supervisions = dict(self._conditions("supervision"))
+        rows = tuple(tuple(self._rows(step)) for step in net.steps)
+        after = [s for p in chart.permanent_post for s in self.statements(p.body, "permanent operations after")]
+        always = ConditionText(TRUE, ())
+        return GraphSource(
+            self.pou,
+            self.dialect,
+            net,
+            tuple((condition or always).value for condition in conditions),
+            tuple((condition or always).preparation for condition in conditions),
+            logic,
+            tuple(self.helpers),
+            actions=(),
+            step_code=(),
+            minimum_times={},
+            interlocks=interlocks,
+            supervisions=supervisions,
+            rows=rows,
+            before=tuple(before),
+            after=tuple(after),
+            parameters={name: self._variables[name.casefold()].name for name in PARAMETERS if self._declares(name)},
+            acknowledged=bool(settings is not None and settings.acknowledge_errors_required),
+            locked=bool(settings is not None and settings.lock_operating_mode),
+            skips=bool(settings is not None and settings.skip_steps),
+        )
+
+    def _declares(self, name: str) -> bool:
+        return name.casefold() in self._variables
+
+    def _stated(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText | None:
+        """A condition; None for an empty network, which is satisfied."""
+        stated = programmed(condition)
+        if stated is None:
+            return None
+        return self.condition(chart, Transition(id=chart.new_id(), condition=stated), path)
+
+    def _conditions(self, kind: str) -> Iterator[tuple[int, ConditionText]]:
+        for step in self._net.steps:
+            model = step.step.interlock if kind == "interlock" else step.step.supervision
+            path = f"{kind} of step {step.path}"
+            found = self._stated(step.chart, model.condition if model is not None else None, path)
+            if found is not None:
+                yield step.index, found
+
+    def _rows(self, step: NetStep) -> Iterator[Row]:
+        model = step.step
+        if model.entry_action or model.main_action or model.exit_action:
+            self.refuse("S7-GRAPH has no entry, main and exit actions of steps", f"step {step.path}")
+        for number, association in enumerate(model.actions, 1):
+            if not association.exclude:
+                yield self._row(step, association, f"step {step.path} / action {association.target or number}")
+
+    def _row(self, step: NetStep, model: ActionAssociation, path: str) -> Row:
+        qualifier = model.qualifier
+        event = model.event if model.event is not ActionEvent.C else None
+        interlock = model.interlock or model.event is ActionEvent.C
+        if qualifier not in self._profile.qualifiers:
+            self.refuse(f"the profile {self._profile.name} does not say what {qualifier} does", path)
+        if model.kind is not None or model.forcing is not None:
+            self.refuse("S7-GRAPH has no actions of GRAFCET", path)
+        if model.negated or step.step.negated or model.condition is not None:
+            self.refuse("S7-GRAPH has no negated actions and no conditions of actions", path)
+        if qualifier in _NEED_EVENT and event is None:
+            self.refuse(f"{qualifier} needs an event", path)
+        if qualifier in _WITHOUT_EVENT and event is not None:
+            self.refuse(f"{qualifier} has no event", path)
+        row = Row(model.target or step.path, qualifier, event, interlock)
+        return self._completed(row, model, path)
+
+    def _completed(self, row: Row, model: ActionAssociation, path: str) -> Row:
+        """The row with what it does."""
+        name, qualifier, event, interlock = row.name, row.qualifier, row.event, row.interlock
+        if qualifier in SWITCHES:
+            switched = self._steps_named(model.target or "", path)
+            return Row(name, qualifier, event, interlock, switched=switched)
+        value = model.value if qualifier in COUNTERS else model.duration
+        read = self.expression(value, path) if value else None
+        if model.body is not None:
+            return Row(name, qualifier, event, interlock, statements=self.statements(model.body, path))
+        if model.target is None:
+            self.refuse(f"{qualifier} has no operand", path)
+        if qualifier in COUNTERS:
+            return Row(name, qualifier, event, interlock, self.expression(model.target, path), value=read)
+        if model.value is not None:
+            target, assigned = self.expression(model.target, path), self.expression(model.value, path)
+            return Row(name, qualifier, event, interlock, statements=(assignment(target, assigned),))
+        statements = self._called(model.target, qualifier, path)
+        if statements:
+            return Row(name, qualifier, event, interlock, statements=statements)
+        if qualifier in _NEED_TIME and read is None:
+            self.refuse(f"{qualifier} needs a time", path)
+        target = self.expression(model.target, path)
+        if isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ":
+            self.refuse(f"{target.text} is a timer or counter of S5: other code cannot write it", path)
+        return Row(name, qualifier, event, interlock, target, value=read)
+
+    def _called(self, target: str, qualifier: Qualifier, path: str) -> tuple[n.Statement, ...]:
+        """What is executed where the target is no Boolean operand: an action of the POU, or the call of an instance."""
+        action = self.pou.action(target)
+        if action is not None:
+            return self.statements(action.body, f"action {target}")
+        if qualifier is Qualifier.CALL:
+            return self.read(f"{target}();", path)
+        declared = self._variables.get(target.strip('#"').casefold())
+        if declared is None or declared.type == ElementaryType(name=Elementary.BOOL):
+            return ()
+        if isinstance(declared.type, ElementaryType) or qualifier not in COILS | {Qualifier.S, Qualifier.R}:
+            self.refuse(f"{target} is no Boolean variable, and only such a one can be an action", path)
+        return self.read(f"{target}();", path)
+
+    def _steps_named(self, name: str, path: str) -> tuple[int, ...]:
+        bare = name.strip('"#').casefold()
+        if bare == _ALL_STEPS:
+            return tuple(step.index for step in self._net.steps)
+        found = [s.index for s in self._net.steps if bare in (s.step.name.casefold(), f"s{s.step.number}")]
+        if not found:
+            self.refuse(f"there is no step {name}", path)
+        return (found[0],)

@@ -1,0 +1,109 @@
+"""The outputs of an S7-GRAPH block as code: the mode, the step displayed, and whether there is an error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.graph.checks import StepChecks
+from plcopen_sfc.lowering.graph.commands import INT, Commands
+from plcopen_sfc.lowering.graph.source import GraphSource
+from plcopen_sfc.lowering.graph.texts import GraphTexts
+from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant
+from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode
+
+_NONE = n.Literal("0")
+
+
+def add_reports(
+    source: GraphSource, code: Code, commands: Commands, steps: Sequence[tuple[n.Name, StepChecks]], texts: GraphTexts
+) -> None:
+    """Append what writes the outputs that the block has. `steps`: the flags and checks of all steps."""
+    statements = [
+        assignment(lamp, commands.is_on(mode))
+        for mode, name in MODES.values()
+        if (lamp := commands.variable(name)) is not None
+    ]
+    disturbance = commands.variable("ERR_FLT")
+    if disturbance is not None:
+        statements.append(assignment(disturbance, disjunction(check.disturbed() for _, check in steps)))
+    code.add(texts.reports, statements)
+    if {"S_NO", "S_ACTIVE", "S_MORE"} & set(source.parameters):
+        code.add(texts.display, list(_Display(source, code, commands, [flag for flag, _ in steps], texts).statements()))
+
+
+class _Display:
+    """The step displayed: the one selected by hand, else the one shown before while it is active, else the first."""
+
+    def __init__(
+        self, source: GraphSource, code: Code, commands: Commands, flags: Sequence[n.Name], texts: GraphTexts
+    ) -> None:
+        self._commands = commands
+        numbered = [(step.step.number or 0, flags[step.index]) for step in source.net.steps]
+        self._steps = sorted(numbered, key=lambda item: item[0])
+        self._shown = code.declare(texts.shown, INT, comment=texts.shown_comment)
+
+    def statements(self) -> Iterator[Statement]:
+        """In this order: which step, then what is told of it."""
+        commands = self._commands
+        yield from self._choice()
+        number = commands.variable("S_NO")
+        if number is not None:
+            yield assignment(number, self._shown)
+        more = commands.variable("S_MORE")
+        if more is not None:
+            yield assignment(more, self._several())
+        active = commands.variable("S_ACTIVE")
+        if active is not None:
+            yield assignment(active, self._is_shown_active())
+
+    def _choice(self) -> Iterator[Statement]:
+        by_hand = self._commands.is_on(Mode.MANUAL)
+        selection = self._commands.variable("S_SEL")
+        branches: list[n.Branch] = []
+        if selection is not None and not is_constant(by_hand, FALSE):
+            selected = n.Operation(n.Operator.UNEQUAL, (selection, _NONE))
+            branches.append(n.Branch(conjunction([by_hand, selected]), (assignment(self._shown, selection),)))
+        branches.append(n.Branch(_not(self._is_shown_active()), tuple(self._first())))
+        for command, steps, beyond in (
+            ("S_NEXT", self._steps, n.Operator.GREATER),
+            ("S_PREV", self._steps[::-1], n.Operator.LESS),
+        ):
+            edge = self._commands.edge(command)
+            if not is_constant(edge, FALSE):
+                branches.append(n.Branch(edge, tuple(self._other(steps, beyond))))
+        yield n.If(tuple(branches))
+
+    def _is_shown_active(self) -> Expression:
+        return disjunction(
+            conjunction([flag, equal(self._shown, n.Literal(str(number)))]) for number, flag in self._steps
+        )
+
+    def _first(self) -> list[Statement]:
+        branches = [n.Branch(flag, (self._show(number),)) for number, flag in self._steps]
+        return [n.If(tuple(branches), (assignment(self._shown, _NONE),))]
+
+    def _other(self, steps: Sequence[tuple[int, n.Name]], beyond: n.Operator) -> list[Statement]:
+        """The next active step behind the one shown; behind the last one the first."""
+        further = [
+            n.Branch(
+                conjunction([flag, n.Operation(beyond, (n.Literal(str(number)), self._shown))]), (self._show(number),)
+            )
+            for number, flag in steps
+        ]
+        again = [n.Branch(flag, (self._show(number),)) for number, flag in steps]
+        return [n.If((*further, *again))]
+
+    def _show(self, number: int) -> Statement:
+        return assignment(self._shown, n.Literal(str(number)))
+
+    def _several(self) -> Expression:
+        flags = [flag for _, flag in self._steps]
+        pairs = (conjunction([a, disjunction(flags[i + 1 :])]) for i, a in enumerate(flags[:-1]))
+        return disjunction(pairs)
+
+
+def _not(expression: Expression) -> Expression:
+    return n.Unary(n.Operator.NOT, n.bare(expression))

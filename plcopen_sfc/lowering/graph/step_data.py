@@ -1,0 +1,144 @@
+"""The data of steps in texts (``#Step1.X``, ``.T``, ``.U``, ``.S1`` ..): where they are asked for.
+
+What a text sees depends on where in the cycle it stands: before the step change there are no events of steps yet.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.lowering.graph.source import GraphSource
+from plcopen_sfc.model.actions import ActionEvent
+
+QUANTITIES = frozenset("X T U T_MAX T_WARN SNO S1 S0 L1 L0 V1 V0 A1 R1 LS LA VS VA".split())
+"""What can be asked of a step."""
+
+
+class Phase(Enum):
+    """Where in a cycle a text stands.
+
+    BEFORE: permanent operations before the sequence. CHECK: interlocks, supervisions and conditions of transitions.
+    ACT: actions and everything behind them.
+    """
+
+    BEFORE = auto()
+    CHECK = auto()
+    ACT = auto()
+
+
+@dataclass(frozen=True)
+class Text:
+    """A text of the sequencer, and the steps that are active whenever it is executed."""
+
+    tree: n.Node
+    phase: Phase
+    active: tuple[int, ...]
+    path: str
+
+
+def texts_of(source: GraphSource) -> Iterator[Text]:
+    """All texts of a sequencer."""
+    tree: n.Node
+    for tree in (*source.before, *source.logic):
+        yield Text(tree, Phase.BEFORE, (), "permanent operations before")
+    for transition, condition, preparation in zip(
+        source.net.transitions, source.conditions, source.preparations, strict=True
+    ):
+        for tree in (condition, *preparation):
+            yield Text(tree, Phase.CHECK, transition.sources, f"transition {transition.path}")
+    for kind, conditions in (("interlock", source.interlocks), ("supervision", source.supervisions)):
+        for step, stated in conditions.items():
+            for tree in (stated.value, *stated.preparation):
+                yield Text(tree, Phase.CHECK, (step,), f"{kind} of step {source.net.steps[step].path}")
+    for step, rows in enumerate(source.rows):
+        for row in rows:
+            owner = () if row.event is ActionEvent.S0 else (step,)
+            for tree in (*row.statements, *(t for t in (row.target, row.value) if t is not None)):
+                yield Text(tree, Phase.ACT, owner, f"step {source.net.steps[step].path} / action {row.name}")
+    for tree in source.after:
+        yield Text(tree, Phase.ACT, (), "permanent operations after")
+
+
+def steps_by_name(source: GraphSource) -> dict[str, int]:
+    """The indexes of the steps by their names in lower case."""
+    return {step.step.name.casefold(): step.index for step in source.net.steps}
+
+
+def step_quantity(node: n.Node, steps: dict[str, int]) -> tuple[int, str] | None:
+    """The step and the quantity (upper case) that a node asks for; None where it asks for none."""
+    match node:
+        case n.Member(n.Name(name, quoting), n.Name(quantity)) if name.casefold() in steps:
+            return None if quoting is n.Quoting.GLOBAL else (steps[name.casefold()], quantity.upper())
+    return None
+
+
+class Questions:
+    """What is asked of steps, and where."""
+
+    def __init__(self, source: GraphSource) -> None:
+        self.steps = steps_by_name(source)
+        self._asked: dict[tuple[int, str], list[Text]] = defaultdict(list)
+        self._asking: set[int] = set()
+        names = {*self.steps, *(t.transition.name.casefold() for t in source.net.transitions if t.transition.name)}
+        for text in texts_of(source):
+            for node in walk(text.tree):
+                found = step_quantity(node, self.steps)
+                if found is not None:
+                    self._asked[found].append(text)
+                    self._asking.add(id(text.tree))
+            _check_names(text, text.tree, names, self.steps)
+
+    def __contains__(self, quantity: tuple[int, str]) -> bool:
+        return quantity in self._asked
+
+    def of(self, step: int) -> set[str]:
+        """All that is asked of a step."""
+        return {quantity for index, quantity in self._asked if index == step}
+
+    def early(self, step: int, quantities: Collection[str]) -> bool:
+        """Whether one of these is asked for before the step change."""
+        return any(
+            text.phase is Phase.CHECK
+            for (index, quantity), texts in self._asked.items()
+            if index == step and quantity in quantities
+            for text in texts
+        )
+
+    def only_while_active(self, step: int, quantity: str) -> bool:
+        """Whether it is asked for only where the step is active."""
+        return all(step in text.active for text in self._asked.get((step, quantity), ()))
+
+    def asks(self, tree: n.Node) -> bool:
+        """Whether a text of the source asks for anything of a step."""
+        return id(tree) in self._asking
+
+
+def _check_names(text: Text, node: n.Node, names: Collection[str], steps: dict[str, int]) -> None:
+    """Refuse what names a step or a transition, but for reading a single quantity of a step."""
+    found = step_quantity(node, steps)
+    if found is not None:
+        if found[1] not in QUANTITIES:
+            _refuse(text, f"the step data {found[1]} are not lowered yet")
+        return
+    if isinstance(node, n.Name) and node.identifier.casefold() in names and node.quoting is not n.Quoting.GLOBAL:
+        _refuse(text, f"{node.identifier} is used in a way that is not lowered yet")
+    if isinstance(node, n.Assignment) and step_quantity(node.target, steps) is not None:
+        _refuse(text, "data of steps are written")
+    if isinstance(node, n.Argument) and node.output and node.value and step_quantity(node.value, steps) is not None:
+        _refuse(text, "data of steps are written")
+    named = node.name if isinstance(node, n.Member | n.Argument) else None
+    for child in children(node):
+        if child is not named:
+            _check_names(text, child, names, steps)
+
+
+def _refuse(text: Text, message: str) -> NoReturn:
+    raise LoweringError(message, location=Location(path=text.path))

@@ -1,0 +1,84 @@
+"""What lowered sequencers say to their readers besides what all lowered code says, in English or German."""
+
+from __future__ import annotations
+
+from plcopen_sfc.lowering.texts import GermanTexts, Texts
+
+
+class GraphTexts:
+    """English texts."""
+
+    before = "Permanent operations before the sequence"
+    after = "Permanent operations after the sequence"
+    commands = "Commands and operating mode"
+    checks = "Interlocks and supervisions of the active steps"
+    checks_behind = "Interlocks and supervisions"
+    undisturbed = "Step times without disturbance"
+    manual = "Steps switched by hand"
+    start = "Start of the sequence"
+    off = "End of the sequence"
+    events = "Events of steps"
+    switched = "Steps that actions switch on and off"
+    reports = "Operating mode and errors"
+    display = "Step displayed"
+    mode = "operating_mode"
+    mode_comment = "0: automatic, 1: manual, 2: inching, 3: automatic or step by step"
+    permitted = "satisfied_switch"
+    pushed = "all_switch"
+    shown = "displayed_step"
+    shown_comment = "number of the step displayed"
+    first_cycle = "the sequence has not been started yet"
+
+    def wanted_of(self, path: str) -> str:
+        """The comment of what tells that a step is active at the start of the next cycle."""
+        return f"step {path} is active at the start of the next cycle"
+
+    def leaving(self, path: str) -> str:
+        """The title of what a step does when it is left."""
+        return f"Step {path}: actions when it is left"
+
+    def acting(self, path: str) -> str:
+        """The title of what a step does."""
+        return f"Step {path}: actions"
+
+
+class GermanGraphTexts(GraphTexts):
+    """German texts."""
+
+    before = "Permanente Operationen vor der Kette"
+    after = "Permanente Operationen nach der Kette"
+    commands = "Befehle und Betriebsart"
+    checks = "Verriegelungen und Überwachungen der aktiven Schritte"
+    checks_behind = "Verriegelungen und Überwachungen"
+    undisturbed = "Schrittzeiten ohne Störung"
+    manual = "Von Hand geschaltete Schritte"
+    start = "Start der Kette"
+    off = "Ende der Kette"
+    events = "Ereignisse der Schritte"
+    switched = "Schritte, die von Aktionen ein- und ausgeschaltet werden"
+    reports = "Betriebsart und Fehler"
+    display = "Angezeigter Schritt"
+    mode = "betriebsart"
+    mode_comment = "0: Automatik, 1: Hand, 2: Tippen, 3: Automatik oder Tippen"
+    permitted = "erfuellte_schalten"
+    pushed = "alle_schalten"
+    shown = "angezeigter_schritt"
+    shown_comment = "Nummer des angezeigten Schritts"
+    first_cycle = "die Kette wurde noch nicht gestartet"
+
+    def wanted_of(self, path: str) -> str:
+        """The comment of what tells that a step is active at the start of the next cycle."""
+        return f"Schritt {path} ist zu Beginn des nächsten Zyklus aktiv"
+
+    def leaving(self, path: str) -> str:
+        """The title of what a step does when it is left."""
+        return f"Schritt {path}: Aktionen beim Verlassen"
+
+    def acting(self, path: str) -> str:
+        """The title of what a step does."""
+        return f"Schritt {path}: Aktionen"
+
+
+def graph_texts(texts: Texts) -> GraphTexts:
+    """The texts in the language of `texts`."""
+    return GermanGraphTexts() if isinstance(texts, GermanTexts) else GraphTexts()
