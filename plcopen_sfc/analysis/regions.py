@@ -66,6 +66,13 @@ class Regions:
         """Whether each block has one fork and one join."""
         return all(len(block.forks) == len(block.joins) == 1 for block in self.blocks)
 
+    def first_step(self, region: Region) -> int:
+        """The step with which a region starts: its initial one, or that which the first fork of its block enters."""
+        if region.block is None:
+            return region.initial if region.initial is not None else region.steps[0]
+        fork = self.net.transitions[self.blocks[region.block].forks[0]]
+        return next(step for step in fork.targets if self.region_of[step] == region.index)
+
     def exit_rivals(self, block: ParallelBlock) -> tuple[int, ...]:
         """The transitions that leave a last step of a branch besides the join: whoever fires first wins."""
         last = {step for join in block.joins for step in self.net.transitions[join].sources}

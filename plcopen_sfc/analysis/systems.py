@@ -12,6 +12,9 @@ from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.product import LeftOutError
 from plcopen_sfc.analysis.scratch import scratch_variables
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import SimpleValue
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.profile import Profile, StepVariables
@@ -243,7 +246,20 @@ def _flag(system: ProgramSystem, text: str) -> Observation:
     signal = signal_of(system.instance.type_of(path))
     if signal is None:
         raise ModelError(f"{path} is no single value, so it tells nothing of a step")
-    return Observation(path, equals=signal.parse(value) if equals else None)
+    known = _constants(system.subject.pou)
+    return Observation(path, equals=signal.parse(known.get(value.strip(" #").casefold(), value)) if equals else None)
+
+
+def _constants(pou: Pou) -> dict[str, str]:
+    """The values of the constants of a POU as text, by their names in lower case."""
+    sections = pou.interface.sections if pou.interface is not None else []
+    return {
+        variable.name.casefold(): variable.initial.text
+        for section in sections
+        if section.constant or section.kind is SectionKind.CONSTANT
+        for variable in section.variables
+        if isinstance(variable.initial, SimpleValue) and variable.initial.text is not None
+    }
 
 
 def _numbers(system: ProgramSystem) -> dict[str, str]:

@@ -6,7 +6,7 @@ whatever their order. A fork gives the state variable of its part a state of its
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,7 +17,17 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import TextNetwork
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, equal, negation, when
+from plcopen_sfc.lowering.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.states import StateNames
 from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
@@ -63,7 +73,7 @@ class RegionChain(Chain):
         self._refuse_rivals(source)
         self._regions = self.structure(source)
         self._region_of = [r or 0 for r in self._regions.region_of]
-        self.names = StateNames(source.net, self._regions, self.code)
+        self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
         self.machines = tuple(self._machine(region) for region in self._regions.regions)
         self._next = {machine.region.index: machine.state for machine in self.machines}
         self._apart = False
@@ -83,9 +93,7 @@ class RegionChain(Chain):
         self._apart = self.profile.order is ScanOrder.ACTIONS_FIRST or len(self.machines) > 1
         if self._apart:
             for machine in self.machines:
-                self._next[machine.region.index] = self._declared(
-                    machine.region, self.texts.next_state, self.texts.next_state_comment
-                )
+                self._next[machine.region.index] = self._declared(machine.region, following=True)
         super().exact()
 
     def choose(self) -> None:
@@ -94,14 +102,14 @@ class RegionChain(Chain):
         self._declare_again()
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
         parts = [(self._title(machine), self._case(machine)) for machine in self.machines]
-        if self.init is None:
+        if not self.blocking:
             self.code.networks += [TextNetwork(title, "\n".join(lines)) for title, lines in parts]
             return
         if self._apart:  # then the states are set where they change
-            lines = [f"IF {self.text(negation(self.init))} THEN"]
+            lines = [f"IF {self.text(negation(disjunction(self.blocking)))} THEN"]
         else:
             restart = [INDENT + self.text(statement) for statement in self._restarted()]
-            lines = [f"IF {self.text(self.init)} THEN", *restart, "ELSE"]
+            lines = [f"IF {self.text(disjunction(self.blocking))} THEN", *restart, "ELSE"]
         for title, part in parts:
             lines += [f"{INDENT}// {title}"] if len(parts) > 1 else []
             lines += [INDENT + line for line in part]
@@ -114,6 +122,13 @@ class RegionChain(Chain):
         restart = [when(self.init, *self._restarted())] if self.init is not None else []
         moves = [assignment(machine.state, self._next[machine.region.index]) for machine in self.machines]
         self.code.add(self.texts.moves, [*restart, *moves])
+
+    def any_fires(self) -> Expression:
+        """Whether any state will be another one. Raises `LoweringError` where a transition changes none."""
+        if any(set(t.sources) & set(t.targets) for t in self.net.transitions):
+            return super().any_fires()
+        changes = [(self._next[m.region.index], m.state) for m in self.machines]
+        return disjunction(negation(equal(following, now)) for following, now in changes)
 
     def reentered(self) -> Mapping[int, Expression]:
         """Steps that a transition leaves and enters at once: a flag that it sets, where their time is measured."""
@@ -150,22 +165,20 @@ class RegionChain(Chain):
 
     def _machine(self, region: Region) -> Machine:
         blocks = tuple(self._regions.blocks[i] for i in region.blocks)
-        state = self._declared(region, self.texts.state, self.texts.state_comment)
-        return Machine(region, first_step(self._regions, region), blocks, state)
+        state = self._declared(region, following=False)
+        return Machine(region, self._regions.first_step(region), blocks, state)
 
-    def _declared(self, region: Region, wanted: str, comment: str) -> n.Name:
-        """A variable for a state of a region. That of the first region of the chart has no step in its name."""
-        first = self.net.steps[first_step(self._regions, region)].path
-        return self.names.declare(wanted if region.index == 0 else f"{wanted}_{first}", region.initial, comment)
+    def _declared(self, region: Region, *, following: bool) -> n.Name:
+        """The variable of a region, that of its state now or the `following` one.
+
+        Those of the first region of the chart have no step in their name.
+        """
+        first = self.net.steps[self._regions.first_step(region)].path
+        return self.names.declare(region, "" if region.index == 0 else first, following=following)
 
     def _restarted(self) -> list[Statement]:
         """The assignments that start the chart anew."""
-        found: list[Statement] = []
-        for machine in self.machines:
-            initial = machine.region.initial
-            state = self.names.none if initial is None else self.names.step(initial)
-            found.append(assignment(self._next[machine.region.index], state))
-        return found
+        return [assignment(self._next[m.region.index], self.names.start(m.region)) for m in self.machines]
 
     # -- transitions whose rivals are tried in another CASE
 
@@ -183,7 +196,7 @@ class RegionChain(Chain):
         for index, bit in self._bits.items():
             transition = self.net.transitions[index]
             free = [negation(self._bits[rival]) for rival in transition.rivals if rival in self._bits]
-            free += [negation(self.init)] if self.init is not None else []
+            free += [negation(each) for each in self.blocking]
             enabled = self._enabled(transition)
             yield from self.prepared(index, conjunction([enabled, *free]))
             yield assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))
@@ -218,7 +231,7 @@ class RegionChain(Chain):
             choice = [self._try(machine, t) for t in leaving if len(t.sources) == 1]
             lines += self._branch(self.names.step(i), self.heading(step), choice)
         for block in machine.blocks:
-            firsts = [self.net.steps[i].path for i in first_steps(self._regions, block)]
+            firsts = [self.net.steps[self.machines[branch].first].path for branch in block.branches]
             choice = [self._try(machine, self.net.transitions[t]) for t in block.joins]
             lines += self._branch(self.names.waiting(block), self.texts.waiting(firsts), choice)
         return [*lines, "END_CASE;"]
@@ -238,7 +251,11 @@ class RegionChain(Chain):
         # a step with one source is active where it is tried, a join is tried while its branches are
         enabled = TRUE if len(transition.sources) == 1 else self._enabled(transition)
         condition = conjunction([enabled, self.source.conditions[transition.index]])
-        return _Try(self.source.preparations[transition.index], condition, effect)
+        before = self.source.preparations[transition.index]
+        asked = self.sfc_flags.is_asked()
+        if before and not is_constant(asked, TRUE):
+            before = (when(asked, *before),)
+        return _Try(before, condition, effect)
 
     def _effect(self, machine: Machine, transition: NetTransition) -> list[str]:
         joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
@@ -269,16 +286,3 @@ class RegionChain(Chain):
             lines.append(f"{'ELSIF' if opened else 'IF'} {self.text(each.condition)} THEN")
             lines += [INDENT + line for line in each.effect]
         return [*lines, "END_IF;"] if lines else []
-
-
-def first_step(regions: Regions, region: Region) -> int:
-    """The step with which a region starts: the initial one, or that which the first fork enters."""
-    if region.initial is not None or region.block is None:
-        return region.initial if region.initial is not None else region.steps[0]
-    fork = regions.net.transitions[regions.blocks[region.block].forks[0]]
-    return next(i for i in fork.targets if regions.region_of[i] == region.index)
-
-
-def first_steps(regions: Regions, block: ParallelBlock) -> Iterable[int]:
-    """The steps with which the branches of a block start."""
-    return (first_step(regions, regions.regions[branch]) for branch in block.branches)

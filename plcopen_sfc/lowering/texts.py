@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.semantics.net import Net, NetTransition
@@ -43,7 +43,13 @@ class Texts:
     transitions = "Transitions"
     logic = "Logic drawn in the chart"
     times = "Step times"
-    step_actions = "Step actions"
+    step_actions = "Steps that have changed: their actions"
+    main_actions = "Actions of the active steps"
+    actions_end = "Back at the initial step"
+    quit_error = "The error is quitted"
+    pause = "Pause"
+    tip = "Step by step"
+    current_step = "Active step"
     first_scan = "End of the first scan"
     resets = "Steps that are left"
     sets = "Steps that are entered"
@@ -52,12 +58,33 @@ class Texts:
     state_comment = "number of the active step"
     next_state = "next_step_number"
     next_state_comment = "number of the step that will be active"
+    active_step = "active_step"
+    active_step_comment = "the active step"
+    next_step = "next_step"
+    next_step_comment = "the step that will be active"
     moves = "Steps that become active"
+    step_constant = "STEP"
+    waiting_constant = "PARALLEL"
+    no_step = "NO_STEP"
+    no_step_comment = "no step"
+    enumeration = "Step"
     actions = "Actions"
     transition = "Transition"
     set_action = "set action"
     reset_action = "reset action"
     reset_actions = "reset actions"
+    stability = "Search for a stable situation"
+    start = "Start"
+    terms = "Edges and times"
+    events = "Actions on events"
+    before = "Steps as they were before"
+    forcing = "Charts that others rule"
+    stored = "Stored actions"
+    evolutions = "evolutions"
+    moving = "moving"
+    moving_comment = "a transition was cleared"
+    unstable = "unstable"
+    unstable_comment = "no stable situation was found"
 
     def set_while(self, condition: str) -> str:
         """The comment of an action with a condition."""
@@ -92,9 +119,21 @@ class Texts:
         """The timer of a step."""
         return f"{self.flag_name(step)}_time"
 
+    def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
+        """The variable of ``↑a`` or ``↓a``."""
+        return "_".join([*operands[:3], "rises" if rising else "falls"])
+
+    def delay_name(self, operands: Sequence[str], time: str) -> str:
+        """The timer of ``3s/a`` or ``a/3s``."""
+        return "_".join([*operands[:3], time.rpartition("#")[2]])
+
     def flag_of(self, path: str) -> str:
         """The comment of a step's flag."""
         return f"step {path} is active"
+
+    def transition_title(self, path: str) -> str:
+        """The title of a transition's network."""
+        return f"Transition {path}"
 
     def transition_of(self, path: str) -> str:
         """The comment of a transition's bit."""
@@ -108,6 +147,10 @@ class Texts:
         """The title of the CASE of a part of the chart, which begins with a step."""
         return f"Step sequence from {path}"
 
+    def enumeration_of(self, pou: str) -> str:
+        """The comment of the type that has the steps of a POU as values."""
+        return f"steps of {pou}"
+
     def waiting(self, paths: Iterable[str]) -> str:
         """The comment of the state that waits for the end of the branches that begin with these steps."""
         return f"simultaneous branches from {', '.join(paths)}"
@@ -115,6 +158,10 @@ class Texts:
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """The title of a step's network."""
         return f"Step {_numbered(step, path)}" + (" – initial step" if initial else "")
+
+    def maximum_time(self, path: str) -> str:
+        """The title of the network that watches the time of a step."""
+        return f"Maximum time of step {path}"
 
     def action(self, name: str) -> str:
         """The title of an action's network."""
@@ -131,7 +178,13 @@ class GermanTexts(Texts):
     transitions = "Transitionen"
     logic = "Logik im Ablauf"
     times = "Schrittzeiten"
-    step_actions = "Schrittaktionen"
+    step_actions = "Aktionen bei Schrittwechsel"
+    main_actions = "Aktionen der aktiven Schritte"
+    actions_end = "Zurück im Initialschritt"
+    quit_error = "Fehler quittieren"
+    pause = "Pause"
+    tip = "Schrittweise"
+    current_step = "Aktiver Schritt"
     first_scan = "Ende des Richtimpulses"
     resets = "Verlassene Schritte"
     sets = "Erreichte Schritte"
@@ -140,12 +193,32 @@ class GermanTexts(Texts):
     state_comment = "Nummer des aktiven Schritts"
     next_state = "neue_schrittnummer"
     next_state_comment = "Nummer des Schritts, der aktiv wird"
+    active_step = "aktiver_schritt"
+    active_step_comment = "der aktive Schritt"
+    next_step = "neuer_schritt"
+    next_step_comment = "der Schritt, der aktiv wird"
     moves = "Schritte, die aktiv werden"
+    step_constant = "SCHRITT"
+    no_step = "KEIN_SCHRITT"
+    no_step_comment = "kein Schritt"
+    enumeration = "Schritt"
     actions = "Aktionen"
     transition = "Transition"
     set_action = "Aktion setzen"
     reset_action = "Aktion zurücksetzen"
     reset_actions = "Aktionen zurücksetzen"
+    stability = "Suche nach einer stabilen Situation"
+    start = "Start"
+    terms = "Flanken und Zeiten"
+    events = "Aktionen bei Ereignissen"
+    before = "Schritte, wie sie zuvor waren"
+    forcing = "Zwangsgesteuerte und eingeschlossene Teilpläne"
+    stored = "Gespeichert wirkende Aktionen"
+    evolutions = "durchlaeufe"
+    moving = "in_bewegung"
+    moving_comment = "eine Transition hat geschaltet"
+    unstable = "instabil"
+    unstable_comment = "es wurde keine stabile Situation gefunden"
 
     def set_while(self, condition: str) -> str:
         """The comment of an action with a condition."""
@@ -156,6 +229,10 @@ class GermanTexts(Texts):
         if initial:
             return "Sprung zum ersten Schritt"
         return f"Sprung zu Schritt {step.name}" if back else "In den nächsten Schritt schalten"
+
+    def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
+        """The variable of ``↑a`` or ``↓a``."""
+        return "_".join([*operands[:3], "steigt" if rising else "faellt"])
 
     def flag_of(self, path: str) -> str:
         """The comment of a step's flag."""
@@ -173,6 +250,10 @@ class GermanTexts(Texts):
         """The title of the CASE of a part of the chart, which begins with a step."""
         return f"Schrittfolge ab {path}"
 
+    def enumeration_of(self, pou: str) -> str:
+        """The comment of the type that has the steps of a POU as values."""
+        return f"Schritte von {pou}"
+
     def waiting(self, paths: Iterable[str]) -> str:
         """The comment of the state that waits for the end of the branches that begin with these steps."""
         return f"parallele Zweige ab {', '.join(paths)}"
@@ -180,6 +261,10 @@ class GermanTexts(Texts):
     def step(self, step: Step, path: str, *, initial: bool) -> str:
         """The title of a step's network."""
         return f"Schritt {_numbered(step, path)}" + (" – Initialschritt" if initial else "")
+
+    def maximum_time(self, path: str) -> str:
+        """The title of the network that watches the time of a step."""
+        return f"Höchstzeit von Schritt {path}"
 
     def action(self, name: str) -> str:
         """The title of an action's network."""
