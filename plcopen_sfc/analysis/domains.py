@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
 __all__ = ["Domain", "NotProvableError", "Probe", "frozen", "plain"]
 
-_GREATEST_REAL = 3.4028234663852886e38
+GREATEST_REAL = 3.4028234663852886e38
 _MOST_CUTS = 24
 _MOST_NAMES = 64
 
@@ -36,16 +36,23 @@ class Domain:
         self._cuts: set[int | float] = set()
         self.options: tuple[Any, ...] = self._options()
 
+    @property
+    def is_number(self) -> bool:
+        """Whether its values are probes of numbers."""
+        return isinstance(self.options[0], Probe) and not isinstance(self.options[0], _Text)
+
     def cut(self, constant: object) -> None:
         """Note that the input is compared with a constant."""
-        if isinstance(constant, bool) or not isinstance(constant, int | float) or constant - constant != 0:
-            raise NotProvableError(f"{self.name} is compared with {constant!r}")
-        found = {constant} if self.signal.kind is SignalKind.REAL else {math.floor(constant), math.ceil(constant)}
-        if found <= self._cuts:
-            return
-        self._cuts |= found
+        self.note(number_of(self, constant))
         if len(self._cuts) > _MOST_CUTS:
             raise NotProvableError(f"{self.name} is compared with more than {_MOST_CUTS} values")
+
+    def note(self, constant: int | float) -> None:
+        """Have values on both sides of a constant, unless there are far too many already."""
+        found = {constant} if self.signal.kind is SignalKind.REAL else {math.floor(constant), math.ceil(constant)}
+        if found <= self._cuts or len(self._cuts) > _MOST_CUTS:
+            return
+        self._cuts |= found
         self.options = self._options()
         self.grown = True
 
@@ -65,7 +72,7 @@ class Domain:
         if not cuts:
             return [min(max(0, self.signal.least), self.signal.greatest)]
         if self.signal.kind is SignalKind.REAL:
-            most = _GREATEST_REAL if self.signal.type == "REAL" else sys.float_info.max
+            most = GREATEST_REAL if self.signal.type == "REAL" else sys.float_info.max
             between = [low / 2 + high / 2 for low, high in pairwise(cuts)]
             below, above = cuts[0] - abs(cuts[0]) - 1, cuts[-1] + abs(cuts[-1]) + 1
             inside = (min(max(float(each), -most), most) for each in (below, *cuts, *between, above))
@@ -73,6 +80,13 @@ class Domain:
         near = {cut + offset for cut in cuts for offset in (0, 1)} | {cuts[0] - 1}
         near |= {self.signal.least, self.signal.greatest}  # for intervals that a bound of the type cuts off
         return sorted(each for each in near if self.signal.least <= each <= self.signal.greatest)
+
+
+def number_of(domain: Domain, constant: object) -> int | float:
+    """What an input is compared with, if that is a finite number."""
+    if isinstance(constant, bool) or not isinstance(constant, int | float) or constant - constant != 0:
+        raise NotProvableError(f"{domain.name} is compared with {constant!r}")
+    return constant
 
 
 class Probe:
@@ -114,6 +128,10 @@ class Probe:
     def __repr__(self) -> str:
         return f"<{self.domain.name}: {self.value}>"
 
+    def key(self) -> Any:
+        """What stands for it in a state that can be hashed."""
+        return self.domain.name, self.value
+
     def _misuse(self) -> NotProvableError:
         return NotProvableError(f"{self.domain.name} is used otherwise than in comparisons with constants")
 
@@ -149,5 +167,5 @@ def plain(value: Any) -> Value:
 def frozen(state: Any) -> Any:
     """A state that can be hashed: the probes that were stored in it are named."""
     if isinstance(state, Probe):
-        return (state.domain.name, state.value)
+        return state.key()
     return tuple(map(frozen, state)) if isinstance(state, tuple) else state

@@ -9,11 +9,12 @@ is one with the fewest scans.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
+from plcopen_sfc.analysis.intervals import KeptError, Split
 from plcopen_sfc.errors import SfcError, UnknownBehaviourError, UnknownFunctionError, UnstableChartError
 from plcopen_sfc.semantics.signals import Value
 
@@ -51,11 +52,15 @@ class _Regrown(Exception):  # noqa: N818  # no error: the search starts again
 
 
 class Branching:
-    """All combinations of values that the inputs of one scan can have, in the order in which they are read."""
+    """All combinations of values that the inputs of one scan can have, in the order in which they are read.
 
-    def __init__(self, domains: Mapping[str, Domain]) -> None:
+    Of `split` inputs, which are numbers, only as many values are tried as comparisons tell apart in that scan.
+    """
+
+    def __init__(self, domains: Mapping[str, Domain], split: Collection[str] = ()) -> None:
         self._domains = domains
-        self._path: list[tuple[str, Sequence[Any], int]] = []
+        self._split = split
+        self._path: list[tuple[Sequence[Any], int]] = []
         self._cursor = 0
         self.values: dict[str, Any] = {}
 
@@ -66,23 +71,27 @@ class Branching:
             self._cursor = 0
             self.values = {}
             yield self.values
-            while self._path and self._path[-1][2] + 1 == len(self._path[-1][1]):
+            while self._path and self._path[-1][1] + 1 == len(self._path[-1][0]):
                 self._path.pop()
             if not self._path:
                 return
-            name, options, index = self._path[-1]
-            self._path[-1] = (name, options, index + 1)
+            options, index = self._path[-1]
+            self._path[-1] = (options, index + 1)
 
     def read(self, name: str) -> Any:
         """The value of an input in this scan."""
         if name in self.values:
             return self.values[name]
-        if self._cursor == len(self._path):
-            self._path.append((name, self._domains[name].options, 0))
-        _, options, index = self._path[self._cursor]
-        self._cursor += 1
-        value = self.values[name] = options[index]
+        domain = self._domains[name]
+        value = self.values[name] = Split(domain, self._choose) if name in self._split else self._choose(domain.options)
         return value
+
+    def _choose(self, options: Sequence[Any]) -> Any:
+        if self._cursor == len(self._path):
+            self._path.append((options, 0))
+        options, index = self._path[self._cursor]
+        self._cursor += 1
+        return options[index]
 
 
 @dataclass(frozen=True)
@@ -107,10 +116,13 @@ def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int
 
     The domains grow by the constants that are found.
     """
+    split = {name for name, domain in domains.items() if domain.is_number}
     try:
         while True:
             try:
-                return _search(left, right, domains, cap)
+                return _search(left, right, domains, split, cap)
+            except KeptError as kept:
+                split.remove(kept.name)
             except _Regrown:
                 for domain in domains.values():
                     domain.grown = False
@@ -118,8 +130,9 @@ def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int
         return Explored(0, 0, complete=False, reason=str(reason))
 
 
-def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
-    probing = any(isinstance(option, Probe) for domain in domains.values() for option in domain.options)
+def _search(left: System, right: System, domains: Mapping[str, Domain], split: Collection[str], cap: int) -> Explored:
+    tried = [domain for name, domain in domains.items() if name not in split]
+    probing = any(isinstance(option, Probe) for domain in tried for option in domain.options)
     key: Callable[[Any], Any] = frozen if probing else _itself
     left.reset()
     right.reset()
@@ -127,7 +140,7 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
     origins: list[tuple[int, dict[str, Any]]] = [(-1, {})]
     depths = [0]
     seen: set[Any] = set()
-    branching = Branching(domains)
+    branching = Branching(domains, split)
     waiting = deque([0])
     runs = 0
     notes: dict[str, SfcError] = {}
@@ -143,7 +156,7 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
             right.restore(before_right)
             ended, note, failure = _scan(left, right, branching.read, first=number == 0)
             if ended is _DIFFERENT:
-                _check_domains(domains)  # a shorter trace may need a value that was not known yet
+                _check_domains(tried)  # a shorter trace may need a value that was not known yet
                 inputs = [*_inputs(origins, number), {name: plain(value) for name, value in values.items()}]
                 return Explored(len(seen), depths[number], complete=False, inputs=inputs)
             if failure is not None and ended is _FAILED:
@@ -162,14 +175,14 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], cap: int
             depths.append(depths[number] + 1)
             waiting.append(len(states) - 1)
         states[number] = (None, None)  # it is not gone back to
-    _check_domains(domains)
+    _check_domains(tried)
     if not seen and notes:
         raise next(iter(notes.values()))  # nothing ever ran
     return Explored(len(seen), max(depths), complete=True, notes=tuple(notes))
 
 
-def _check_domains(domains: Mapping[str, Domain]) -> None:
-    if any(domain.grown for domain in domains.values()):
+def _check_domains(domains: Iterable[Domain]) -> None:
+    if any(domain.grown for domain in domains):
         raise _Regrown
 
 
@@ -233,6 +246,8 @@ def _equal(a: Any, b: Any) -> bool:
         return bool(a.value == b.value)
     if plain(a) != plain(b):
         return False
+    if isinstance(a, Split) or isinstance(b, Split):
+        return bool(a == b)  # the number may be another one too
     raise NotProvableError(f"{(a if isinstance(a, Probe) else b).domain.name} is put out")
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe
 from plcopen_sfc.analysis.product import Branching, Explored, explore
 from plcopen_sfc.errors import ModelError, UnknownBehaviourError, UnstableChartError
-from plcopen_sfc.semantics.signals import Signal
+from plcopen_sfc.semantics.signals import Signal, SignalKind
 
 Read = Callable[[str], Any]
 Step = Callable[[Any, Read], tuple[Any, tuple[Any, ...]]]
@@ -189,16 +189,59 @@ def test_whatever_else_is_done_with_a_number_ends_the_proof(use: Callable[[Any],
 
 
 def test_a_number_that_is_put_out_is_compared_with_care() -> None:
-    def copy(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
-        return (state[0],), (read("n"),)
+    def put_out(value: Callable[[Any], Any]) -> Step:
+        return lambda state, read: (state, (value(read("n")),))
 
-    def clever(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
-        return (state[0],), (6 if read("n") > 5 else read("n"),)
-
+    copy = put_out(lambda n: n)
     assert search(copy, copy, n=INT).complete
-    found = search(copy, clever, n=INT)
-    assert not found.complete
-    assert "put out" in found.reason
+    assert search(copy, put_out(lambda n: 6 if n == 6 else n), n=INT).complete
+    found = search(copy, put_out(lambda n: 6 if n > 5 else n), n=INT)
+    assert found.inputs == [{"n": 7}]
+    found = search(copy, lambda state, read: (state, (read("m"),)), n=INT, m=INT)
+    assert "n is compared with m" in found.reason
+
+
+@pytest.mark.parametrize("signal", [Signal("n", SignalKind.INTEGER, least=-6, greatest=9), REAL])
+@settings(deadline=None, max_examples=200)
+@given(
+    questions=st.lists(
+        st.tuples(
+            st.sampled_from(["__lt__", "__le__", "__gt__", "__ge__", "__eq__", "__ne__"]),
+            st.integers(-16, 20).map(lambda half: half / 2),
+        ),
+        min_size=1,
+        max_size=7,
+    )
+)
+def test_numbers_are_split_as_far_as_they_are_asked(signal: Signal, questions: list[tuple[str, float]]) -> None:
+    """The answers of all runs are those that the numbers of the type give, each with a number that gives them."""
+    branching = Branching({"n": Domain("n", signal)}, {"n"})
+    found = {}
+    runs = 0
+    for values in branching.combinations():
+        runs += 1
+        answers = tuple(getattr(branching.read("n"), operator)(constant) for operator, constant in questions)
+        found[answers] = values["n"].value
+    assert runs <= 2 * len(questions) + 1
+    numbers: list[float] = [n / 4 for n in range(-40, 50)] if signal is REAL else list(range(-6, 10))
+    expected = {tuple(getattr(float(n), operator)(constant) for operator, constant in questions) for n in numbers}
+    assert set(found) == expected
+    for answers, number in found.items():
+        assert answers == tuple(getattr(float(number), operator)(constant) for operator, constant in questions)
+
+
+def test_bounds_of_reals_belong_to_one_side_only() -> None:
+    branching = Branching({"n": Domain("n", Signal.elementary("REAL"))}, {"n"})
+    found = []
+    for _ in branching.combinations():
+        n = branching.read("n")
+        found.append((n < 0.1, n <= 0.1, n > 1e300, n >= 3.4028234663852886e38, n > 3.4028234663852886e38))
+    # 0.1 is no number of 32 bits, so nothing is equal to it; 1e300 is beyond all of them, their greatest is one of them
+    assert sorted(found) == [
+        (False, False, False, False, False),
+        (False, False, False, True, False),
+        (True, True, False, False, False),
+    ]
 
 
 def test_a_number_that_is_kept_is_followed() -> None:
@@ -278,6 +321,16 @@ def test_a_text_ends_the_proof_only_where_it_is_used() -> None:
 def test_too_many_constants_end_the_proof() -> None:
     found = search(threshold(lambda n: any(n == c for c in range(0, 1000, 10))), threshold(lambda n: True), n=INT)
     assert not found.complete or found.inputs is not None
+
+
+def test_a_number_may_be_compared_with_any_number_of_constants_where_it_is_not_kept() -> None:
+    def ring(state: Any, read: Read) -> tuple[Any, tuple[Any, ...]]:
+        return ((state[0] + bool(read("n") > 10 * state[0])) % 100,), (state[0],)
+
+    left, right = Machine(ring, (0,)), Machine(ring, (0,))
+    found = explore(left, right, {"n": Domain("n", INT)}, 1000)
+    assert found.complete
+    assert left.scans == 2 * (1 + found.states)
 
 
 def test_probes_tell_their_domain() -> None:
