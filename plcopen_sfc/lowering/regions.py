@@ -13,7 +13,7 @@ from typing import NamedTuple
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import TextNetwork
@@ -76,7 +76,6 @@ class RegionChain(Chain):
         self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
         self.machines = tuple(self._machine(region) for region in self._regions.regions)
         self._next = {machine.region.index: machine.state for machine in self.machines}
-        self._apart = False
         self._bits: dict[int, n.Name] = {}
         for index in self._needing_bits(source):
             transition = self.net.transitions[index]
@@ -90,9 +89,8 @@ class RegionChain(Chain):
 
     def exact(self) -> None:
         """One scan, as the chart has it."""
-        self._apart = self.profile.order is ScanOrder.ACTIONS_FIRST or len(self.machines) > 1
-        if self._apart:
-            for machine in self.machines:
+        for machine in self.machines:
+            if self._must_wait(machine):
                 self._next[machine.region.index] = self._declared(machine.region, following=True)
         super().exact()
 
@@ -101,34 +99,22 @@ class RegionChain(Chain):
         self.code.add(self.texts.transitions, list(self._computed_bits()))
         self._declare_again()
         self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
-        parts = [(self._title(machine), self._case(machine)) for machine in self.machines]
-        if not self.blocking:
-            self.code.networks += [TextNetwork(title, "\n".join(lines)) for title, lines in parts]
-            return
-        if self._apart:  # then the states are set where they change
-            lines = [f"IF {self.text(negation(disjunction(self.blocking)))} THEN"]
-        else:
-            restart = [INDENT + self.text(statement) for statement in self._restarted()]
-            lines = [f"IF {self.text(disjunction(self.blocking))} THEN", *restart, "ELSE"]
-        for title, part in parts:
-            lines += [f"{INDENT}// {title}"] if len(parts) > 1 else []
-            lines += [INDENT + line for line in part]
-        self.code.networks.append(TextNetwork(self.texts.chain, "\n".join([*lines, "END_IF;"])))
+        for machine in self.machines:
+            lines = self._guarded(machine, self._case(machine))
+            self.code.networks.append(TextNetwork(self._title(machine), "\n".join(lines)))
 
     def move(self) -> None:
-        """Append what makes the states those that they are to be, if they are told apart."""
-        if not self._apart:
-            return
-        restart = [when(self.init, *self._restarted())] if self.init is not None else []
-        moves = [assignment(machine.state, self._next[machine.region.index]) for machine in self.machines]
+        """Append what makes the states those that they are to be, where that had to wait."""
+        waiting = [machine for machine in self.machines if self._waits(machine)]
+        restart = [when(self.init, *map(self._restarted, waiting))] if self.init is not None and waiting else []
+        moves = [assignment(machine.state, self._next[machine.region.index]) for machine in waiting]
         self.code.add(self.texts.moves, [*restart, *moves])
 
     def any_fires(self) -> Expression:
         """Whether any state will be another one. Raises `LoweringError` where a transition changes none."""
         if any(set(t.sources) & set(t.targets) for t in self.net.transitions):
             return super().any_fires()
-        changes = [(self._next[m.region.index], m.state) for m in self.machines]
-        return disjunction(negation(equal(following, now)) for following, now in changes)
+        return disjunction(negation(equal(self._next[m.region.index], m.state)) for m in self.machines)
 
     def reentered(self) -> Mapping[int, Expression]:
         """Steps that a transition leaves and enters at once: a flag that it sets, where their time is measured."""
@@ -176,9 +162,35 @@ class RegionChain(Chain):
         first = self.net.steps[self._regions.first_step(region)].path
         return self.names.declare(region, "" if region.index == 0 else first, following=following)
 
-    def _restarted(self) -> list[Statement]:
-        """The assignments that start the chart anew."""
-        return [assignment(self._next[m.region.index], self.names.start(m.region)) for m in self.machines]
+    def _restarted(self, machine: Machine) -> Statement:
+        """The assignment that starts a region anew."""
+        return assignment(self._next[machine.region.index], self.names.start(machine.region))
+
+    # -- states that change behind all CASEs
+
+    def _must_wait(self, machine: Machine) -> bool:
+        """Whether anything looks at the state of a region, or writes it, besides its own CASE."""
+        if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
+            return True
+        trees: list[n.Node] = []
+        for transition in self.net.transitions:
+            if self._region_of[transition.sources[0]] != machine.region.index:
+                trees += [self.source.conditions[transition.index], *self.source.preparations[transition.index]]
+        return any(node == machine.state for tree in trees for node in walk(tree))
+
+    def _waits(self, machine: Machine) -> bool:
+        return self._next[machine.region.index] != machine.state
+
+    def _guarded(self, machine: Machine, case: list[str]) -> list[str]:
+        """A CASE that is not executed while no transition may fire."""
+        if not self.blocking:
+            return case
+        blocked = disjunction(self.blocking)
+        if self._waits(machine) or self.init is None:  # it is set back where it changes
+            head = [f"IF {self.text(negation(blocked))} THEN"]
+        else:
+            head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self._restarted(machine)), "ELSE"]
+        return [*head, *(INDENT + line for line in case), "END_IF;"]
 
     # -- transitions whose rivals are tried in another CASE
 

@@ -11,12 +11,13 @@ from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Constructed, Construction, construct
+from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import block_chart, chart_of
-from tests.lowering.charts import act, pou_with
+from tests.lowering.charts import act, boolean, pou_with
 
 PARALLEL = "S1>S2+S10 S2>S3 S10>S11 S3+S11>S4 S4>S1"
 
@@ -144,6 +145,64 @@ CASE step_number OF
 END_CASE;
 """
     )
+
+
+def test_sequences_that_do_not_ask_for_each_other_need_one_variable_each() -> None:
+    assert text_of(lowered(chain("S1>S2 S2>S1 S5>S6 S6>S5", "S1+S5"))).startswith(
+        """\
+// Step sequence from S1
+CASE step_number OF
+    1: // Step 1 – initial step
+        IF c1 THEN
+            step_number := 2;
+        END_IF;
+    2: // Step 2
+        IF c2 THEN
+            step_number := 1;
+        END_IF;
+END_CASE;
+
+// Step sequence from S5
+CASE step_number_S5 OF
+    5: // Step 5 – initial step
+        IF c3 THEN
+            step_number_S5 := 6;
+"""
+    )
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_an_input_starts_all_parts_anew(profile: str) -> None:
+    for text, initial in ((PARALLEL, "S1"), ("S1>S2 S2>S1 S5>S6 S6>S5", "S1+S5"), CHARTS["exit into a block"]):
+        pou = chain(text, initial)
+        forms = [lower(pou, form, init="Init", profile=profile) for form in ("regions", "bits")]
+        found = equivalent(*(each.pou for each in forms), profile)
+        assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_what_a_condition_executes_is_executed_only_where_it_is_tried(profile: str) -> None:
+    """A condition that counts is evaluated while its transition is enabled and no rival before it fires."""
+    counting = "n := n + 1;\nready := n >= {} AND {};"
+    texts = {
+        "S1>S2 S1>S3 S1>S1 S2>S1 S3>S1": (2, 3),
+        "S1>S2+S3 S2>S4 S4>S2 S3+S4>S1": (3, 4),
+    }
+    for text, positions in texts.items():
+        pou = chain(text)
+        assert pou.interface is not None
+        pou.interface.sections[1].variables += [
+            m.Variable(name="n", type=m.ElementaryType(name=m.Elementary.INT)),
+            boolean("ready"),
+        ]
+        assert pou.sfc is not None
+        for limit, position in enumerate(positions, 1):
+            body = m.StBody(text=counting.format(limit, f"c{position}"))
+            pou.sfc.transitions[position - 1].condition = m.BodyCondition(body=body, name="ready")
+        for form in (Construction.AUTO, Construction.BITS):
+            made = lowered(pou, form, profile)
+            found = equivalent(pou, made.pou, profile, step_flags=made.step_flags, cap=400, runs=20)
+            assert found.equal, str(found)
 
 
 def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:

@@ -95,6 +95,15 @@ def test_an_enumeration_is_a_type_of_its_own_whose_name_is_free() -> None:
     assert "active_step := Ablauf_Step.STEP_IF;" in text_of(codesys.pou)
 
 
+def test_forms_without_states_are_refused() -> None:
+    for construction in ("bits", "flipflop"):
+        with pytest.raises(LoweringError, match=f"{construction} has no states"):
+            lower(project(chain("S1>S2 S2>S1")), construction, states="constants")
+    with pytest.raises(LoweringError, match="has no states") as caught:
+        lower(project(chain("S1>S2+S3 S2>S1 S3>S1")), states="enumeration")
+    assert "connected with its outside" in (caught.value.hint or "")
+
+
 def test_step_numbers_are_kept() -> None:
     chart = chart_of("S3>Fill Fill>S12 S12>Drain Drain>Wait Wait>S3", "S3")
     chart.step("Drain").number = 40
