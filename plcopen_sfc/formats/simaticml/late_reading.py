@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TypeVar
+from weakref import WeakValueDictionary
 
 from lxml import etree
 
@@ -40,14 +41,25 @@ class LateDocument:
     """A document whose objects are not read yet.
 
     It keeps the bytes, not the tree, which takes many times their memory: a folder may have thousands of documents.
-    When the first object is read, they are parsed again; the tree stays until the last object is read.
+    Only the document that was loaded last has its tree still, for whoever loads one and looks at it. When the first
+    object of another is read, its bytes are parsed again; the tree stays until the last object is read.
     """
 
-    def __init__(self, data: bytes, ctx: ReadContext) -> None:
+    def __init__(self, root: etree._Element, data: bytes, ctx: ReadContext) -> None:
         self._data = data
         self._ctx = ctx
-        self._root: etree._Element | None = None
+        self._root: etree._Element | None = root
         self._waiting = 0
+        self._begun = False
+        last = _LOADED_LAST.get("document")
+        if last is not None:
+            last._forget()
+        _LOADED_LAST["document"] = self
+
+    def _forget(self) -> None:
+        """Give the memory of the tree back, if nobody has begun to read."""
+        if not self._begun:
+            self._root = None
 
     def object(self, element: etree._Element, place: int, *, keep_id: bool) -> ProjectObject:
         """The object at `element`, which is child `place` of the root, unread."""
@@ -104,10 +116,13 @@ class LateDocument:
         return model.deferred(eager, read)
 
     def _tree(self) -> etree._Element:
-        if self._root is None:
-            self._root = parse(self._data, file=self._ctx.file)
-            self._ctx.lines = SourceLines(self._root, self._data)
-        return self._root
+        root = self._root
+        if root is None:
+            root = parse(self._data, file=self._ctx.file)
+        if not self._begun or self._ctx.lines is None:
+            self._ctx.lines = SourceLines(root, self._data)
+        self._root, self._begun = root, True
+        return root
 
     def _context(self) -> ReadContext:
         """A context of its own for each object; what is said about the document is in one list."""
@@ -119,3 +134,7 @@ class LateDocument:
         self._waiting -= 1
         if not self._waiting:
             self._root = self._ctx.lines = None
+
+
+_LOADED_LAST: WeakValueDictionary[str, LateDocument] = WeakValueDictionary()
+"""The document that was loaded last."""

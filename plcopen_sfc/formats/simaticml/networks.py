@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import marshal
+from functools import lru_cache
 from xml.etree import ElementTree as ET
 
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.hints import operand_hints
-from plcopen_sfc.formats.simaticml.light import is_complete, light, text_of
-from plcopen_sfc.formats.simaticml.likeness import numbers_like
+from plcopen_sfc.formats.simaticml.light import light, text_of
+from plcopen_sfc.formats.simaticml.likeness import equal, numbers_like
 from plcopen_sfc.formats.simaticml.networks_reader import DamagedError, read_flgnet
 from plcopen_sfc.formats.simaticml.networks_writer import write_flgnet
 from plcopen_sfc.formats.simaticml.reading import (
@@ -39,16 +41,15 @@ def read_network(ctx: ReadContext, element: etree._Element) -> Fields:
     What our writer would write otherwise is kept as it stands beside it.
     """
     text = text_of(element)
-    net = light(text)
-    texts: dict[str, str] = {}
-    fields: Fields = {"nodes": read_flgnet(net, texts)}
-    read_comments(ctx, element, fields)
-    if fields.get("nodes") and child_named(net, "Wires") is None:
-        return fields  # from a comment
-    if not fields["nodes"]:
-        keep_verbatim(fields, element)
-        return fields
-    kept = _beside(net, fields, operand_hints(net, texts)) if is_complete(text) else None
+    kept: dict[str, str] | None
+    if next(element.iterchildren(etree.Comment), None) is None:
+        found: tuple[Fields, dict[str, str] | None] = marshal.loads(_remembered(text))  # noqa: S302  # dumped below
+        fields, kept = found
+    else:
+        net, fields, hints = _read_text(text)
+        read_comments(ctx, element, fields)
+        is_from_comment = bool(fields["nodes"]) and child_named(net, "Wires") is None
+        kept = {} if is_from_comment else _beside(net, fields, hints)
     if kept is None:
         fields.pop("carried", None)
         keep_verbatim(fields, element)
@@ -57,20 +58,38 @@ def read_network(ctx: ReadContext, element: etree._Element) -> Fields:
     return fields
 
 
+@lru_cache(maxsize=512)
+def _remembered(text: bytes) -> bytes:
+    """The fields of a network and what `_beside` says, as bytes: many are equal, and each gets objects of its own."""
+    net, fields, hints = _read_text(text)
+    return marshal.dumps((fields, _beside(net, fields, hints)))
+
+
+def _read_text(text: bytes) -> tuple[XmlNode, Fields, dict[str, str]]:
+    """The elements of a network, its fields, and what there is to say of its operands."""
+    net = light(text)
+    texts: dict[str, str] = {}
+    nodes = read_flgnet(net, texts)
+    return net, {"nodes": nodes}, operand_hints(net, texts)
+
+
 def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, str] | None:
     """What must be carried beside `fields`, so that `net` is written from them; None where that cannot be."""
-    if net.attrib:
+    if net.attrib or not fields["nodes"]:
         return None
     copy = ET.Element(str(net.tag))
     try:
         matter = write_flgnet(copy, LogicNetwork.model_validate({**fields, "carried": {"attributes": hints}}))
     except NotUnderstoodError:
         return None
+    kept = hints if matter else {}
+    if equal(net, copy):
+        return kept
     numbers = numbers_like(net, copy)
     if numbers is None:
         return None
     short = shortened(numbers, numbers_of(copy))
-    return (hints if matter else {}) | ({NUMBERS: short} if short else {})
+    return kept | ({NUMBERS: short} if short else {})
 
 
 def write_network(ctx: WriteContext, root: etree._Element, network: LogicNetwork) -> etree._Element | None:

@@ -26,6 +26,7 @@ from plcopen_sfc.formats.simaticml.parts import (
 from plcopen_sfc.formats.simaticml.reading import Fields, NotUnderstoodError, XmlNode, attributes, children, local
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 
+_LADDER = frozenset({"Contact", *COILS, *RESULTS})
 _PARAMETER_SECTIONS = {"Input": "inputs", "InOut": "in_outs", "Output": "outputs", "Return": "outputs"}
 
 
@@ -33,7 +34,7 @@ class DamagedError(NotUnderstoodError):
     """A network contradicts itself: something is named that is not there."""
 
 
-@dataclass
+@dataclass(slots=True)
 class _Pin:
     """What stands at a pin: wires into it, an operand, or nothing. `is_output`: a wire starts there."""
 
@@ -42,7 +43,7 @@ class _Pin:
     operand: str | None = None
 
 
-@dataclass
+@dataclass(slots=True)
 class _Part:
     element: XmlNode
     pins: dict[str, _Pin] = field(default_factory=dict)
@@ -191,7 +192,10 @@ def _pin(parts: dict[str, _Part], number: str, name: str, *, is_output: bool = F
     part = parts.get(number)
     if part is None:
         raise DamagedError(f"a wire leads to the element {number}, which is not there")
-    pin = part.pins.setdefault(name, _Pin(is_output))
+    pin = part.pins.get(name)
+    if pin is None:
+        pin = part.pins[name] = _Pin(is_output)
+        return pin
     if pin.is_output != is_output or (is_output and pin.operand is not None):
         raise NotUnderstoodError("a pin that is input and output")
     return pin
@@ -200,7 +204,7 @@ def _pin(parts: dict[str, _Part], number: str, name: str, *, is_output: bool = F
 def _connection(parts: dict[str, _Part], number: str, pin: str) -> Fields:
     element = parts[number].element
     name = element.get("Name", "")
-    if local(element) == "Part" and (name in ("Contact", *COILS, *RESULTS)):
+    if local(element) == "Part" and name in _LADDER:
         if pin != "out":
             raise NotUnderstoodError("an output that a contact or coil does not have")
         return {"source": int(number)}

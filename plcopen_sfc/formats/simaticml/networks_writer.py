@@ -24,6 +24,7 @@ from plcopen_sfc.formats.simaticml.parts import (
     template_type,
 )
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode
+from plcopen_sfc.formats.simaticml.types import VERSION
 from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, renumber
 from plcopen_sfc.formats.simaticml.writing import sub
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
@@ -50,13 +51,14 @@ _COIL_NAMES = {storage: name for name, storage in COILS.items()}
 _CALL_NAMES = {call: name for name, call in CALLS.items()}
 _PART_ATTRIBUTES = ("Version", "DisabledENO")
 _NO_TEMPLATES = frozenset({*_PART_ATTRIBUTES, *LISTS, *CALL_MARKS, "Equation", INVERTED, PART_NAME})
+_TIMERS = frozenset({"TON", "TOF", "TP"})
 _UNTYPED = frozenset({"A", "O", "X", "Not"})
 """Operators that are Boolean as such."""
 _COUNTED = frozenset({"AND", "OR", "XOR", "ADD", "MUL"})
 """Operators with any number of inputs."""
 
 
-@dataclass
+@dataclass(slots=True)
 class _End:
     """A pin of a part that is being written, with what comes to it or goes from it."""
 
@@ -66,7 +68,7 @@ class _End:
     is_output: bool = False
 
 
-@dataclass
+@dataclass(slots=True)
 class _Draft:
     """A part that is being written."""
 
@@ -238,6 +240,8 @@ class _Writer:
             return
         kept = _kept(node.carried)
         marks = {key: kept[key] for key in _PART_ATTRIBUTES if key in kept}
+        if not kept and draft.name in _TIMERS:
+            marks["Version"] = VERSION
         draft.uid = self.uid()
         element = sub(parent, "Part", {"Name": draft.name, "UId": draft.uid, **marks})
         if isinstance(node, Block):
@@ -262,6 +266,8 @@ class _Writer:
         """What a box says of itself: how many inputs it has, and of which type they are."""
         values = {key: value for key, value in kept.items() if key not in _NO_TEMPLATES}
         block = _standard(node)
+        if not values and block is not None and block.name in _TIMERS:
+            return {"time_type": "Time"}
         if values or block is None or block.operator is None:
             return values
         inputs = [end for end in draft.ends if not end.is_output and end.name != "en"]

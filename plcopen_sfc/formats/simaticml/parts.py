@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
 
 RAIL = 0
@@ -23,6 +25,7 @@ CALL_MARKS = {"BlockNumber": "IntegerAttribute", "ParameterModifiedTS": "DateAtt
 CALLS = {"FB": "functionblock", "FC": "function"}
 
 
+@lru_cache(maxsize=1024)
 def part_block(name: str) -> StandardBlock | None:
     """The standard block that TIA Portal calls `name`, spelled just so."""
     block = standard_block(name, Tool.S7)
@@ -41,6 +44,12 @@ def model_pin(block: StandardBlock | None, pin: str) -> str:
     """The name of a pin in the model: that of IEC 61131-3 for a standard block."""
     if pin in ("en", "eno"):
         return pin.upper()
+    return _standard_pin(block.name, pin) if block is not None else pin
+
+
+@lru_cache(maxsize=4096)
+def _standard_pin(block_name: str, pin: str) -> str:
+    block = standard_block(block_name)
     if block is None:
         return pin
     name = block.input_name(pin) or block.output_name(pin)

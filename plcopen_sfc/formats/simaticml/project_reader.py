@@ -72,7 +72,7 @@ def read_project(
     ctx = ReadContext(version, file=file, lines=SourceLines(root, data))
     if version_named(version.name) is None:
         ctx.warn("XML210", f"TIA Portal {version.name} is not known here; the document is read as one before it", root)
-    late = LateDocument(data, ctx)
+    late = LateDocument(root, data, ctx)
     header: Fields = {"product": PRODUCT, "version": version.name}
     fields: Fields = {"dialect": Dialect.SCL, "header": header, "pous": [], "data_blocks": [], "data_types": []}
     fields["tag_tables"] = []

@@ -5,15 +5,20 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
+from itertools import pairwise
+from xml.etree import ElementTree as ET
 
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.hints import HINT
+from plcopen_sfc.formats.simaticml.light import light, text_of
+from plcopen_sfc.formats.simaticml.likeness import equal
 from plcopen_sfc.formats.simaticml.operands import CONSTANTS, details, write_operand
 from plcopen_sfc.formats.simaticml.parts import template_type
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
+    XmlNode,
     attributes,
     carry_attribute,
     child_named,
@@ -21,7 +26,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     local,
 )
 from plcopen_sfc.formats.simaticml.structured_text import scl_text
-from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, UID, are_numbers, numbers_of, renumber, shortened
+from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, UID, are_numbers, renumber, shortened
 from plcopen_sfc.formats.simaticml.versions import concrete, neutral
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, sub
 from plcopen_sfc.formats.xml.carrying import legal, markup
@@ -53,39 +58,48 @@ def read_code(element: etree._Element, types: dict[str, str]) -> Fields:
 
     Raises `NotUnderstoodError`. `types` as in `write_text`.
     """
-    fields: Fields = {"text": scl_text(element)}
-    copy = etree.Element(element.tag)
-    hints = _hints(element)
-    write_text(copy, fields["text"], types, _culture(element), hints)
-    if not _alike(element, copy) or not _rise(element):
-        fields["markup"] = neutral(markup(element))
-        return fields
+    program = light(text_of(element))
+    fields: Fields = {"text": scl_text(program)}
+    copy = ET.Element(program.tag)
+    hints = _hints(program)
+    write_text(copy, fields["text"], types, _culture(program), hints)
+    short = ""
+    if not equal(program, copy):
+        numbers = _numbers(program) if _alike(program, copy) else None
+        if numbers is None:
+            fields["markup"] = neutral(markup(element))
+            return fields
+        short = shortened(numbers, _numbers(copy) or [])
     for name, hint in hints.items():
         carry_attribute(fields, name, hint)
-    if short := shortened(numbers_of(element), numbers_of(copy)):
+    if short:
         carry_attribute(fields, NUMBERS, short)
     return fields
 
 
-def _hints(element: etree._Element) -> dict[str, str]:
+def _hints(element: XmlNode) -> dict[str, str]:
     """What the text of a program does not say: which names are constants or instances, the types of instructions."""
     found: dict[str, str] = {}
-    for access in element.iter("{*}Access"):
-        constant = child_named(access, "Constant")
+    of_kind: dict[str, list[XmlNode]] = {"Access": [], "Instruction": [], "CallInfo": []}
+    for part in element.iter():
+        if (parts := of_kind.get(local(part))) is not None:
+            parts.append(part)
+    for access in of_kind["Access"]:
         scope = access.get("Scope", "")
-        if scope in CONSTANTS and constant is not None:
+        constant = child_named(access, "Constant") if scope in CONSTANTS else None
+        if constant is not None:
             name = constant.get("Name", "")
             found[HINT + (f'"{name}"' if scope == "GlobalConstant" else f"#{name}")] = scope
-    for instruction in element.iter("{*}Instruction"):
+    for instruction in of_kind["Instruction"]:
         values = [part for part in children(instruction) if local(part) == "TemplateValue"]
         if values:
             said = {part.get("Name", ""): part.text or "" for part in values}
             found[_TYPES + instruction.get("Name", "")] = json.dumps(said)
-    for info in element.iter("{*}CallInfo"):
+    for info in of_kind["CallInfo"]:
         instance = child_named(info, "Instance")
-        parts = children(instance) if instance is not None and instance.get("Scope") == "GlobalVariable" else []
-        if len(parts) == 1 and info.get("BlockType") == "FB":
-            found[f'{CALL}"{parts[0].get("Name", "")}"'] = "FB"
+        path = children(instance) if instance is not None and instance.get("Scope") == "GlobalVariable" else []
+        if len(path) == 1 and info.get("BlockType") == "FB":
+            found[f'{CALL}"{path[0].get("Name", "")}"'] = "FB"
     return found
 
 
@@ -95,23 +109,24 @@ _TYPES = "types of "
 """Carried attributes that begin so are the types for which an instruction is called, as JSON."""
 
 
-def _culture(element: etree._Element) -> str:
+def _culture(element: XmlNode) -> str:
     """The language of the first comment that says its own."""
-    text = next(element.iter("{*}MultiLanguageText"), None)
+    text = next((part for part in element.iter() if local(part) == "MultiLanguageText"), None)
     return text.get("Lang", "") if text is not None else ""
 
 
-def _rise(element: etree._Element) -> bool:
-    """Whether the numbers of a program are whole numbers that rise."""
-    found = [str(part.get(UID, "")) for part in element.iterdescendants(etree.Element)]
-    return are_numbers(found) and found == numbers_of(element)
+def _numbers(program: ET.Element) -> list[str] | None:
+    """The numbers of a program in the order of its elements; None where they are no whole numbers that rise."""
+    found = [part.get(UID, "") for part in program.iter() if part is not program]
+    rising = are_numbers(found) and all(int(one) < int(next_) for one, next_ in pairwise(found))
+    return found if rising else None
 
 
 _USUAL = {"Num": "1", "Inserted": "false", "NoClosingBracket": "false"}
 """What attributes mean that are not there."""
 
 
-def _alike(one: etree._Element, other: etree._Element) -> bool:
+def _alike(one: XmlNode, other: XmlNode) -> bool:
     """Whether two programs have the same tokens; their numbers do not count, if they rise."""
     if (
         local(one) != local(other)
@@ -123,7 +138,7 @@ def _alike(one: etree._Element, other: etree._Element) -> bool:
     return len(mine) == len(theirs) and all(map(_alike, mine, theirs))
 
 
-def _said(element: etree._Element) -> dict[str, str]:
+def _said(element: XmlNode) -> dict[str, str]:
     return {name: value for name, value in attributes(element).items() if name != UID and _USUAL.get(name) != value}
 
 
@@ -135,7 +150,7 @@ def _text_of(ctx: WriteContext, markup: str) -> str | None:
 
 
 def write_text(
-    root: etree._Element, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str] | None = None
+    root: XmlNode, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str] | None = None
 ) -> None:
     """Fill ``StructuredText`` with the tokens of `text`.
 
@@ -145,13 +160,23 @@ def write_text(
     _Writer(root, text.replace("\r\n", "\n"), types, culture, hints or {}).run()
 
 
-def _is_end_of_function(element: etree._Element) -> bool:
-    """Whether a token closes the call of an instruction that has a result."""
-    owner = element.getparent()
-    if element.get("Text") != ")" or owner is None or element.getnext() is not None or local(owner) != "Instruction":
-        return False
+def _number(owner: XmlNode, following: int) -> int:
+    """Number the elements below `owner`, in their order, and return the number behind them."""
+    last = len(owner) - 1
+    for place, element in enumerate(children(owner)):
+        if local(element) == "ConstantValue" or (place == last and _is_end_of_function(owner, element)):
+            following += 1  # that of the type of the constant, or of the result, which is left out
+        element.set(UID, str(following))
+        following = _number(element, following + 1)
+    return following
+
+
+def _is_end_of_function(owner: XmlNode, last: XmlNode) -> bool:
+    """Whether the last token of `owner` closes the call of an instruction that has a result."""
     name = owner.get("Name", "")
-    return bool(name) and not name.upper().startswith(_WITHOUT_RESULT)
+    if last.get("Text") != ")" or local(owner) != "Instruction" or not name:
+        return False
+    return not name.upper().startswith(_WITHOUT_RESULT)
 
 
 _WITHOUT_RESULT = ("POKE",)
@@ -159,9 +184,7 @@ _WITHOUT_RESULT = ("POKE",)
 
 
 class _Writer:
-    def __init__(
-        self, root: etree._Element, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str]
-    ) -> None:
+    def __init__(self, root: XmlNode, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str]) -> None:
         self.root = root
         self.hints = hints
         self.text = text
@@ -177,25 +200,17 @@ class _Writer:
         while self.index < len(self.items):
             self._item(self.root)
         self._blanks(self.root, len(self.text))
-        self._number()
-
-    def _number(self) -> None:
-        number = FIRST
-        for element in self.root.iterdescendants():
-            if local(element) == "ConstantValue" or _is_end_of_function(element):
-                number += 1  # that of the type of the constant, or of the result, which is left out
-            element.set("UId", str(number))
-            number += 1
+        _number(self.root, FIRST)
 
     # -- blanks, comments, words
 
-    def _blanks(self, parent: etree._Element, end: int) -> None:
+    def _blanks(self, parent: XmlNode, end: int) -> None:
         for run in re.finditer(r"\n+|[^\n]+", self.text[self.position : end]):
             name = "NewLine" if run[0].startswith("\n") else "Blank"
             sub(parent, name, {"Num": str(len(run[0]))} if len(run[0]) > 1 else {})
         self.position = end
 
-    def _take(self, parent: etree._Element) -> Token | Comment:
+    def _take(self, parent: XmlNode) -> Token | Comment:
         """The next item; the blanks before it are written."""
         item = self.items[self.index]
         self._blanks(parent, item.span[0])
@@ -212,7 +227,7 @@ class _Writer:
         start = self.position if ahead == 0 else self.items[place - 1].span[1]
         return isinstance(item, Token) and item.type == kind and (not joined or item.span[0] == start)
 
-    def _item(self, parent: etree._Element) -> None:
+    def _item(self, parent: XmlNode) -> None:
         """Write the next item, with what belongs to it."""
         item = self._take(parent)
         if isinstance(item, Comment):
@@ -231,7 +246,7 @@ class _Writer:
         else:
             sub(parent, "Token", {"Text": item.value})
 
-    def _region(self, parent: etree._Element, line: str) -> None:
+    def _region(self, parent: XmlNode, line: str) -> None:
         word = line[: len("REGION")]
         rest = line[len(word) :]
         title = rest.strip()
@@ -242,7 +257,7 @@ class _Writer:
         if title:
             sub(parent, "Text").text = rest[lead:]
 
-    def _comment(self, parent: etree._Element, text: str) -> None:
+    def _comment(self, parent: XmlNode, text: str) -> None:
         if text.startswith("//"):
             sub(sub(parent, "LineComment"), "Text").text = text[2:]
         elif text.startswith("(/*") and text.endswith("*/)") and len(text) >= _BOTH_ENDS + 2:
@@ -254,14 +269,14 @@ class _Writer:
         else:
             sub(parent, "Token", {"Text": text})
 
-    def _literal(self, parent: etree._Element, value: str) -> None:
+    def _literal(self, parent: XmlNode, value: str) -> None:
         typed = "#" in value and not value[0].isdigit() and not value.startswith("'")
         access = sub(parent, "Access", {"Scope": "TypedConstant" if typed else "LiteralConstant"})
         sub(sub(access, "Constant"), "ConstantValue").text = value
 
     # -- operands and calls
 
-    def _name(self, parent: etree._Element, name: str) -> None:
+    def _name(self, parent: XmlNode, name: str) -> None:
         is_path = name.startswith(("#", '"'))
         if not is_path and self._next_is("LPAR", joined=True):
             call = sub(parent, "Access", {"Scope": "Call"})
@@ -296,7 +311,7 @@ class _Writer:
         if self._next_is("LPAR", joined=True):
             self._call(parent, start, scope, path)
 
-    def _word(self, parent: etree._Element, name: str) -> None:
+    def _word(self, parent: XmlNode, name: str) -> None:
         """Write a name that is none of a variable: that of a label behind GOTO or before a colon, else a word."""
         before = self.items[self.index - 2] if self.index > 1 else None
         is_target = isinstance(before, Token) and before.type == "GOTO"
@@ -307,7 +322,7 @@ class _Writer:
         if not is_target:
             sub(label, "Token", {"Text": self._value(self._take(label))})
 
-    def _component(self, symbol: etree._Element, name: str) -> None:
+    def _component(self, symbol: XmlNode, name: str) -> None:
         plain = name.removeprefix("#").strip('"')
         component = sub(symbol, "Component", {"Name": plain})
         if name.removeprefix("#").startswith('"'):
@@ -320,26 +335,27 @@ class _Writer:
                 if depth == 0:
                     break
 
-    def _call(self, parent: etree._Element, start: int, scope: str, path: str) -> None:
+    def _call(self, parent: XmlNode, start: int, scope: str, path: str) -> None:
         """The call of an instance, or of a block of the user by its name."""
         is_block = scope == "GlobalVariable" and "." not in path
         user_type = self.types.get(path.lower(), "").startswith('"')
         is_instance = is_block and self.hints.get(CALL + path) == "FB"
         if is_block or user_type:
-            symbol = parent[start][0]
-            parent.remove(parent[start])
+            symbol = children(parent[start])[0]
+            del parent[start]
             kind = "FB" if user_type or is_instance else "FC"
             info = sub(sub(parent, "Access", {"Scope": "Call"}), "CallInfo", {"BlockType": kind})
             if is_block and not is_instance:
                 info.set("Name", path.strip('"'))
             else:
                 instance = sub(info, "Instance", {"Scope": scope})
-                instance.extend(list(symbol))
+                for part in children(symbol):
+                    instance.append(part)  # type: ignore[arg-type]  # both are of the kind of the root
             self._arguments(info)
         else:
             self._arguments(sub(sub(parent, "Access", {"Scope": "Call"}), "Instruction"))
 
-    def _arguments(self, call: etree._Element) -> None:
+    def _arguments(self, call: XmlNode) -> None:
         sub(call, "Token", {"Text": self._value(self._take(call))})
         while self.index < len(self.items) and not self._next_is("RPAR"):
             if self._next_is("COMMA"):
@@ -356,7 +372,7 @@ class _Writer:
         if self.index < len(self.items):
             sub(call, "Token", {"Text": self._value(self._take(call))})
 
-    def _argument(self, parameter: etree._Element) -> None:
+    def _argument(self, parameter: XmlNode) -> None:
         """Write what belongs to one argument: up to the comma or bracket behind it."""
         depth = 0
         while self.index < len(self.items):

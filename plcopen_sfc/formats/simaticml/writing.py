@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import lru_cache
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -67,10 +68,17 @@ class WriteContext:
 
 def sub(parent: N, name: str, attributes: dict[str, str] | None = None) -> N:
     """A new child of `parent`, in the namespace of `parent`."""
-    head, brace, _ = str(parent.tag).rpartition("}")
+    tag = _tag_beside(parent.tag, name)
     if isinstance(parent, ET.Element):
-        return ET.SubElement(parent, head + brace + name, attributes or {})  # type: ignore[return-value]  # of its kind
-    return etree.SubElement(parent, head + brace + name, attributes or {})  # type: ignore[return-value]
+        return ET.SubElement(parent, tag, attributes or {})  # type: ignore[return-value]  # of its kind
+    return etree.SubElement(parent, tag, attributes or {})  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=4096)
+def _tag_beside(tag: str, name: str) -> str:
+    """`name` in the namespace of `tag`."""
+    head, brace, _ = tag.rpartition("}")
+    return head + brace + name
 
 
 def flag(value: bool) -> str:
