@@ -23,13 +23,15 @@ if TYPE_CHECKING:
     from plcopen_sfc.model import Condition
     from plcopen_sfc.semantics.programs import Scope
 
-_CONTINUOUS = {
+CONTINUOUS = {
     ActionKind.CONTINUOUS: Qualifier.N,
     ActionKind.CONDITIONAL: Qualifier.N,
     ActionKind.DELAYED: Qualifier.D,
     ActionKind.LIMITED: Qualifier.L,
 }
-_STORED = (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION, ActionKind.ON_EVENT)
+"""The kinds that write an output in every stable situation, by what each association does."""
+STORED = (ActionKind.ON_ACTIVATION, ActionKind.ON_DEACTIVATION, ActionKind.ON_EVENT)
+"""The kinds that are executed once."""
 
 
 @dataclass(slots=True)
@@ -65,7 +67,7 @@ class GrafcetActions:
     ) -> None:
         self._scope = scope
         self._path = path
-        own = [(owner, model) for owner, model in owned if model.kind in _CONTINUOUS]
+        own = [(owner, model) for owner, model in owned if model.kind in CONTINUOUS]
         for owner, model in own:
             if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
                 raise UnknownBehaviourError(
@@ -77,7 +79,7 @@ class GrafcetActions:
                 owner,
                 model.model_copy(
                     update={
-                        "qualifier": _CONTINUOUS[model.kind] if model.kind else Qualifier.N,
+                        "qualifier": CONTINUOUS[model.kind] if model.kind else Qualifier.N,
                         "value": None,
                         "condition": terms.read(model.condition) if terms is not None else model.condition,
                     }
@@ -102,7 +104,7 @@ class GrafcetActions:
                 _event(model, terms, path, owner),
             )
             for owner, model in owned
-            if model.kind in _STORED
+            if model.kind in STORED
         ]
 
     def translate(self) -> None:

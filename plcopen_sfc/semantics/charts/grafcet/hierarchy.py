@@ -12,7 +12,7 @@ from plcopen_sfc.semantics.net import Net
 
 
 @dataclass(frozen=True, slots=True)
-class _Order:
+class Order:
     """While one of `steps` is active, the chart is in the situation `imposed`; None: it stays as it is."""
 
     path: str
@@ -21,7 +21,7 @@ class _Order:
 
 
 @dataclass(frozen=True, slots=True)
-class _Enclosure:
+class EnclosingStep:
     """While the step `steps` is active the chart may have active steps; `links` become active with it."""
 
     steps: int
@@ -29,13 +29,13 @@ class _Enclosure:
 
 
 @dataclass(slots=True)
-class _Subordinate:
+class RuledChart:
     """A chart that others rule: its steps, the orders on it, and the steps that enclose it."""
 
     name: str
     steps: int
-    orders: list[_Order] = field(default_factory=list)
-    enclosures: list[_Enclosure] = field(default_factory=list)
+    orders: list[Order] = field(default_factory=list)
+    enclosures: list[EnclosingStep] = field(default_factory=list)
     masters: set[str] = field(default_factory=set)
 
 
@@ -45,31 +45,36 @@ class Hierarchy:
     def __init__(self, net: Net, owned: Sequence[tuple[Owner, ActionAssociation]], path: str) -> None:
         self._net = net
         self._path = path
-        self._charts: dict[str, _Subordinate] = {}
+        self._charts: dict[str, RuledChart] = {}
         self._partials = {p.name.casefold(): p for p in net.chart.partial_charts}
         for owner, model in owned:
             if model.forcing is not None:
                 ruled = self._subordinate(model.forcing.chart, owner.path)
-                ruled.orders.append(_Order(owner.path, owner.steps, self._imposed(model, owner.path)))
+                ruled.orders.append(Order(owner.path, owner.steps, self._imposed(model, owner.path)))
                 ruled.masters |= self._owners(owner.steps)
         for step in net.steps:
             for enclosure in step.step.encloses or ():
                 ruled = self._subordinate(enclosure.chart, step.path)
                 links = self._named(self._partials[enclosure.chart.casefold()], enclosure.activated_steps, step.path)
-                ruled.enclosures.append(_Enclosure(step.bit, links))
+                ruled.enclosures.append(EnclosingStep(step.bit, links))
                 ruled.masters |= self._owners(step.bit)
         self._ordered = self._from_the_top()
+
+    @property
+    def charts(self) -> tuple[RuledChart, ...]:
+        """The charts that others rule, each behind those that rule it."""
+        return self._ordered
 
     def __bool__(self) -> bool:
         return bool(self._ordered)
 
-    def _subordinate(self, name: str, where: str) -> _Subordinate:
+    def _subordinate(self, name: str, where: str) -> RuledChart:
         partial = self._partials.get(name.casefold())
         if partial is None:
             raise UnknownBehaviourError(f"there is no partial chart {name}", location=self._place(where))
         found = self._charts.get(name.casefold())
         if found is None:
-            found = self._charts[name.casefold()] = _Subordinate(partial.name, self._steps_of(partial.network))
+            found = self._charts[name.casefold()] = RuledChart(partial.name, self._steps_of(partial.network))
         return found
 
     def _steps_of(self, chart: SfcNetwork) -> int:
@@ -130,8 +135,8 @@ class Hierarchy:
             bits |= found[0]
         return bits
 
-    def _from_the_top(self) -> tuple[_Subordinate, ...]:
-        ordered: list[_Subordinate] = []
+    def _from_the_top(self) -> tuple[RuledChart, ...]:
+        ordered: list[RuledChart] = []
         waiting = dict(self._charts)
         while waiting:
             free = [name for name, chart in waiting.items() if not chart.masters & (waiting.keys() - {name})]
@@ -184,7 +189,7 @@ class Hierarchy:
                 bits |= chart.steps
         return bits
 
-    def _order(self, chart: _Subordinate, situation: int) -> _Order | None:
+    def _order(self, chart: RuledChart, situation: int) -> Order | None:
         acting = [order for order in chart.orders if situation & order.steps]
         if not acting:
             return None

@@ -1,0 +1,165 @@
+"""Reading what only GRAFCET has: terms in conditions, its actions, and charts that rule others."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.lowering.chart_texts import TextReader
+from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource, StoredAction
+from plcopen_sfc.lowering.logic import TRUE
+from plcopen_sfc.lowering.reading import read_chart
+from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
+from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.semantics.charts.actions import Owner
+from plcopen_sfc.semantics.charts.grafcet.actions import CONTINUOUS, STORED
+from plcopen_sfc.semantics.charts.grafcet.extension import has_grafcet
+from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
+from plcopen_sfc.semantics.charts.grafcet.terms import TermTexts, rising
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
+
+Owned = tuple[Owner, SfcNetwork, ActionAssociation]
+
+
+def is_grafcet(chart: SfcNetwork, profile: Profile) -> bool:
+    """Whether a chart is read by `read_grafcet`: it has something of GRAFCET, or the profile searches for stability."""
+    net = Net.of(chart)
+    owned = [(owner, model) for owner, _, model in _owned(net)]
+    return profile.evolution is Evolution.UNTIL_STABLE or has_grafcet(net, owned, profile)
+
+
+def read_grafcet(pou: Pou, dialect: Dialect, profile: Profile, surroundings: Collection[str] = ()) -> ChartSource:
+    """Read the chart of `pou`; the rest as in `read_chart`."""
+    copied = pou.model_copy(deep=True)
+    chart = copied.sfc
+    if chart is None:
+        raise LoweringError("there is no chart to be lowered")
+    net = Net.of(chart)
+    reader = _Reader(copied, chart, dialect, profile, net)
+    grafcet = reader.grafcet()
+    once = replace(profile, evolution=Evolution.SINGLE)
+    plain = read_chart(copied, chart, dialect, once, surroundings, grafcet=True)
+    initial = reader.hierarchy.start(plain.net.initial)
+    ruled = replace(plain.net, initial=initial, hierarchy=bool(reader.hierarchy))
+    return replace(plain, pou=pou, net=ruled, grafcet=grafcet)
+
+
+def _owned(net: Net) -> list[Owned]:
+    """Every association with what it belongs to, in the order of the interpreter."""
+    owners = [(Owner(s.path, s.bit, 0, s.step.negated), s.chart, s.step.actions) for s in net.steps]
+    owners += [(Owner(m.path, m.steps, 0, m.step.negated), m.chart, m.step.actions) for m in net.macros]
+    return [(owner, chart, model) for owner, chart, models in owners for model in models if not model.exclude]
+
+
+class _Reader(TextReader):
+    """Takes everything out of a copy of the chart that `read_chart` does not know."""
+
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, net: Net) -> None:
+        super().__init__(pou, chart, dialect)
+        self._profile = profile
+        self._net = net
+        self._owned = _owned(net)
+        self._terms = TermTexts()
+        if profile.order is ScanOrder.ACTIONS_FIRST:
+            self.refuse(f"it has something of GRAFCET, which the profile {profile.name} does not have", "")
+        try:
+            self.hierarchy = Hierarchy(net, [(owner, model) for owner, _, model in self._owned], pou.name)
+        except UnknownBehaviourError as error:
+            raise LoweringError(error.message, location=error.location, hint=error.hint) from error
+
+    def grafcet(self) -> GrafcetSource:
+        """What is taken out; conditions have the names of their terms then."""
+        for transition in self._net.transitions:
+            transition.transition.condition = self._termless(transition.transition.condition)
+        stored = tuple(self._stored())
+        continuous = tuple(self._continuous())
+        for owner in [*self._net.steps, *self._net.macros]:
+            owner.step.actions = [a for a in owner.step.actions if a.kind is None and a.forcing is None]
+        edges = [Edge(e.name, self.expression(e.operand, "an edge"), e.rising) for e in self._terms.edges]
+        delays = [
+            Delay(t.name, self.expression(t.operand, "a time"), self._time(t.first), self._time(t.last))
+            for t in self._terms.timers
+        ]
+        return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts)
+
+    def _time(self, text: str | None) -> n.Expression | None:
+        return self.expression(text, "a time") if text is not None else None
+
+    def _termless(self, condition: Condition | None) -> Condition | None:
+        if not self._profile.grafcet_terms or not isinstance(condition, Expression):
+            return condition
+        return condition.model_copy(update={"text": self._terms.read(condition.text)})
+
+    def _value(self, chart: SfcNetwork, condition: Condition, path: str) -> n.Expression:
+        stated = Transition(id=chart.new_id(), condition=self._termless(condition))
+        found = self.condition(chart, stated, path)
+        if found.preparation:
+            self.refuse("conditions of actions with blocks that have a state are not lowered", path)
+        return found.value
+
+    def _stored(self) -> Iterator[StoredAction]:
+        for owner, chart, model in self._owned:
+            if model.kind not in STORED:
+                continue
+            path = f"step {owner.path} / action {model.target or ''}".rstrip()
+            event: n.Expression | None = None
+            if model.kind is ActionKind.ON_EVENT:
+                if not isinstance(model.condition, Expression) or not self._profile.grafcet_terms:
+                    self.refuse("the stored action has no event that could be lowered", path)
+                event = self._value(chart, rising(model.condition), path)
+            statements: tuple[n.Statement, ...] = ()
+            if model.body is not None:
+                statements = self.statements(model.body, path)
+            elif model.target is not None:
+                statements = self.read(f"{model.target} := {model.value or 'TRUE'};", path)
+            if statements:
+                yield StoredAction(model.kind, tuple(indexes(owner.steps)), event, statements)
+
+    def _continuous(self) -> Iterator[ActionSource]:
+        """Associations with the same target are one action, every body in place is one of its own."""
+        found: list[tuple[ActionSource, list[Use]]] = []
+        by_target: dict[str, list[Use]] = {}
+        for owner, chart, model in self._owned:
+            if model.kind not in CONTINUOUS:
+                continue
+            path = f"step {owner.path} / action {model.target or ''}".rstrip()
+            use = self._use(owner, chart, model, path)
+            if model.target is not None:
+                uses = by_target.get(model.target.casefold())
+                if uses is None:
+                    uses = by_target[model.target.casefold()] = []
+                    found.append((self._action(model.target, path), uses))
+                uses.append(use)
+            if model.body is not None:
+                name = f"{owner.path}_{len(found) + 1}"
+                found.append((ActionSource(name, None, self.statements(model.body, path), ()), [use]))
+        return (replace(action, uses=tuple(uses)) for action, uses in found)
+
+    def _action(self, target: str, path: str) -> ActionSource:
+        action = self.pou.action(target)
+        if action is None:
+            return ActionSource(target, self.expression(target, path), (), ())
+        return ActionSource(target, None, self.statements(action.body, f"action {target}"), ())
+
+    def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> Use:
+        assert model.kind is not None  # noqa: S101  # the caller has looked
+        if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
+            self.refuse(f"a continuous action gives it the value {model.value}: only Booleans have one", path)
+        qualifier = CONTINUOUS[model.kind]
+        inverted = owner.inverted is not model.negated
+        duration: n.Expression | None = None
+        if qualifier is not Qualifier.N:
+            if model.duration is None:
+                self.refuse("the delayed or limited action has no time", path)
+            if inverted:
+                self.refuse("an action that is delayed or limited while its step is not active has no meaning", path)
+            duration = self.expression(model.duration, path)
+        condition = self._value(chart, model.condition, path) if model.condition is not None else TRUE
+        return Use(tuple(indexes(owner.steps)), inverted, qualifier, condition, duration)

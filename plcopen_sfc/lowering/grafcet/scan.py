@@ -1,0 +1,203 @@
+"""One scan of a GRAFCET as code: the evolutions up to a stable situation, then the outputs of that situation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, transform
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.chain import Chain
+from plcopen_sfc.lowering.code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.emitting import paragraph
+from plcopen_sfc.lowering.grafcet.actions import ContinuousActions, StoredActions
+from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
+from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
+from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
+from plcopen_sfc.lowering.grafcet.source import GrafcetSource
+from plcopen_sfc.lowering.grafcet.terms import TermCode
+from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.semantics.net import indexes
+from plcopen_sfc.semantics.profile import Evolution
+
+_INDENT = "    "
+
+
+class GrafcetScan:
+    """Lowers the chart of a chain with flags for the steps. Makes one scan with one evolution, or up to stability."""
+
+    def __init__(self, chain: StepFlags) -> None:
+        self._chain = chain
+        self._code, self._texts, self._net = chain.code, chain.texts, chain.net
+        assert chain.source.grafcet is not None  # noqa: S101  # it was read so
+        self._terms = TermCode(chain.source.grafcet, self._code, self._texts, [flag.identifier for flag in chain.flags])
+        chain.source = chain.source.changed(lambda tree: transform(tree, self._terms.named))
+        assert chain.source.grafcet is not None  # noqa: S101
+        self._grafcet: GrafcetSource = chain.source.grafcet
+        self._concurrency = Concurrency(chain.source, chain.profile)
+        self._stable = chain.profile.evolution is Evolution.UNTIL_STABLE
+        self._olds: dict[int, n.Name] = {}
+        self._first: n.Name | None = None
+        self._stored = StoredActions(self._grafcet.stored, chain.memory, chain.active, self._before, self._fresh)
+        self._ruled = [Ruling(chart, chain.active, self._before, self._reentered) for chart in self._grafcet.ruled]
+
+    def append(self) -> None:
+        """Append all networks."""
+        chain, code, texts = self._chain, self._code, self._texts
+        code.add(texts.logic, chain.source.logic)
+        code.add(texts.times, chain.times.calls())  # of steps whose time conditions read
+        self._hold()
+        continuous = ContinuousActions(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
+        evolution = self._recorded(lambda: self._evolve(continuous))
+        self._start()
+        if self._stable:
+            self._loop(evolution)
+        else:
+            code.networks += evolution
+            code.add(texts.before, self._remembered())
+        timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
+        code.add(texts.times, [*chain.times.calls(), *timers])
+        chain.add_actions()
+        if not self._stable or self._grafcet.stored or chain.source.actions or chain.source.step_code:
+            code.add(texts.terms, self._terms.times)  # something may have changed since the last evolution
+        continuous.add(texts)
+        if self._first is not None:
+            code.add(texts.first_scan, [assignment(self._first, FALSE)])
+        chain.memory.finish(texts.first_scan)
+
+    # -- steps
+
+    def _before(self, step: int) -> Expression:
+        """Whether a step was active before the present evolution."""
+        if step not in self._olds:
+            flag = self._chain.flags[step]
+            self._olds[step] = self._code.declare(f"{flag.identifier}_old")
+        return self._olds[step]
+
+    def _fresh(self, step: int) -> Expression:
+        """Whether the evolution before has activated a step; at the start that of the initial steps counts."""
+        if self._stable:
+            return disjunction([negation(self._before(step)), self._reentered(step)])
+        return self._starting() if self._net.initial >> step & 1 else FALSE
+
+    def _reentered(self, step: int) -> Expression:
+        """Whether a transition has entered a step that was active before."""
+        entering = (self._net.transitions[i] for i in self._net.entering[step])
+        return disjunction(self._chain.fired[t.index] for t in entering if self._concurrency.enters_active(t, step))
+
+    def _again(self, step: int) -> Expression:
+        """Whether transitions have left and entered a step at once."""
+        leaving, entering = leaving_and_entering(self._net, step)
+        fired = self._chain.fired
+        pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]
+        return disjunction(conjunction([fired[t.index], fired[u.index]]) for t, u in pairs)
+
+    def _remembered(self) -> list[Statement]:
+        return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
+
+    def _starting(self) -> n.Name:
+        if self._first is None:
+            self._first = self._code.declare("FirstScan", initial="TRUE")
+        return self._first
+
+    # -- evolutions
+
+    def _hold(self) -> None:
+        """Let no transition of a chart be cleared while an order holds the chart."""
+        conditions = list(self._chain.source.conditions)
+        preparations = list(self._chain.source.preparations)
+        for ruling in self._ruled:
+            forced = ruling.forced()
+            if is_constant(forced, FALSE):
+                continue
+            for transition in self._net.transitions:
+                if set(ruling.steps) & {*transition.sources, *transition.targets}:
+                    i = transition.index
+                    conditions[i] = conjunction([conditions[i], negation(forced)])
+                    preparations[i] = (when(negation(forced), *preparations[i]),) if preparations[i] else ()
+        self._chain.source = replace(self._chain.source, conditions=tuple(conditions), preparations=tuple(preparations))
+
+    def _evolve(self, continuous: ContinuousActions) -> None:
+        """One evolution."""
+        chain, code, texts = self._chain, self._code, self._texts
+        events = self._stored.on_events()
+        changes = self._stored.on_changes()
+        forcing: list[Statement] = []
+        if isinstance(chain, GrafcetFlipFlops):
+            chain.ruled, chain.concurrency = self._ruled, self._concurrency
+        else:
+            forcing = [imposed(ruling, chain.flags, self._before) for ruling in self._ruled]
+        code.add(texts.terms, [*self._terms.times, *self._terms.edges])
+        code.add(texts.events, events)
+        place = len(code.networks)
+        chain.choose()
+        chain.move()
+        code.add(texts.forcing, forcing)
+        code.add(texts.stored, changes)
+        code.add(texts.times, self._restarts(continuous))
+        code.add(texts.before, self._remembered(), place=place)  # known now
+
+    def _restarts(self, continuous: ContinuousActions) -> list[Statement]:
+        """Let the times of steps begin anew that are left, also if they are entered again before the scan ends."""
+        chain = self._chain
+        found: list[Statement] = []
+        for step in range(len(self._net.steps)):
+            again = self._again(step)
+            found += chain.times.restarts(step, disjunction([negation(chain.active(step)), again]))
+        for timer, started, time in continuous.timers:
+            found.append(when(negation(started), call(timer, IN=FALSE, PT=time)))
+        return found
+
+    def _start(self) -> None:
+        """What is executed once, before the first evolution."""
+        statements = [*self._terms.starts, *self._stored.at_the_start(indexes(self._net.initial))]
+        if statements:
+            self._code.add(self._texts.start, [when(self._starting(), *statements)])
+
+    def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork | TextNetwork]:
+        kept, self._code.networks = self._code.networks, []
+        make()
+        made, self._code.networks = self._code.networks, kept
+        return made
+
+    def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork]) -> None:
+        """Repeat an evolution until no transition is cleared any more."""
+        texts, dialect = self._texts, self._chain.source.dialect
+        number = self._code.declare(texts.evolutions, ElementaryType(name=Elementary.INT))
+        moving = self._code.declare(texts.moving, comment=texts.moving_comment)
+        unstable = self._code.declare(texts.unstable, comment=texts.unstable_comment)
+        most = n.Literal(str(self._chain.profile.max_evolutions))
+        counted = assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
+        goes_on = assignment(moving, disjunction(self._chain.fired))
+        ends = disjunction([negation(moving), n.Operation(n.Operator.GREATER_OR_EQUAL, (number, most))])
+        inside = [
+            CodeNetwork("", (counted,)),
+            *evolution,
+            CodeNetwork("", (goes_on,)),
+        ]
+        lines = [print_node(assignment(number, n.Literal("0")), dialect), "REPEAT"]
+        lines += "\n\n".join(paragraph(network, dialect) for network in inside).splitlines()
+        lines = lines[:2] + [_INDENT + line if line else line for line in lines[2:]]
+        lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
+        lines.append(print_node(assignment(unstable, moving), dialect))
+        self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
+
+
+def add_grafcet(chain: Chain, *, exact: bool, drawn: bool) -> None:
+    """Lower a GRAFCET with a construction. `drawn`: as networks. Raises `LoweringError` for what cannot be said so."""
+    path = Location(path=chain.source.pou.name)
+    if not isinstance(chain, StepFlags):
+        raise LoweringError("a GRAFCET is lowered to step bits or flip-flops only", location=path)
+    if not exact:
+        raise LoweringError("a GRAFCET has no classic form", location=path)
+    if drawn and chain.profile.evolution is Evolution.UNTIL_STABLE:
+        raise LoweringError(
+            "the search for a stable situation is a loop, which networks do not have",
+            location=path,
+            hint="Lower it to structured text, or with a profile of one evolution in a scan.",
+        )
+    GrafcetScan(chain).append()

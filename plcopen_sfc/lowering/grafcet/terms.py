@@ -1,0 +1,111 @@
+"""Edges and times of IEC 60848 in conditions (4.6), as code that is executed in every evolution."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.nodes import Expression, Node, Statement
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.model.types import DerivedType
+
+
+class TermCode:
+    """The variables that stand for the terms of a chart, and the statements that bring them up to date.
+
+    `times` and `edges` are to be executed in this order before the transitions are tested; `starts` once, before the
+    first evolution of all. `step_flags` are the variables that tell that a step is active.
+    """
+
+    def __init__(self, grafcet: GrafcetSource, code: Code, texts: Texts, step_flags: Collection[str]) -> None:
+        self._code = code
+        self._texts = texts
+        self._values: dict[str, Expression] = {}
+        self._timers: dict[str, list[n.Name]] = {}
+        self._flags = {flag.casefold() for flag in step_flags}
+        self.times: list[Statement] = []
+        self.edges: list[Statement] = []
+        self.starts: list[Statement] = []
+        self._early = _written_early(grafcet)
+        for delay in grafcet.delays:
+            self._values[delay.name.casefold()] = self._declare_delay(delay)
+        for edge in grafcet.edges:
+            self._values[edge.name.casefold()] = code.declare(texts.edge_name(_names(edge.operand), rising=edge.rising))
+        for delay in grafcet.delays:
+            self._add_delay(delay)
+        for edge in grafcet.edges:
+            self._add_edge(edge)
+
+    def named(self, node: Node) -> Node:
+        """The variable of a term instead of the name that stands for it."""
+        return self._values.get(node.identifier.casefold(), node) if isinstance(node, n.Name) else node
+
+    def _declare_delay(self, delay: Delay) -> Expression:
+        kinds = [(delay.first, "TON"), (delay.last, "TOF")]
+        names = [
+            self._code.declare(self._texts.delay_name(_names(delay.operand), time.text), DerivedType(name=kind))
+            for time, kind in kinds
+            if isinstance(time, n.Literal)
+        ]
+        self._timers[delay.name] = names
+        return n.Member(names[-1], n.Name("Q"))
+
+    def _add_delay(self, delay: Delay) -> None:
+        value = transform(delay.operand, self.named)
+        times = [time for time in (delay.first, delay.last) if time is not None]
+        for timer, time in zip(self._timers[delay.name], times, strict=True):
+            self.times.append(call(timer, IN=value, PT=time))
+            value = n.Member(timer, n.Name("Q"))
+
+    def _add_edge(self, edge: Edge) -> None:
+        pulse = self._values[edge.name.casefold()]
+        assert isinstance(pulse, n.Name)  # noqa: S101  # edges are variables
+        operand = transform(edge.operand, self.named)
+        start = self._at_the_start(operand)
+        initial = "TRUE" if (is_constant(start, TRUE) if start is not None else edge.rising) else None
+        before = self._code.declare(f"{pulse.identifier}_old", initial=initial)
+        if start is not None and not is_constant(start, TRUE) and not is_constant(start, FALSE):
+            self.starts.append(assignment(before, start))
+        now, then = (operand, negation(before)) if edge.rising else (negation(operand), before)
+        self.edges += [assignment(pulse, conjunction([now, then])), assignment(before, operand)]
+
+    def _at_the_start(self, operand: Expression) -> Expression | None:
+        """The value of an operand before the first evolution, when no step is active yet; None: that of then."""
+        hidden = {name.identifier.casefold() for name in self._values.values() if isinstance(name, n.Name)}
+        hidden |= self._flags
+
+        def without(node: Node) -> Node:
+            match node:
+                case n.Name(name) if name.casefold() in hidden:
+                    return FALSE
+                case n.Member() if node in self._values.values():
+                    return FALSE
+                case n.Parenthesized(inner):
+                    return inner
+                case n.Unary(n.Operator.NOT, inner):
+                    return negation(inner)
+                case n.Operation(n.Operator.AND, operands):
+                    return conjunction(operands)
+                case n.Operation(n.Operator.OR, operands):
+                    return disjunction(operands)
+            return node
+
+        start = transform(operand, without)
+        read = {node.identifier.casefold() for node in walk(operand) if isinstance(node, n.Name)}
+        if not read & (hidden | self._early) and not any(isinstance(node, n.Member | n.Call) for node in walk(operand)):
+            return None
+        return start
+
+
+def _names(operand: Expression) -> list[str]:
+    return [node.identifier for node in walk(operand) if isinstance(node, n.Name)]
+
+
+def _written_early(grafcet: GrafcetSource) -> set[str]:
+    """What stored actions name, in lower case: they may change it before the first evolution."""
+    trees = [tree for stored in grafcet.stored for tree in stored.statements]
+    return {node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name)}

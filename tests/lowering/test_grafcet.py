@@ -1,0 +1,205 @@
+"""GRAFCET as code: the search for stability, edges and times, its actions, and its hierarchy, proven equal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
+from tests.semantics.charts.rig import chain
+from tests.semantics.charts.test_grafcet import action, emergency_stop, enclosing, seed_chain
+
+ONCE = replace(PROFILES["grafcet"], name="one evolution", evolution=Evolution.SINGLE)
+
+
+def pou_with(chart: m.SfcNetwork, inputs: str, outputs: str) -> m.Pou:
+    """A function block with a chart; its variables are given as ``a n:INT``."""
+
+    def section(kind: m.SectionKind, names: str) -> m.VariableSection:
+        words = (name.partition(":") for name in names.split())
+        return m.VariableSection(kind=kind, variables=[m.Variable(name=n, type=t or "BOOL") for n, _, t in words])
+
+    sections = [section(m.SectionKind.INPUT, inputs), section(m.SectionKind.OUTPUT, outputs)]
+    return m.Pou(
+        name="Ablauf",
+        kind=m.PouKind.FUNCTION_BLOCK,
+        interface=m.Interface(sections=sections),
+        bodies=[m.SfcBody(chart=chart)],
+    )
+
+
+def text_of(lowered: LoweredPou) -> str:
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    return body.text
+
+
+def check(chart: m.SfcNetwork, inputs: str, outputs: str, *, profiles: tuple[Profile, ...] = ()) -> LoweredPou:
+    """Lower the chart in all ways, with and without the search for stability. Gives back the step bits."""
+    pou = pou_with(chart, inputs, outputs)
+    for profile in profiles or (ONCE, PROFILES["grafcet"]):
+        for construction, language in (("flipflop", "ST"), ("bits", "ST")):
+            lowered = lower(pou, construction, language=language, profile=profile)
+            assert lowered.proof is not None
+            assert lowered.proof.outcome is Outcome.PROVEN, f"{profile.name} {construction}: {lowered.proof}"
+            assert len(lowered.proof.compared) > len(outputs.split())
+    return lowered
+
+
+def test_the_example_of_the_seed() -> None:
+    text = text_of(check(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3"))
+    assert text.count("REPEAT") == 2
+    assert "UNTIL NOT moving OR evolutions >= 1000" in text
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields"),
+    [
+        ("continuous", {}),
+        ("conditional", {"condition": "a"}),
+        ("delayed", {"duration": "T#20ms"}),
+        ("delayed", {"duration": "T#20ms", "condition": "a"}),
+        ("limited", {"duration": "T#20ms"}),
+    ],
+)
+def test_continuous_actions(kind: str, fields: dict[str, str]) -> None:
+    chart = chain("1", "2", "3")
+    for name in ("2", "3"):
+        chart.step(name).actions = [action(kind, **fields)]
+    check(chart, "a c1 c2 c3", "Q")
+
+
+@pytest.mark.parametrize("kind", ["onActivation", "onDeactivation"])
+@pytest.mark.parametrize("step", ["1", "2"])
+def test_stored_actions(kind: str, step: str) -> None:
+    chart = chain("1", "2", "3")
+    chart.step(step).actions = [action(kind, value="NOT Q")]
+    chart.step("2").actions += [action("onActivation", "Q", value="a", id=7)]
+    check(chart, "a c1 c2 c3", "Q")
+
+
+@pytest.mark.parametrize("event", ["↑a", "↓a", "a", "↑a OR ↓(a AND b)", "NOT a"])
+@pytest.mark.parametrize("step", ["1", "2"])
+def test_actions_on_events(event: str, step: str) -> None:
+    chart = chain("1", "2")
+    chart.step(step).actions = [action("onEvent", condition=event, value="NOT Q")]
+    check(chart, "a b c1 c2", "Q")
+
+
+@pytest.mark.parametrize(
+    "conditions",
+    [
+        "↑a;↑a;c1",
+        "↓a;↑(a AND b);c1",
+        "NOT ↑a AND b;↓b;c1",
+        "c1;20ms/X2;20ms/a",
+        "c1;X2/20ms;c2 AND NOT 20ms/a/30ms",
+        "c1;↑X2;20ms/(a AND NOT b)",
+        "↑X1;↑(20ms/X2);X1",
+        "c1;c2;S3.T >= T#20ms AND S3.X",
+    ],
+)
+def test_edges_and_times(conditions: str) -> None:
+    chart = chain("1", "2", "S3", conditions=conditions)
+    chart.step("2").actions = [action("onActivation", value="NOT Q")]
+    check(chart, "a b c1 c2", "Q R")
+
+
+def test_an_edge_of_what_a_stored_action_writes() -> None:
+    chart = chain("1", "2", conditions="↑Q c1")
+    chart.step("1").actions = [action("onActivation", value="c2")]
+    chart.step("2").actions = [action("onActivation", value="FALSE")]
+    check(chart, "c1 c2", "Q")
+
+
+@pytest.mark.parametrize(("situation", "steps"), [("INIT", None), ("{}", None), ("*", None), ("explicit", ["1", "3"])])
+def test_an_emergency_stop_above_the_chain(situation: str, steps: list[str] | None) -> None:
+    chart = emergency_stop(situation, steps)
+    chart.partial_charts[1].network.step("1").actions = [action("onActivation", "n", value="NOT n")]
+    check(chart, "c1 c2 c3 stop", "Q n")
+
+
+@pytest.mark.parametrize("initial", [True, False])
+def test_enclosing_steps(initial: bool) -> None:
+    check(enclosing(initial=initial), "c1 c2 c3", "Q")
+
+
+def test_enclosing_steps_in_enclosed_charts_that_are_forced() -> None:
+    chart = enclosing()
+    chart.partial_charts[0].network.step("10").encloses = [m.Enclosure(chart="G0", activated_steps=["30"])]
+    deepest = chain("30", "31", conditions="c4 FALSE")
+    deepest.step("30").initial = False
+    chart.partial_charts.append(m.PartialChart(name="G0", network=deepest, kind=m.PartialChartKind.ENCLOSED))
+    order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.CURRENT)
+    above = chain("40", "41", conditions="c4;NOT c4")
+    above.step("41").actions = [m.ActionAssociation(id=9, kind=m.ActionKind.FORCING, forcing=order)]
+    chart.partial_charts.append(m.PartialChart(name="G4", network=above))
+    check(chart, "c1 c2 c3 c4", "Q")
+
+
+def test_macro_steps() -> None:
+    expansion = chain("E1", "S1", conditions="c2;FALSE", ring=False)
+    expansion.step("E1").initial = False
+    partial = m.PartialChart(
+        name="M1", network=expansion, kind=m.PartialChartKind.EXPANSION, entry_step="E1", exit_step="S1"
+    )
+    chart = m.SfcNetwork(partial_charts=[partial])
+    first, macro = chart.add_step("1", initial=True), chart.add_step("M1")
+    macro.macro = m.Macro(expansion="M1")
+    chart.add_transition(first, macro, "c1")
+    chart.add_transition(macro, first, "c3")
+    macro.actions = [
+        action("delayed", duration="T#20ms"),
+        action("onActivation", "R", value="NOT R", id=2),
+        action("onDeactivation", "R", value="c2", id=3),
+    ]
+    other = chain("5", "6", conditions="XM1;XE1")
+    chart.partial_charts.append(m.PartialChart(name="G2", network=other))
+    check(chart, "c1 c2 c3", "Q R")
+
+
+def test_source_and_sink_transitions_and_several_initial_steps() -> None:
+    chart = chain("1", "2", conditions="c1 c2")
+    chart.step("2").initial = True
+    chart.transitions.append(m.Transition(id=20, targets=[chart.step("1").id], condition=m.Expression(text="↑a")))
+    chart.transitions.append(m.Transition(id=21, sources=[chart.step("2").id], condition=m.Expression(text="b")))
+    chart.step("1").actions = [action("onActivation", value="NOT Q")]
+    check(chart, "a b c1 c2", "Q")
+
+
+def test_rivals_are_cleared_together() -> None:
+    chart = chain("1", "2", "3", conditions="c1 c2 c3")
+    chart.add_transition(chart.step("1"), chart.step("3"), "a")
+    chart.add_transition(chart.step("1"), chart.step("1"), "↑a")
+    chart.step("1").actions = [action("delayed", duration="T#20ms")]
+    check(chart, "a c1 c2 c3", "Q")
+
+
+def test_synchronisation_over_steps_of_other_charts() -> None:
+    chart = m.SfcNetwork(
+        partial_charts=[
+            m.PartialChart(name="G1", network=chain("1", "2", conditions="c1;X11")),
+            m.PartialChart(name="G2", network=chain("10", "11", conditions="X2;NOT X2")),
+        ]
+    )
+    chart.partial_charts[0].network.step("2").actions = [action("continuous")]
+    check(chart, "c1", "Q")
+
+
+def test_one_action_reads_the_output_of_another() -> None:
+    chart = chain("1", "2")
+    chart.step("1").actions = [action("continuous", "Q"), action("conditional", "R", "Q", id=2)]
+    chart.step("2").actions = [action("conditional", "Q", "R"), action("continuous", "R", id=2)]
+    check(chart, "c1 c2", "Q R")
+
+
+def test_the_search_for_stability_cannot_be_drawn() -> None:
+    pou = pou_with(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3")
+    with pytest.raises(LoweringError, match="loop") as raised:
+        lower(pou, "flipflop", profile="grafcet")
+    assert "one evolution" in raised.value.hint
