@@ -12,7 +12,8 @@ from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_of
 from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Frame, Keeper
+from plcopen_sfc.semantics.programs.keeping import Keeper
+from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.library import ChartCompiler, Library
 from plcopen_sfc.semantics.programs.units import Unit
 

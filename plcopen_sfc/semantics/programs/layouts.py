@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
@@ -83,103 +83,6 @@ class Layout:
     def find(self, name: str) -> Field | None:
         """The variable of this name; case does not matter."""
         return self.by_name.get(name.casefold())
-
-
-@dataclass(slots=True)
-class _Part:
-    """A variable whose value is no plain one: how it is stored and put back."""
-
-    slot: int
-    store: Callable[[Any, int, int | None], Hashable]
-    load: Callable[[Any, Hashable, int], Any]
-    inside: bool = field(default=True)
-
-
-class Keeper:
-    """Stores and puts back what a frame holds: all that a later scan can see, relative to the present."""
-
-    def __init__(self) -> None:
-        self._plans: dict[Layout, tuple[int, list[int], list[_Part]]] = {}
-
-    def store(self, frame: Frame, now: int, limit: int | None, leave_out: frozenset[int] = frozenset()) -> Hashable:
-        """What `frame` holds, but for some slots."""
-        plain, parts = self._plan(frame.layout)
-        v = frame.v
-        values: list[Hashable] = [v[slot] for slot in plain if slot not in leave_out]
-        values += [part.store(v[part.slot], now, limit) for part in parts if part.slot not in leave_out]
-        return tuple(values)
-
-    def load(self, frame: Frame, stored: Any, now: int, leave_out: frozenset[int] = frozenset()) -> None:
-        """Put back what `store` gave."""
-        plain, parts = self._plan(frame.layout)
-        values = iter(stored)
-        v = frame.v
-        for slot in plain:
-            if slot not in leave_out:
-                v[slot] = next(values)
-        for part in parts:
-            if part.slot not in leave_out:
-                if part.inside:
-                    part.load(v[part.slot], next(values), now)
-                else:
-                    v[part.slot] = part.load(None, next(values), now)
-
-    def _plan(self, layout: Layout) -> tuple[list[int], list[_Part]]:
-        count, plain, parts = self._plans.get(layout, (-1, [], []))
-        if count != len(layout.fields):  # layouts of global variables grow
-            plain, parts = [], []
-            for variable in layout.fields:
-                if variable.direction in (Direction.CONSTANT, Direction.IN_OUT) or not variable.retained:
-                    continue
-                part = self._part(variable.slot, variable.type)
-                if part is None:
-                    plain.append(variable.slot)
-                else:
-                    parts.append(part)
-            self._plans[layout] = (len(layout.fields), plain, parts)
-        return plain, parts
-
-    def _part(self, slot: int, type_: Type) -> _Part | None:
-        if isinstance(type_, t.StructureType):
-            return _Part(slot, self.store, self.load)
-        if type_ is t.INSTANT:
-            return _Part(slot, _age, _instant, inside=False)
-        if type_ is t.ELAPSED:
-            return _Part(slot, _clamped, lambda _, value, __: value, inside=False)
-        if isinstance(type_, t.ArrayType):
-            return self._array(slot, type_)
-        return None
-
-    def _array(self, slot: int, type_: t.ArrayType) -> _Part:
-        element = self._part(0, type_.base)
-        if element is None:
-            return _Part(slot, lambda values, _, __: tuple(values), _load_list)
-        inner = element
-
-        def load(values: list[Any], stored: Any, now: int) -> None:
-            for index, value in enumerate(stored):
-                if inner.inside:
-                    inner.load(values[index], value, now)
-                else:
-                    values[index] = inner.load(None, value, now)
-
-        return _Part(slot, lambda values, now, limit: tuple(inner.store(v, now, limit) for v in values), load)
-
-
-def _load_list(values: list[Any], stored: Any, _: int) -> None:
-    values[:] = stored
-
-
-def _clamped(value: int, _: int, limit: int | None) -> Hashable:
-    return value if limit is None else min(value, limit)
-
-
-def _age(value: int | None, now: int, limit: int | None) -> Hashable:
-    return None if value is None else _clamped(now - value, now, limit)
-
-
-def _instant(_: Any, age: Any, now: int) -> int | None:
-    return None if age is None else now - age
 
 
 def leaves(frame: Frame, path: str = "") -> Iterator[tuple[str, Field, list[Any], int]]:

@@ -79,6 +79,38 @@ def test_a_timer_that_has_run_out_does_not_grow_older() -> None:
     assert one.snapshot() == before
 
 
+def test_arrays_of_structures_and_of_blocks_are_in_snapshots() -> None:
+    text = """TYPE Axis :
+    STRUCT Place : INT; Delays : ARRAY[0..1] OF TON; Rows : ARRAY[1..2, 1..2] OF INT; END_STRUCT; END_TYPE
+    PROGRAM Main
+    VAR Start : BOOL; Axes : ARRAY[1..2] OF Axis; n : INT; END_VAR
+    n := n + 1;
+    Axes[1].Place := n; Axes[2].Rows[2, 1] := n;
+    Axes[2].Delays[1](IN := Start, PT := T#30ms);
+    END_PROGRAM"""
+    one = start(text)
+    one["Start"] = True
+    one.scan()
+    stored = one.snapshot()
+    names = ["n", "Axes[1].Place", "Axes[2].Rows[2, 1]", "Axes[2].Delays[1].ET", "Axes[2].Delays[1].Q"]
+
+    def seen() -> list[Any]:
+        found = []
+        for _ in range(4):
+            one.controller.now += 10 * MS
+            one.scan()
+            found.append([one[name] for name in names])
+        return found
+
+    expected = seen()
+    assert [row[-1] for row in expected] == [False, False, True, True]
+    assert one.snapshot() != stored
+    one.controller.now += 5000 * MS
+    one.restore(stored)
+    assert one.snapshot() == stored
+    assert seen() == expected
+
+
 class Recorder:
     """Gives inputs their values and remembers what was asked for."""
 
