@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.nets import block_chart, chart_of
+from tests.languages.networks.build import output
 from tests.lowering.charts import act, boolean, pou_with
 
 PARALLEL = "S1>S2+S10 S2>S3 S10>S11 S3+S11>S4 S4>S1"
@@ -203,6 +204,17 @@ def test_what_a_condition_executes_is_executed_only_where_it_is_tried(profile: s
             made = lowered(pou, form, profile)
             found = equivalent(pou, made.pou, profile, step_flags=made.step_flags, cap=400, runs=20)
             assert found.equal, str(found)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize("construction", list(Construction))
+def test_wires_from_steps_are_followed_before_transitions(construction: Construction, profile: str) -> None:
+    pou = chain("S1>S2 S2>S1")
+    assert pou.sfc is not None
+    assert pou.interface is not None
+    pou.interface.sections[1].variables.append(boolean("y"))
+    pou.sfc.logic = [output(90, "y", (pou.sfc.step("S1").id, "x"))]
+    assert verdict(pou, construction, profile).outcome is Outcome.PROVEN
 
 
 def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:
