@@ -107,10 +107,19 @@ class ProgramSystem:
             self._observe = read
             return
 
+        places = iter(range(len(wanted)))
+        plan = [(each.bit, each.equals, 0 if each.bit else next(places)) for each in wanted]
+        has_bits = any(each.bit for each in wanted)
+
         def observed() -> tuple[Any, ...]:
-            values = iter(read())
-            marking = self._marking() if any(each.bit for each in wanted) else 0
-            return tuple(_seen(each, values, marking) for each in wanted)
+            values = read()
+            marking = self._marking() if has_bits else 0
+            return tuple(
+                [
+                    marking & bit != 0 if bit else values[place] if equals is None else bool(values[place] == equals)
+                    for bit, equals, place in plan
+                ]
+            )
 
         self._observe = observed
 
@@ -187,13 +196,6 @@ class ProgramSystem:
 
 def _no_input(path: str) -> Any:
     raise ModelError(f"{path} is read outside of a scan")
-
-
-def _seen(observation: Observation, values: Any, marking: int) -> Any:
-    if observation.bit:
-        return bool(marking & observation.bit)
-    value = next(values)
-    return value if observation.equals is None else bool(value == observation.equals)
 
 
 # -- steps
