@@ -7,6 +7,8 @@ executes the actions of its step and then tries its transition, which ends them.
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 from plcopen_sfc.analysis.regions import Region, Regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.code import TextNetwork
@@ -16,14 +18,16 @@ from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import NetStep, indexes
 
+_STORED = (Qualifier.S, Qualifier.R, Qualifier.R0)
+
 
 def one_step_at_a_time(source: ChartSource) -> str:
-    """Why a chart can have several steps active, or none; empty if always exactly one is."""
+    """Why a chart can have several steps active, or none at the start; empty if it is one, until the chart ends."""
     initial = [source.net.steps[i].path for i in indexes(source.net.initial)]
     if len(initial) != 1:
         return f"it has {len(initial)} initial steps"
     for transition in source.net.transitions:
-        if len(transition.sources) != 1 or len(transition.targets) != 1:
+        if len(transition.sources) != 1 or len(transition.targets) > 1:
             return f"transition {transition.path} does not lead from one step to one step"
     return ""
 
@@ -42,7 +46,9 @@ class CaseChain(RegionChain):
         return Regions(net, (region,), (), tuple(0 for _ in steps))
 
     def classic(self) -> None:
-        """Each branch: the actions of the step, then its transition."""
+        """Each branch: the actions of the step, then its transitions. Raises `LoweringError` for what it cannot hold."""
+        self._check_classic()
+        self.begin_classic()
         self._initialise(*self._stored())
         lines = [f"CASE {self.text(self.machines[0].state)} OF"]
         for step in self.net.steps:
@@ -65,56 +71,77 @@ class CaseChain(RegionChain):
         return [f"{self.text(a.target)} := false; // {self.texts.reset_action}" for a in stored if a.target is not None]
 
     def _classic_branch(self, step: NetStep) -> list[str]:
-        used = [
-            (action, use)
-            for action in self.source.actions
-            for use in action.uses
-            if use.steps == (step.index,) and not use.inverted
-        ]
+        used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
+        main = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
         lines = [f"{self.text(self.names.step(step.index))}: // {self.heading(step)}"]
-        if used:
+        if used or main:
             lines.append(f"{INDENT}// {self.texts.actions}")
-            lines += [INDENT + line for action, use in used for line in self._acting(action, use)]
+            done = [*main, *(line for action, use in used for line in self._acting(action, use))]
+            lines += [INDENT + line for text in done for line in text.splitlines()]
             lines.append("")
         ending = [line for action, use in used for line in self._ending(action, use)]
-        for transition in (self.net.transitions[i] for i in self.net.leaving[step.index]):
-            lines.append(f"{INDENT}// {self.texts.transition}")
-            lines.append(f"{INDENT}IF {self.text(self.source.conditions[transition.index])} THEN")
-            lines += [INDENT * 2 + line for line in ending]
-            target = self.net.steps[transition.targets[0]]
-            jump = self.texts.jump(
-                target.step, initial=bool(self.net.initial & target.bit), back=target.index <= step.index
-            )
-            lines.append(f"{INDENT * 2}{self.entered(target.index)} // {jump}")
-            lines.append(f"{INDENT}END_IF;")
+        lines += [INDENT + line for line in self._classic_transitions(step, ending)]
         if len(lines) == 1:
             lines.append(f"{INDENT};")
         return [*lines, ""]
 
+    def _classic_transitions(self, step: NetStep, ending: list[str]) -> list[str]:
+        """The transitions behind a step, in the order in which they are tried; each ends the actions of the step."""
+        leaving = [self.net.transitions[i] for i in self.net.leaving[step.index]]
+        before = [self.text(each) for t in leaving for each in self.source.preparations[t.index]]
+        lines = [line for text in before for line in text.splitlines()]
+        word = "IF"
+        for transition in leaving:
+            target = self.net.steps[transition.targets[0]]
+            initial = bool(self.net.initial & target.bit)
+            jump = self.texts.jump(target.step, initial=initial, back=target.index <= step.index)
+            lines.append(f"// {self.texts.transition}")
+            lines.append(f"{word} {self.text(self.source.conditions[transition.index])} THEN")
+            lines += [INDENT + line for line in ending]
+            lines.append(f"{INDENT}{self.entered(target.index)} // {jump}")
+            word = "ELSIF"
+        return [*lines, "END_IF;"] if leaving else lines
+
+    def _check_classic(self) -> None:
+        """Refuse what the branches of a textbook CASE cannot hold."""
+        for transition in self.net.transitions:
+            if not transition.targets:
+                self._refuse("the classic form has no place for the end of a chart", f"transition {transition.path}")
+        for code in self.source.step_code:
+            if code.entry or code.exit:
+                path = self.net.steps[code.step].path
+                self._refuse("the classic form has no place for entry and exit actions", f"step {path}")
+        for action in self.source.actions:
+            for use in action.uses:
+                plain = use.qualifier in (Qualifier.N, Qualifier.NONE)
+                if use.inverted or not (plain or (action.target is not None and use.qualifier in _STORED)):
+                    what = "an action of all other steps" if use.inverted else f"qualifier {use.qualifier}"
+                    self._refuse(f"the classic form has no place for {what}", f"action {action.name}")
+
+    def _refuse(self, message: str, path: str) -> NoReturn:
+        raise LoweringError(
+            message, location=Location(path=f"{self.source.pou.name} / {path}"), hint="The exact form has."
+        )
+
     def _acting(self, action: ActionSource, use: Use) -> list[str]:
-        if action.target is None:
-            return [self.text(statement) for statement in action.statements]
-        target = self.text(action.target)
         conditional = not is_constant(use.condition, TRUE)
         value = self.text(use.condition)
-        match use.qualifier:
-            case Qualifier.N if conditional:
-                return [f"{target} := {value}; // {self.texts.set_while(value)}"]
-            case Qualifier.N:
-                return [f"{target} := true; // {self.texts.set_action}"]
-            case Qualifier.S | Qualifier.R | Qualifier.R0:
-                new = f"{target} := {'true' if use.qualifier is Qualifier.S else 'false'};"
-                if use.qualifier is not Qualifier.S:
-                    new += f" // {self.texts.reset_action}"
-                return [f"IF {value} THEN", INDENT + new, "END_IF;"] if conditional else [new]
-            case _:
-                raise LoweringError(
-                    f"the classic form has no place for qualifier {use.qualifier}",
-                    location=Location(path=f"action {action.name}"),
-                    hint="The exact form has.",
-                )
+        if action.target is None:
+            lines = [self.text(statement) for statement in action.statements]
+            if conditional:
+                return [f"IF {value} THEN", *(INDENT + x for text in lines for x in text.splitlines()), "END_IF;"]
+            return lines
+        target = self.text(action.target)
+        if use.qualifier in _STORED:
+            new = f"{target} := {'true' if use.qualifier is Qualifier.S else 'false'};"
+            if use.qualifier is not Qualifier.S:
+                new += f" // {self.texts.reset_action}"
+            return [f"IF {value} THEN", INDENT + new, "END_IF;"] if conditional else [new]
+        if conditional:
+            return [f"{target} := {value}; // {self.texts.set_while(value)}"]
+        return [f"{target} := true; // {self.texts.set_action}"]
 
     def _ending(self, action: ActionSource, use: Use) -> list[str]:
-        if action.target is None or use.qualifier is not Qualifier.N:
+        if action.target is None or use.qualifier in _STORED:
             return []
         return [f"{self.text(action.target)} := false; // {self.texts.reset_actions}"]

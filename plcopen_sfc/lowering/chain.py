@@ -89,6 +89,11 @@ class Chain(ABC):
             self.add_actions()
         self.memory.finish(self.texts.first_scan)
 
+    def begin_classic(self) -> None:
+        """What stands before a textbook chain: the logic drawn in the chart, and the timers of steps."""
+        self.code.add(self.texts.logic, self.source.logic)
+        self.code.add(self.texts.times, self.times.calls())
+
     def add_actions(self) -> None:
         """Append what steps execute, then the actions."""
         add_step_code(self.source, self.code, self.memory, self.active, self.texts)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
 from plcopen_sfc.lowering.faults import FaultKind
 from plcopen_sfc.lowering.logic import TRUE, is_constant
-from plcopen_sfc.lowering.source import ActionSource
+from plcopen_sfc.lowering.source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.semantics.net import Net, Rivals, indexes, mask
+from plcopen_sfc.semantics.net import Rivals, indexes, mask
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 Place = tuple[str, ...]
@@ -48,9 +49,12 @@ class Output:
 class Facts:
     """What is known of a chart before anything runs."""
 
-    def __init__(self, net: Net, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output]) -> None:
+    def __init__(self, source: ChartSource, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output]) -> None:
+        net = source.net
         self.net, self.profile, self.graph = net, profile, graph
         self.outputs = outputs
+        names = (sum(isinstance(node, n.Name) for node in walk(condition)) for condition in source.conditions)
+        self.inputs_of_a_condition = max(names, default=0)
         self.following = [mask(x for t in each for x in net.transitions[t].targets) for each in net.leaving]
 
     def together(self, a: int, b: int) -> bool:
@@ -83,11 +87,10 @@ def outputs_of(actions: Sequence[ActionSource]) -> list[Output]:
 
 
 def _overlap(facts: Facts, scan: Scan) -> Iterator[Place]:
-    for transition in facts.net.transitions:
-        for source in indexes(transition.pre & scan.after):
-            for target in indexes(transition.post & scan.after & ~transition.pre):
-                if not facts.together(source, target):
-                    yield facts.names(source, target)
+    for source in indexes(scan.after):
+        for target in indexes(facts.following[source] & scan.after & ~(1 << source)):
+            if not facts.together(source, target):
+                yield facts.names(source, target)
 
 
 def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
@@ -110,8 +113,8 @@ def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
 def _blocked_loop(facts: Facts, scan: Scan) -> Iterator[Place]:
     if scan.restarted:
         return
-    for transition in facts.net.transitions:
-        if not scan.wanted & transition.bit or any(scan.wanted >> rival & 1 for rival in transition.rivals):
+    for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
+        if any(scan.wanted >> rival & 1 for rival in transition.rivals):
             continue
         for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):
             if transition.pre & facts.following[target]:
@@ -132,10 +135,8 @@ def _duplicated(facts: Facts, scan: Scan) -> Iterator[Place]:
     if facts.profile.rivals is Rivals.ALL:
         return
     entered = scan.after & ~scan.before
-    for transition in facts.net.transitions:
-        for rival in (facts.net.transitions[i] for i in transition.rivals):
-            if not scan.wanted & transition.bit or not scan.wanted & rival.bit:
-                continue
+    for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
+        for rival in (facts.net.transitions[t] for t in transition.rivals if scan.wanted >> t & 1):
             mine, theirs = transition.post & ~rival.post, rival.post & ~transition.post
             if mine & entered and theirs & entered:
                 source = next(indexes(transition.pre & rival.pre))
@@ -192,16 +193,6 @@ def _stuck(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(scan.before)), output.name)
 
 
-def _later_rival(facts: Facts, scan: Scan) -> Iterator[Place]:
-    if scan.restarted or facts.profile.rivals is Rivals.ALL:
-        return
-    for transition in facts.net.transitions:
-        for rival in (facts.net.transitions[i] for i in transition.rivals):
-            both = scan.wanted & transition.bit and scan.wanted & rival.bit
-            if both and scan.after == transition.post != rival.post:
-                yield facts.names(*indexes(rival.pre & transition.pre), *indexes(rival.post), *indexes(scan.after))
-
-
 def _init_ignored(facts: Facts, scan: Scan) -> Iterator[Place]:
     if scan.restarted and scan.after & ~facts.net.initial:
         yield facts.names(*indexes(facts.net.initial), *indexes(scan.after & ~facts.net.initial))
@@ -225,7 +216,6 @@ CASE_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.SHIFTED: _shifted,
     FaultKind.SWALLOWED: _swallowed,
     FaultKind.STUCK: _stuck,
-    FaultKind.LATER_RIVAL: _later_rival,
     FaultKind.INIT_IGNORED: _init_ignored,
 }
 """What can be wrong with a CASE whose branches hold their actions."""

@@ -25,13 +25,17 @@ from plcopen_sfc.lowering.faults import Fault, FaultKind, FaultScan
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.watching import watched_pou
-from plcopen_sfc.semantics.signals import Signal, Value
+from plcopen_sfc.semantics.net import indexes, mask
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
 
 __all__ = ["find_faults"]
 
-_SCANS = 20_000
-"""Scans of one search. A chain of four steps needs some hundred."""
+_SCANS = 6_000
+"""Scans of one search, as long as a chart is small; a chain of four steps needs some hundred."""
+
+_WORK = 4_000_000
+"""Scans of one search times steps and transitions."""
 
 _MARKINGS = 10_000
 _RUNS, _RUN_SCANS = 40, 100
@@ -51,8 +55,10 @@ def find_faults(
 ) -> tuple[Fault, ...]:
     """The faults of `code`, which is the textbook form of `chart`, each with a trace that shows it.
 
-    `source` is the chart as it was read. `situation` says what tells in the code that a step is active, by the path of the step; `at_rest` and `left_out` are
-    those of `Constructed`. Where there is too much to search, what is found is what typical and random inputs show.
+    `source` is the chart as it was read, `situation` says what tells in the code that a step is active, by the path of
+    the step; `at_rest` and `left_out` are those of `Constructed`. All that the code can do is searched. Where that is
+    too much, the steps are gone through one after the other; and where the inputs cannot be enumerated, typical and
+    random ones are tried. What is found then is true, but its trace need not be the shortest.
     """
     looked_for = FLIP_FLOP_RULES if construction is Construction.FLIPFLOP else CASE_RULES
     restarts = {rules.init, rules.stop} & set(at_rest) | ({left_out} if left_out is not None else set())
@@ -70,7 +76,7 @@ def find_faults(
         sorted(name for name in restarts if name is not None and name.casefold() in known),
         [output.name for output in outputs],
     )
-    facts = Facts(source.net, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs)
+    facts = Facts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs)
     fixed = {name: value for name, value in at_rest.items() if name not in restarts}
     signals = _connect(program, original, fixed)
     found = _Search(observed, facts, looked_for, signals).all()
@@ -164,6 +170,21 @@ class _State:
 _Faults = dict[tuple[FaultKind, Place], _Found]
 
 
+class _FewInputs(Branching):
+    """Not more than a few Boolean inputs are TRUE together: the chain goes step by step."""
+
+    def __init__(self, domains: Mapping[str, Domain], most: int) -> None:
+        super().__init__(domains)
+        self._most = most
+
+    def read(self, name: str) -> Any:
+        """The value of an input in this scan."""
+        enough = list(self.values.values()).count(True) >= self._most
+        if enough and name not in self.values and self._domains[name].signal.kind is SignalKind.BOOL:
+            self.values[name] = False
+        return super().read(name)
+
+
 class _Search:
     def __init__(
         self, code: _Observed, facts: Facts, rules: Mapping[FaultKind, Rule], signals: Mapping[str, Signal]
@@ -174,46 +195,55 @@ class _Search:
     def all(self) -> _Faults:
         """The faults by kind and place."""
         found: _Faults = {}
+        most = _WORK // (len(self._facts.net.steps) + len(self._facts.net.transitions) + 1)
         try:
             if not self._code.program.clock.reason:
-                if self._breadth_first(found, lambda _: True, shortest=True):
+                every = Branching(self._domains)
+                if self._breadth_first(found, every, lambda _: True, min(_SCANS, most // 4), shortest=True):
                     return found
-                self._breadth_first(found, self._is_calm, shortest=False)
+                few = _FewInputs(self._domains, self._facts.inputs_of_a_condition + 1)
+                if self._breadth_first(found, few, self._is_calm, most, shortest=False):
+                    return found
         except NotProvableError:
             found.clear()
         self._at_random(found)
         return found
 
     def _is_calm(self, marking: int) -> bool:
-        """Whether the chain is where the chart can be, or there and one step behind."""
-        following = self._facts.following
-        behind = sum(step.bit for step in self._facts.net.steps if following[step.index] & marking)
-        return marking in self._facts.graph or marking & ~behind in self._facts.graph
+        """Whether the chain is where the chart can be, or there and in the steps just before."""
+        following, graph = self._facts.following, self._facts.graph
+        behind = [step for step in indexes(marking) if following[step] & marking]
+        ahead = marking & ~mask(behind)
+        return marking in graph or (ahead in graph and all(following[step] & ahead for step in behind))
 
-    def _breadth_first(self, found: _Faults, goes_on: Callable[[int], bool], *, shortest: bool) -> bool:
-        """Search the states of the code. Whether all were seen."""
+    def _breadth_first(
+        self, found: _Faults, branching: Branching, goes_on: Callable[[int], bool], most: int, *, shortest: bool
+    ) -> bool:
+        """Search the states of the code, up to `most` scans. Whether all were seen from which it shall go on."""
         while True:
             for domain in self._domains.values():
                 domain.grown = False
-            complete = self._searched(found, goes_on, shortest=shortest)
+            complete = self._searched(found, branching, goes_on, most, shortest=shortest)
             if not any(domain.grown for domain in self._domains.values()):
                 return complete
             if shortest:  # a shorter trace may need a value that was not known yet
                 found.clear()
 
-    def _searched(self, found: _Faults, goes_on: Callable[[int], bool], *, shortest: bool) -> bool:
+    def _searched(
+        self, found: _Faults, branching: Branching, goes_on: Callable[[int], bool], most: int, *, shortest: bool
+    ) -> bool:
         probing = any(isinstance(option, Probe) for domain in self._domains.values() for option in domain.options)
-        states = [_State(self._code.program.snapshot(), -1, {}, self._code.reset())]
+        start = self._code.reset()
+        states = [_State(self._code.snapshot(), -1, {}, start)]
         known: set[Any] = set()
         waiting = deque([0])
-        branching = Branching(self._domains)
         scans = 0
         while waiting:
             number = waiting.popleft()
             state = states[number]
             for values in branching.combinations():
                 scans += 1
-                if scans > _SCANS:
+                if scans > most:
                     return False
                 self._code.program.restore(state.snapshot)
                 seen = self._code.scan(branching.read, first=number == 0)

@@ -43,7 +43,7 @@ class FaultKind(Enum):
     INIT_EMPTIES = (
         "LOW104",
         "an initialisation of one scan leaves no initial step active",
-        "The initial step is reset by the step behind it, which is still active in that scan; then that is reset too.",
+        "The initial step is reset by the step behind it, still active in that scan; then that is reset too.",
     )
     DUPLICATED = (
         "LOW105",
@@ -81,13 +81,8 @@ class FaultKind(Enum):
         "an output stays on that no active step drives",
         "The initialisation changes the step without what its transition would have reset.",
     )
-    LATER_RIVAL = (
-        "LOW205",
-        "of two transitions that are TRUE together the later one wins",
-        "Each has an IF of its own, and the last assignment counts.",
-    )
     INIT_IGNORED = (
-        "LOW206",
+        "LOW205",
         "the chain goes on while it is initialised",
         "The transition of the initial step is tried in the same scan.",
     )
@@ -139,24 +134,15 @@ class Fault:
         )
 
     def table(self) -> list[str]:
-        """The trace as lines of a table: what comes in, and what the chart and the code make of it."""
-        changing = [
-            name for name in self.trace[0].inputs if any(scan.inputs[name] != self._usual(name) for scan in self.trace)
-        ]
+        """The trace as lines of a table: the inputs that are not 0, and what the chart and the code make of them."""
         outputs = list(self.trace[0].code_outputs)
-        read = [*changing, "|"] if changing else []
-        rows = [["scan", "|", *read, "chart", *outputs, "|", "code", *outputs]]
+        rows = [["scan", "|", "inputs", "|", "chart", *outputs, "|", "code", *outputs]]
         for number, scan in enumerate(self.trace, 1):
-            inputs = [*(_shown(scan.inputs[name]) for name in changing), "|"] if changing else []
             chart = [" ".join(scan.chart) or "-", *(_shown(scan.chart_outputs[name]) for name in outputs)]
             code = [" ".join(scan.code) or "-", *(_shown(scan.code_outputs[name]) for name in outputs)]
-            rows.append([str(number), "|", *inputs, *chart, "|", *code])
+            rows.append([str(number), "|", _given(scan.inputs), "|", *chart, "|", *code])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return [" ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
-
-    def _usual(self, name: str) -> Value:
-        first = self.trace[0].inputs[name]
-        return False if isinstance(first, bool) else first
 
     def __str__(self) -> str:
         """What is wrong, why, and the table."""
@@ -191,5 +177,11 @@ def _listed(names: tuple[str, ...]) -> str:
     return ", ".join(names)
 
 
-def _shown(value: Value) -> str:
-    return str(int(value)) if isinstance(value, bool) else str(value)
+def _given(inputs: Mapping[str, Value]) -> str:
+    """The inputs that are not 0: the names of Boolean ones, the values of all others."""
+    texts = [name if value is True else f"{name}={value}" for name, value in inputs.items() if value]
+    return " ".join(texts) or "-"
+
+
+def _shown(value: bool) -> str:
+    return str(int(value))

@@ -8,6 +8,8 @@ the step behind. It does something else than the chart; see docs/lowering.md.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.logic import conjunction, disjunction, negation
 from plcopen_sfc.lowering.steps import StepFlags
@@ -36,18 +38,26 @@ class FlipFlopChain(StepFlags):
 
         The input for starting anew also starts it first; without one the first scan does.
         """
+        self.begin_classic()
         for step in self.net.steps:
             entering = [self.net.transitions[i] for i in self.net.entering[step.index]]
+            before = [statement for t in entering for statement in self.prepared(t.index, self.enabled(t))]
             set_ = [conjunction([self.enabled(t), self.source.conditions[t.index]]) for t in entering]
             if self.rules.init is None and self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
-            self._add_step(step, set_, [self.active(i) for i in sorted(following)])
+            self._add_step(step, set_, [self.active(i) for i in sorted(following)], before=before)
         self.add_actions()
         self.memory.finish(self.texts.first_scan)
 
     def _add_step(
-        self, step: NetStep, set_: list[Expression], reset: list[Expression], *, guarded: bool = False
+        self,
+        step: NetStep,
+        set_: list[Expression],
+        reset: list[Expression],
+        *,
+        guarded: bool = False,
+        before: Sequence[Statement] = (),
     ) -> None:
         initial = bool(self.net.initial & step.bit)
         if self.init is not None:
@@ -55,6 +65,6 @@ class FlipFlopChain(StepFlags):
             if initial and reset and guarded:  # transitions of the last scan, when nobody wanted to start anew yet
                 reset = [conjunction([disjunction(reset), negation(self.init)])]
         flag = self.flags[step.index]
-        statements: list[Statement] = []
+        statements: list[Statement] = [*before]
         self.memory.latch(f"FF_{flag.identifier}", disjunction(set_), disjunction(reset), statements, flag)
         self.code.add(self.texts.step(step.step, step.path, initial=initial), statements, plain(step.step.comment))
