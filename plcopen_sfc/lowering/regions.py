@@ -275,7 +275,8 @@ class RegionChain(Chain):
         if len(transition.targets) > 1:
             block = next(b for b in machine.blocks if transition.index in b.forks)
             lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
-        lines += [self._becoming(region, self.names.none) for region in sorted(joined)]
+        left = sorted(joined) if transition.targets else [machine.region.index]
+        lines += [self._becoming(region, self.names.none) for region in left]
         loops = set(transition.sources) & set(transition.targets) & set(self._again)
         return lines + [f"{self.text(self._again[i])} := TRUE;" for i in loops]
 

@@ -165,7 +165,7 @@ def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> N
 
 
 def _states(net: Net, regions: Regions, texts: Texts) -> tuple[list[_State], list[_State], list[_State]]:
-    """The states of the steps, of the waits for joins, and of no step."""
+    """The states of the steps, of the waits for joins, and of no step, where that can be."""
     numbers = step_numbers(net)
     # waits have numbers of a hundred of their own: they stay when steps are added
     hundred = 100 * (max(numbers) // 100 + 1)
@@ -180,7 +180,7 @@ def _states(net: Net, regions: Regions, texts: Texts) -> tuple[list[_State], lis
         firsts = [net.steps[regions.first_step(regions.regions[branch])] for branch in block.branches]
         name = f"{texts.waiting_constant}_{_short(firsts[0].path, numbers[firsts[0].index])}"
         waits.append(_State(hundred + 1 + block.index, name, name, texts.waiting(step.path for step in firsts)))
-    if all(region.initial is not None for region in regions.regions):
+    if all(region.initial is not None for region in regions.regions) and all(t.targets for t in net.transitions):
         return steps, waits, []
     none = hundred if 0 in numbers else 0
     return steps, waits, [_State(none, texts.no_step, texts.no_step, texts.no_step_comment)]

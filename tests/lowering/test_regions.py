@@ -10,7 +10,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, Construction, construct
+from plcopen_sfc.lowering.constructing import Constructed, Construction, Style, construct
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
@@ -231,6 +231,18 @@ def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:
         if text != "S1>S2 S2>S1 S3>S1":  # one CASE holds steps that nothing leads to
             assert made.construction is Construction.BITS
             assert why in made.why
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_a_chart_that_ends_has_a_state_of_no_step(profile: str) -> None:
+    pou = chain("S1>S2 S2>S1 S2>")
+    made = lowered(pou, Construction.AUTO, profile)
+    assert (made.construction, made.why) == (Construction.CASE, "at most one step is active at a time")
+    assert verdict(pou, Construction.CASE, profile).outcome is Outcome.PROVEN
+    assert pou.sfc is not None
+    rules = LoweringRules(PROFILES[profile], Texts())
+    with pytest.raises(LoweringError, match="end of a chart"):
+        construct(pou, pou.sfc, Dialect.IEC, rules, construction=Construction.CASE, style=Style.CLASSIC)
 
 
 def test_the_most_readable_form_that_is_exact_says_why() -> None:
