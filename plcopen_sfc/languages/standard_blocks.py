@@ -160,6 +160,13 @@ def _numbered(name: str) -> tuple[str, int]:
     return (matched[1], int(matched[2])) if matched else (name, 0)
 
 
+S7_INSTANCES = {
+    **{timer: f"{timer}_TIME" for timer in ("TON", "TOF", "TP")},
+    **{f"L{timer}": f"{timer}_LTIME" for timer in ("TON", "TOF", "TP")},
+    **{counter: f"{counter}_INT" for counter in ("CTU", "CTD", "CTUD")},
+}
+"""What TIA Portal calls the types of instances of standard function blocks, where that is not the name of the block."""
+
 _OPERATORS = """
     AND+   IN1:ANY_BIT IN2:ANY_BIT        > OUT:ANY_BIT
     OR+    IN1:ANY_BIT IN2:ANY_BIT        > OUT:ANY_BIT

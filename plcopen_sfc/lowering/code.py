@@ -6,8 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.naming import Naming
-from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, SimpleValue, Variable
+from plcopen_sfc.model.types import (
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    SimpleValue,
+    Variable,
+)
 
 BOOL = ElementaryType(name=Elementary.BOOL)
 
@@ -32,8 +41,10 @@ class TextNetwork:
 
 @dataclass
 class Code:
-    """What a lowering has made so far. `variables` are local, `inputs` come from outside.
+    """What a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
+    `data_types` are what the project gets besides. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
+    `tool`: whose, where that matters. `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
     is FALSE.
     """
@@ -42,14 +53,28 @@ class Code:
     networks: list[CodeNetwork | TextNetwork] = field(default_factory=list)
     variables: list[Variable] = field(default_factory=list)
     inputs: list[Variable] = field(default_factory=list)
+    constants: list[Variable] = field(default_factory=list)
+    data_types: list[DataTypeDeclaration] = field(default_factory=list)
     at_rest: dict[str, bool] = field(default_factory=dict)
     left_out: n.Name | None = None
+    drawn: bool = False
+    one_sheet: bool = False
+    tool: Tool | None = None
+    operands: dict[n.Name, str] = field(default_factory=dict)
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and give its name."""
         name = self.naming.fresh(wanted)
+        if isinstance(kind, DerivedType):
+            kind = self.naming.system_type(kind)
         value = SimpleValue(text=initial) if initial is not None else None
         self.variables.append(Variable(name=name, type=kind, initial=value, comment=comment or None))
+        return self.naming.local(name)
+
+    def declare_constant(self, wanted: str, kind: DataType, value: str, comment: str) -> n.Name:
+        """Declare a local constant that is called `wanted`, if that is free, and give its name."""
+        name = self.naming.fresh(wanted)
+        self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=comment))
         return self.naming.local(name)
 
     def declare_as(self, name: str, kind: DataType) -> None:
@@ -63,7 +88,17 @@ class Code:
             self.at_rest[name] = at_rest
         return self.naming.local(name)
 
-    def add(self, title: str, statements: Sequence[n.Statement], comment: str = "") -> None:
-        """Append a network, if there is something in it."""
+    def add(
+        self, title: str, statements: Sequence[n.Statement], comment: str = "", *, place: int | None = None
+    ) -> None:
+        """Append a network, or put it at a place, if there is something in it."""
         if statements:
-            self.networks.append(CodeNetwork(title, tuple(statements), comment))
+            network = CodeNetwork(title, tuple(statements), comment)
+            self.networks.insert(len(self.networks) if place is None else place, network)
+
+    def add_each(self, title: str, parts: Sequence[CodeNetwork]) -> None:
+        """Append parts that belong together: as networks of their own where they are drawn, else as one paragraph."""
+        if self.drawn:
+            self.networks += [part for part in parts if part.statements]
+        else:
+            self.add(title, [statement for part in parts for statement in part.statements])

@@ -3,36 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.networks.numbering import apart
+from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.lowering.code import Code, CodeNetwork, TextNetwork
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
-from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.network import LogicNetwork, RightPowerRail
 from plcopen_sfc.model.types import Variable
 
 
 def structured_text(code: Code, dialect: Dialect) -> StBody:
     """A paragraph for each network, its title and comment before it."""
-    paragraphs = [_paragraph(network, dialect) for network in code.networks]
+    paragraphs = [paragraph(network, dialect) for network in code.networks]
     return StBody(text="\n\n".join(paragraphs) + "\n")
 
 
 def function_block_diagram(code: Code, dialect: Dialect, declared: list[Variable]) -> FbdBody:
     """A network of FBD for each network. Raises `LoweringError` for what cannot be drawn."""
-    return FbdBody(networks=_drawn(code, draw_fbd, declared_rules(declared, dialect)))
+    return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared)))
 
 
 def ladder_diagram(code: Code, dialect: Dialect, declared: list[Variable]) -> LdBody:
     """A network of LD for each network. Raises `LoweringError` for what cannot be drawn."""
-    return LdBody(networks=_drawn(code, draw_ld, declared_rules(declared, dialect)))
+    return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared)))
 
 
-def _paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
+def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
+    """How networks are drawn. Boxes of S7 have the names of IEC 61131-3; who writes the file knows the others."""
+    rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
+    own = {system: block for block, system in S7_INSTANCES.items()}
+    instances = {name: own.get(kind, kind) for name, kind in rules.instances.items()}
+    operands = {print_node(name, dialect): block for name, block in code.operands.items()}
+    return replace(rules, instances=instances, operands=operands)
+
+
+def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
+    """The text of a network, with its title and comment before it."""
     comments = [network.title, *network.comment.splitlines()]
     heading = [f"// {line}".rstrip() for line in comments if line]
     text = network.text if isinstance(network, TextNetwork) else print_node(n.Statements(network.statements), dialect)
@@ -44,13 +57,17 @@ def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRu
     for network in code.networks:
         if isinstance(network, TextNetwork):
             raise LoweringError("structured text is no network", location=Location(path=f"network {network.title}"))
-        drawn = draw(network.statements, rules)
+        drawn = draw(network.statements, rules, divided=code.tool is not None)
         if drawn.problems:
             raise LoweringError(
                 f"this cannot be drawn: {drawn.problems[0].message}", location=Location(path=f"network {network.title}")
             )
         for sheet in drawn.body.networks:
+            if code.tool is Tool.S7:  # where ladders end with their coils
+                sheet.nodes = [node for node in sheet.nodes if not isinstance(node, RightPowerRail)]
             sheet.title = network.title
             sheet.comment = network.comment or None
             found.append(sheet)
+    if code.one_sheet:
+        return [on_one_sheet(found, code.tool)]
     return apart(found)[0]

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
+from plcopen_sfc.model.types import DerivedType
 
 
 class Naming:
@@ -17,6 +19,11 @@ class Naming:
         self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
         self._taken = {name.casefold() for name in taken}
         self._numbers: dict[str, int] = {}
+
+    def system_type(self, kind: DerivedType) -> DerivedType:
+        """A function block of the standard as the dialect calls the type of its instances: ``TON_TIME`` in SCL."""
+        name = S7_INSTANCES.get(kind.name) if self._local is n.Quoting.LOCAL else None
+        return DerivedType(name=name) if name is not None else kind
 
     def fresh(self, wanted: str) -> str:
         """`wanted` as an identifier, with a number behind it if that is taken."""

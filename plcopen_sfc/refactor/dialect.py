@@ -9,6 +9,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
@@ -66,6 +67,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         if piece.reading is Reading.DECLARATIONS and not isinstance(piece.key, int):
             setattr(piece.holder, piece.key, None)
     _rename_declarations(project, renames)
+    _rename_instances(project, source, target)
     found += _rename_steps(project, renames)
     project.dialect = target
     return found
@@ -154,6 +156,23 @@ def _rename_steps(project: Project, renames: Renames) -> list[TranslatedText]:
                 name = association.target
                 association.target = renames.new_name(NameScope.LOCAL, name) or name
     return found
+
+
+def _rename_instances(project: Project, source: Dialect, target: Dialect) -> None:
+    """Give instances of standard function blocks the types that they have there: TON is TON_TIME in SCL."""
+    if (source is Dialect.SCL) is (target is Dialect.SCL):
+        return
+    names = S7_INSTANCES if target is Dialect.SCL else {own: block for block, own in S7_INSTANCES.items()}
+    declared = {pou.name.upper() for pou in project.pous} | {kind.name.upper() for kind in project.data_types}
+    names = {name: other for name, other in names.items() if name not in declared}
+    interfaces = [each for pou in project.pous for each in (pou.interface, *(m.interface for m in pou.methods))]
+    sections = [section for interface in interfaces if interface is not None for section in interface.sections]
+    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+    sections += [*project.global_variables, *(s for owner in project.configurations for s in owner.global_variables)]
+    sections += [section for resource in resources for section in resource.global_variables]
+    for variable in (variable for section in sections for variable in section.variables):
+        if isinstance(variable.type, DerivedType) and variable.type.name.upper() in names:
+            variable.type = DerivedType(name=names[variable.type.name.upper()])
 
 
 def _rename_declarations(project: Project, renames: Renames) -> None:

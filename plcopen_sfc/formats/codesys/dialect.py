@@ -6,6 +6,7 @@ from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_writer import DATA_RANK, NATIVE_FIELDS, write_data
 from plcopen_sfc.formats.plcopen.versions import V2_0
 from plcopen_sfc.formats.plcopen.writing import Dialect
+from plcopen_sfc.languages.standard_blocks import Tool
 
 _NO_QUALIFIER = "CODESYS and TwinCAT offer N R S L D P SD DS SL"
 _NO_LOGIC = "CODESYS takes an expression or a transition object; its importer may not read this"
@@ -28,6 +29,7 @@ CODESYS = Dialect(
     text_element=names.XHTML_CHILD,
     declares_xhtml=False,
     states_actions=True,
+    tool=Tool.CODESYS,
     native_fields=NATIVE_FIELDS,
     data_writer=write_data,
     data_rank=DATA_RANK,

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
 from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub, write_code, xhtml_child
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over
-from plcopen_sfc.languages.networks.numbering import apart
+from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
@@ -53,7 +53,8 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         also = {"chart": chart_left} if chart_left else {}
     elif isinstance(body, FbdBody | LdBody):
         sheet = sub(ctx, element, body.language)
-        for network in apart(body.networks)[0]:  # in TIA Portal each network counts its elements anew
+        several = len(body.networks) > 1
+        for network in [on_one_sheet(body.networks, ctx.dialect.tool)] if several else body.networks:
             write_network(ctx, sheet, network)
         network_native = _NETWORK - (set() if ctx.takes_markup else {"carried"})
         known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)

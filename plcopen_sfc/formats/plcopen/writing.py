@@ -19,6 +19,7 @@ from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
@@ -43,6 +44,7 @@ class Dialect:
     text_element: str = "p"
     declares_xhtml: bool = True
     states_actions: bool = False
+    tool: Tool | None = None
     names_instances: bool = False
     lacks: dict[str, str] = field(default_factory=dict)
     native_fields: dict[str, frozenset[str]] = field(default_factory=dict)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from plcopen_sfc.formats.simaticml.parts import RESULTS
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.network import Block, Coil, LogicNetwork, Node, OutputVariable
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import Elementary, ElementaryType
 
 _BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
@@ -28,10 +29,12 @@ def put_coils(project: Project) -> None:
             if isinstance(condition, BodyCondition):
                 for network in _networks(condition.body):
                     network.nodes = [_result(node) for node in network.nodes]
-    for _, _, body in project.bodies():
+    for _, pou, body in project.bodies():
         if isinstance(body, FbdBody):
+            variables = pou.interface.variables() if pou.interface is not None else []
+            bits = {v.name.casefold() for v in variables if v.type == ElementaryType(name=Elementary.BOOL)}
             for network in body.networks:
-                _assignments(network)
+                _assignments(network, bits)
 
 
 def _networks(body: Body) -> Iterator[LogicNetwork]:
@@ -44,12 +47,14 @@ def _result(node: Node) -> Node:
     return _coil(node, name) if name in RESULTS else node
 
 
-def _assignments(network: LogicNetwork) -> None:
+def _assignments(network: LogicNetwork, bits: Collection[str]) -> None:
+    """Make coils of variables that are of type BOOL (`bits`: those of the block), or get the result of a logic box."""
     boolean = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() in _BOOLEAN}
     for index, node in enumerate(network.nodes):
         if isinstance(node, OutputVariable) and node.input is not None:
             sources = {connection.source for connection in node.input.connections}
-            if sources and sources <= boolean:
+            name = node.expression.removeprefix("#").strip('"').casefold()
+            if sources and (sources <= boolean or name in bits):
                 network.nodes[index] = _coil(node, node.expression)
 
 

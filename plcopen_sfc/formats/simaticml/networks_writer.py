@@ -44,6 +44,7 @@ from plcopen_sfc.model.network import (
     Node,
     OutputVariable,
     Return,
+    RightPowerRail,
     Storage,
 )
 
@@ -104,7 +105,7 @@ class _Writer:
         self.labels = [node for node in network.nodes if isinstance(node, Label)]
         self.rails = {node.id for node in network.nodes if isinstance(node, LeftPowerRail)}
         self.inputs = {node.id: node for node in network.nodes if isinstance(node, InputVariable)}
-        plain = (LeftPowerRail, InputVariable, OutputVariable, Label)
+        plain = (LeftPowerRail, RightPowerRail, InputVariable, OutputVariable, Label)
         self.drafts = [_draft(node) for node in network.nodes if not isinstance(node, plain)]
         for draft in self.drafts:
             draft.number = draft.node.id

@@ -50,6 +50,9 @@ _SYSTEM = re.compile(
     r"|Block_\w+|ErrorStruct|Struct|TIMEZONE|STARTINFO|CONDITIONS|SSL_HEADER|VREF|STRING|ARRAY"
 )
 """Types of the system, which are not quoted as those of users are."""
+_VERSIONED = re.compile(r"(?:TON|TOF|TP|TONR|IEC|CTU|CTD|CTUD)_\w+|[RF]_TRIG")
+VERSION = "1.0"
+"""The version of the timers, counters and edges of IEC 61131-3 in TIA Portal."""
 
 
 def read_type(text: str, members: list[Fields] | None = None) -> Fields:
@@ -87,6 +90,11 @@ def write_type(type: DataType) -> str:
     if isinstance(type, DerivedType):
         return type.name if _SYSTEM.fullmatch(type.name) else f'"{type.name}"'
     return "Variant"
+
+
+def version_of(type: DataType) -> str | None:
+    """The version that a declaration names of a type of the system; None: it names none."""
+    return VERSION if isinstance(type, DerivedType) and _VERSIONED.fullmatch(type.name) else None
 
 
 def struct_of(type: DataType) -> StructType | None:

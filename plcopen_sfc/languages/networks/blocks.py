@@ -9,7 +9,7 @@ from itertools import pairwise
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import is_variable
-from plcopen_sfc.languages.networks.graph import Graph, Source, block_inputs, is_enable
+from plcopen_sfc.languages.networks.graph import EDGES, Graph, Source, block_inputs, is_enable, is_memory_pin
 from plcopen_sfc.languages.networks.values import (
     TRUE,
     Factor,
@@ -104,7 +104,7 @@ class BlockReader:
         standard = standard_block(block.type_name)
         self._check_known(block, standard)
         self._check_pins(block, standard, arguments)
-        memory = next((a for a in arguments if _memory_pin(block, a.variable)), None)
+        memory = next((a for a in arguments if is_memory_pin(block, a.variable)), None)
         if memory is not None and memory.value is not None:
             self._with_memory(block, memory.value, [a for a in arguments if a is not memory], outputs)
             return
@@ -200,7 +200,7 @@ class BlockReader:
         """A pin that a standard block does not have would be said wrongly, or not at all."""
         for variable in [a.variable for a in arguments if standard is not None and a.variable.name]:
             known = standard is not None and standard.input_name(variable.name) is not None
-            if not known and not _is(variable, "pre") and not _memory_pin(block, variable):
+            if not known and not _is(variable, "pre") and not is_memory_pin(block, variable):
                 self._wires.problem(f"{block.type_name} has no input {variable.name!r}", block.id)
 
     # -- calls
@@ -239,7 +239,7 @@ class BlockReader:
         """
         inputs = {a.variable.name.upper().rstrip("1"): a.value for a in arguments}
         result = memory
-        if block.type_name.upper() in _EDGES:
+        if block.type_name.upper() in EDGES:
             clock = inputs.get("CLK") or n.Literal("FALSE")
             clock = clock if is_variable(clock) else self._kept(block, clock, "BOOL")
             rising = block.type_name.upper() == "R_TRIG"
@@ -364,15 +364,6 @@ class BlockReader:
                 given = [("", value) for _, value in given]
         named = tuple(n.Argument(value, n.Name(name) if name else None) for name, value in given if value is not None)
         return (*named, *(n.Argument(helper, n.Name(name), output=True) for name, helper in outputs))
-
-
-_EDGES = frozenset({"R_TRIG", "F_TRIG"})
-_MEMORIES = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys(_EDGES, "bit")
-"""The pin of a block of S7 at which the variable stands that it keeps its state in."""
-
-
-def _memory_pin(block: Block, variable: BlockVariable) -> bool:
-    return not block.instance and _is(variable, _MEMORIES.get(block.type_name.upper(), ""))
 
 
 _ACTING = frozenset(

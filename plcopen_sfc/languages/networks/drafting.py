@@ -11,6 +11,7 @@ from typing import NamedTuple
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import Path, is_impure, is_variable, path_of, reads
+from plcopen_sfc.languages.networks.graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.pictures import (
     ROW,
     BlockDraft,
@@ -25,7 +26,6 @@ from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
-from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
@@ -62,10 +62,8 @@ class Drafter:
         self.problems: list[NetworkProblem] = []
         self._next_id = first_id
         self._next_order = 1
-        self._types = {
-            path_of(parse_expression(name, rules.dialect).tree): type_name
-            for name, type_name in rules.instances.items()
-        }
+        self._types = rules.block_types
+        self._operands = rules.operand_paths
         self._waiting: dict[Path, n.Call] = {}
         self._drawn: list[Path] = []
         self._begun: set[Path] = set()
@@ -359,7 +357,9 @@ class Drafter:
         path = path_of(call.callee)
         type_name = self._types[path]
         block = standard_block(type_name)
-        draft = BlockDraft(type_name, self._text(call.callee), self._call_kind(BlockCall.FUNCTION_BLOCK))
+        is_operand = path in self._operands
+        instance = self._text(call.callee)
+        draft = BlockDraft(type_name, None if is_operand else instance, self._call_kind(BlockCall.FUNCTION_BLOCK))
         self._begun.add(path)  # an argument that reads the instance means its last value
         if enable is not None:
             draft.inputs.append(("EN", self.power(enable)))
@@ -370,7 +370,10 @@ class Drafter:
                 powered = block is not None and _is_power(block, name)
                 item = self.power(argument.value) if powered else self.value(argument.value)
                 draft.inputs.append((name, item))
-        if block is not None:
+        if is_operand:
+            draft.operand = (MEMORY_PINS[type_name.upper()], instance)
+            draft.outputs += [output] if output is not None else []
+        elif block is not None:
             given = {block.input_name(name) for name, _ in draft.inputs}
             draft.inputs += [(self._pin(block, p.name), None) for p in block.inputs if p.name not in given]
             used = block.output_name(output) if output is not None else None
@@ -394,6 +397,8 @@ class Drafter:
         return kind if self.rules.tool is Tool.CODESYS else None
 
     def _text(self, expression: Expression) -> str:
+        if isinstance(expression, n.Member) and path_of(expression.base) in self._operands:
+            expression = expression.base  # the output of such a box is what it keeps
         return print_node(expression, self.rules.dialect)
 
     def new_id(self) -> int:

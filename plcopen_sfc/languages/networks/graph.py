@@ -201,6 +201,7 @@ class Graph:
                 return True
             used = any(self.uses[node.id, variable.name] for variable in outputs)
             acts = node.instance is not None or node.call in _ACTING
+            acts = acts or any(is_memory_pin(node, variable) for variable in node.parameters.inputs)
             return acts or (not used and standard_block(node.type_name) is None)
         return isinstance(node, OutputVariable | Coil | Jump | Return | Label) or (
             isinstance(node, InOutVariable) and is_fed(node.input)
@@ -230,6 +231,16 @@ def _pin_type(block: Block, pin: str | None) -> str | None:
     return next((p.type for p in standard.outputs if p.name == name), standard.result.type)
 
 
+EDGES = frozenset({"R_TRIG", "F_TRIG"})
+MEMORY_PINS = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys(EDGES, "bit")
+"""The pin of a block of S7 at which the variable stands that it keeps its state in."""
+
+
+def is_memory_pin(block: Block, variable: BlockVariable) -> bool:
+    """Whether the variable in which a block of S7 keeps its state stands at this pin."""
+    return not block.instance and variable.name.casefold() == MEMORY_PINS.get(block.type_name.upper())
+
+
 _ACTING = frozenset(
     {BlockCall.FUNCTION_BLOCK, BlockCall.PROGRAM, BlockCall.ACTION, BlockCall.METHOD, BlockCall.EXECUTE}
 )
@@ -245,3 +256,14 @@ def _sort_key(network: Sequence[Node]) -> Callable[[Node], tuple[bool, int, floa
         return order <= 0, order, y, x, number[node.id]
 
     return key
+
+
+def wires_of(node: Node) -> Iterator[Connection]:
+    """The wires that end at an element."""
+    if isinstance(node, Block):
+        pins = [variable.input for variable in block_inputs(node)]
+    else:
+        pins = [getattr(node, "input", None), *getattr(node, "inputs", ())]
+    for pin in pins:
+        if isinstance(pin, InputPin):
+            yield from pin.connections

@@ -5,11 +5,11 @@ In TC6 an id belongs to one element of a body. TIA Portal counts anew in every n
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import chain
 
-from plcopen_sfc.languages.networks.graph import block_inputs
-from plcopen_sfc.model.network import Block, Connection, InputPin, LogicNetwork, Node
+from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.model.network import LogicNetwork
 
 
 def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[int, int]]:
@@ -25,7 +25,7 @@ def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[in
     for network in networks:
         copy = network.model_copy(deep=True)
         # a wire may start at an id that no element has: it gets a new one as well, which no element has either
-        wires = [wire for node in copy.nodes for wire in _wires(node)]
+        wires = [wire for node in copy.nodes for wire in wires_of(node)]
         numbers = sorted({node.id for node in copy.nodes} | {wire.source for wire in wires})
         new = {number: len(old) + index for index, number in enumerate(numbers)}
         old |= {value: key for key, value in new.items()}
@@ -35,13 +35,3 @@ def apart(networks: Sequence[LogicNetwork]) -> tuple[list[LogicNetwork], dict[in
             wire.source = new[wire.source]
         renumbered.append(copy)
     return renumbered, old
-
-
-def _wires(node: Node) -> Iterator[Connection]:
-    if isinstance(node, Block):
-        pins = [variable.input for variable in block_inputs(node)]
-    else:
-        pins = [getattr(node, "input", None), *getattr(node, "inputs", ())]
-    for pin in pins:
-        if isinstance(pin, InputPin):
-            yield from pin.connections

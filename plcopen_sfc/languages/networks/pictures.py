@@ -111,7 +111,10 @@ def placed(node: Node, size: tuple[int, int], slots: Sequence[Slot], outputs: Se
 
 @dataclass(slots=True)
 class BlockDraft:
-    """A block while its pins are collected. Inputs without an item are drawn and lead nowhere."""
+    """A block while its pins are collected. Inputs without an item are drawn and lead nowhere.
+
+    `operand`: a pin below all others, and the variable that stands at it.
+    """
 
     type_name: str
     instance: str | None = None
@@ -119,6 +122,7 @@ class BlockDraft:
     code: str | None = None
     inputs: list[tuple[str, Item | None]] = field(default_factory=list)
     outputs: list[str] = field(default_factory=list)
+    operand: tuple[str, str] | None = None
 
     def draw(self, number: int, order: int | None, value: str | None) -> tuple[Block, Item]:
         """The block, and it as an item whose value is the output `value`."""
@@ -130,6 +134,10 @@ class BlockDraft:
             inputs.append(variable)
             if item is not None:
                 slots.append(Slot(pin, FIRST_PIN + ROW * row, item))
+        if self.operand is not None:
+            name, text = self.operand
+            place = (0, FIRST_PIN + ROW * len(inputs))
+            inputs.append(BlockVariable(name=name, input=InputPin(position=place, expression=text)))
         longest = max((len(name) for name, _ in self.inputs), default=0) + max(map(len, self.outputs), default=0)
         texts = ["-" * (longest + 2), self.type_name, self.instance or "", self.code or ""]
         width = max(60, *map(text_width, texts))
