@@ -19,7 +19,7 @@ __all__ = ["Clocking", "clocking"]
 
 _LITERAL = r"(?:TIME|LTIME|S5TIME|S5T|LT|T)\#[-+]?[0-9][0-9a-zA-Z_.]*"
 _DURATION = re.compile(rf"\b{_LITERAL}", re.IGNORECASE)
-_STEP_TIME = re.compile(r"(?<![\w.])[\w.\[\]]+\s*\.\s*[TU]\b", re.IGNORECASE)
+_STEP_TIME = re.compile(r"""(?:\\?"[^"\\]+\\?"|(?<![\w.])[\w.\[\]]+)\s*\.\s*[TU]\b""", re.IGNORECASE)
 _COMPARED = re.compile(
     rf"""\s* (?:>=|<=|<>|>|<|=) \s* {_LITERAL} \s* (?:$ | [)"\\;,\]&] | (?:AND|OR|XOR|AND_THEN|OR_ELSE|THEN|DO)\b)""",
     re.IGNORECASE | re.VERBOSE,
@@ -36,8 +36,8 @@ class Clocking:
 
     `scan_time` in nanoseconds; `constants` are the durations in the programs; elapsed times beyond `limit` make no
     difference any more (None: they may); `reason` says why no finite number of states can stand for all times. `timed`
-    are the steps whose time anything depends on, `anywhere` those of which it is read elsewhere than in the conditions
-    behind them. Names are in lower case.
+    are the steps whose time anything depends on, `read` those of which a text reads it, `anywhere` those of which one
+    does elsewhere than in the conditions behind them. Names are in lower case.
     """
 
     scan_time: int
@@ -46,6 +46,7 @@ class Clocking:
     reason: str = ""
     timed: frozenset[str] = frozenset()
     anywhere: frozenset[str] = frozenset()
+    read: frozenset[str] = frozenset()
 
 
 def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
@@ -74,12 +75,12 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
     durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
     known = all(duration is None or _DURATION.fullmatch(duration.strip()) for duration in durations)
     limit = max(constants, default=0) + scan_time if plain and known else None
-    timed, anywhere = _timed_steps(charts, texts)
-    return Clocking(scan_time, tuple(constants), limit, reason, timed, anywhere)
+    timed, anywhere, read = _timed_steps(charts, texts)
+    return Clocking(scan_time, tuple(constants), limit, reason, timed, anywhere, read)
 
 
-def _timed_steps(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[frozenset[str], frozenset[str]]:
-    """The names of steps whose time is used, and of those for which it is used when they are not active."""
+def _timed_steps(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[frozenset[str], ...]:
+    """The names of steps whose time is used, of those for which it is when they are not active, and of those read."""
     read = Counter(name for text in texts for name in _times_read(text))
     own: Counter[str] = Counter()
     if any(_TIME_PIN in text for text in texts):
@@ -93,7 +94,8 @@ def _timed_steps(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[fr
             if key in read:
                 conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
                 own[key] += sum(_times_read(each.model_dump_json()).count(key) for each in conditions)
-    return frozenset(timed), frozenset(name for name, count in read.items() if count != own[name])
+    anywhere = frozenset(name for name, count in read.items() if count != own[name])
+    return frozenset(timed), anywhere, frozenset(read)
 
 
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
@@ -115,7 +117,7 @@ def _conditions(chart: SfcNetwork) -> Iterator[str]:
 def _times_read(text: str) -> list[str]:
     """The steps whose time a text reads, each as often as it does."""
     paths = (match.group().rpartition(".")[0].strip() for match in _STEP_TIME.finditer(text))
-    return [path.rpartition(".")[2].casefold() for path in paths]
+    return [path.rpartition(".")[2].strip('"\\').casefold() for path in paths]
 
 
 def _texts(subject: Subject) -> list[str]:

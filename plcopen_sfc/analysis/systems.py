@@ -17,7 +17,8 @@ from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart import ChartProgram
-from plcopen_sfc.semantics.profile import Profile, StepVariables
+from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -74,7 +75,7 @@ class ProgramSystem:
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
         self.steps, self._marking = step_marking(self.instance)
-        self._forget = self._forgetting(profile)
+        self._forget = self._forgetting()
         self._scratch = self._scratch_cells()
         frames = [frame for _, _, frame in self.instance.charts()]
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
@@ -163,12 +164,15 @@ class ProgramSystem:
         """The present values of variables."""
         return tuple(self.instance.reader(list(names))())
 
-    def _forgetting(self, profile: Profile) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
-        """What sets back the times of steps; in GRAPH more depends on them than what reads them."""
-        if profile.step_variables is StepVariables.GRAPH:
-            return []
-        charts = [(chart, frame) for _, chart, frame in self.instance.charts() if isinstance(chart, ChartProgram)]
-        return [(frame, chart.forgetting(self.clock.anywhere, self.clock.timed)) for chart, frame in charts]
+    def _forgetting(self) -> list[tuple[Frame, Callable[[Frame, int], None]]]:
+        """What sets back the times of steps."""
+        found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
+        for _, chart, frame in self.instance.charts():
+            if isinstance(chart, ChartProgram):
+                found.append((frame, chart.forgetting(self.clock.anywhere, self.clock.timed)))
+            elif isinstance(chart, GraphProgram):
+                found.append((frame, chart.forgetting(self.clock.anywhere, self.clock.read)))
+        return found
 
     def _clamp(self, now: int) -> None:
         """Set the times that charts keep back to the limit beyond which they make no difference."""

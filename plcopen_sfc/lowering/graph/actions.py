@@ -6,7 +6,7 @@ operand, this is one assignment.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -30,13 +30,14 @@ _LAST_COUNT = "999"
 class StepSignals:
     """What tells of steps, by their indexes: that one is active, an event of one, that its interlock is satisfied.
 
-    `over`: that one has been active for a time.
+    `over`: that one has been active for a time. `gone`: that one was left in the cycle before.
     """
 
     active: Callable[[int], Expression]
     event: Callable[[int, ActionEvent], Expression]
     released: Callable[[int], Expression]
     over: Callable[[int, Expression], Expression]
+    gone: Callable[[int], Expression]
 
 
 class Actions:
@@ -107,11 +108,13 @@ class Actions:
         over = self._signals.over(step.index, row.value)
         return conjunction([condition, over if row.qualifier is Qualifier.D else negation(over)])
 
-    def _written(self, found: Iterable[tuple[NetStep, Row]]) -> Expression:
-        """Whether any step drives a coil or did in the last cycle."""
-        steps = dict.fromkeys(step.index for step, _ in found)
+    def _written(self, found: Sequence[tuple[NetStep, Row]]) -> Expression:
+        """Whether any step drives a coil or was left; what S0 has set is reset a cycle later."""
+        steps = list(dict.fromkeys(step.index for step, _ in found))
+        leaving = list(dict.fromkeys(step.index for step, row in found if row.event is ActionEvent.S0))
         active = [self._signals.active(step) for step in steps]
-        return disjunction([*active, *(self._signals.event(step, ActionEvent.S0) for step in steps)])
+        left = [self._signals.event(step, ActionEvent.S0) for step in steps]
+        return disjunction([*active, *left, *map(self._signals.gone, leaving)])
 
     # -- what is executed
 

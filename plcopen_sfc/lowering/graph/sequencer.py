@@ -67,6 +67,7 @@ class Sequencer:
         self.clock = StepClock(source, code, self.flags, self.texts, self.questions)
         self._events: dict[tuple[int, ActionEvent], n.Name] = {}
         self._old: dict[int, n.Name] = {}
+        self._left_before: dict[int, tuple[n.Name, Expression]] = {}
         self.checks = [self._checks_of(step.index) for step in self.net.steps]
         switched = {i for rows in source.rows for row in rows for i in row.switched}
         self.wanted = {
@@ -81,7 +82,7 @@ class Sequencer:
         for row in self.source.rows[step]:
             needed |= {row.event.value} if row.event is not None else set()
             needed |= {"LS"} if row.interlock else set()
-        if "ERR_FLT" in self.source.parameters:
+        if "ERR_FLT" in self.source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
         return StepChecks(self.source, step, self.code, Asked(self.flags[step], needed, self.questions))
 
@@ -135,7 +136,7 @@ class Sequencer:
         if quantity == "SNO":
             return n.Literal(str(self.net.steps[step].step.number or 0))
         if quantity in _LIMITS:
-            return self.clock.limit(step, getattr(self.net.steps[step].step, _LIMITS[quantity]))
+            return self.clock.stated(getattr(self.net.steps[step].step, _LIMITS[quantity]))
         if quantity in ("T", "U"):
             return self.clock.value(step, quantity)
         if quantity in _NO_EVENT_YET:
@@ -161,9 +162,7 @@ class Sequencer:
     # -- before the step change
 
     def _add_checks(self) -> None:
-        statements: list[Statement] = [*self.clock.calls()]
-        statements += self.clock.kept()
-        self.code.add(self.texts.times, statements)
+        self.code.add(self.texts.times, self.clock.calls())
         acknowledge = self.commands.edge("ACK_EF") if any(c.early for c in self.checks) else FALSE
         checked = [s for each in self.checks for s in each.before(self.resolve, acknowledge)]
         self.code.add(self.own_texts.checks, checked)
@@ -250,10 +249,10 @@ class Sequencer:
         for step in self.net.steps:
             for name in self.questions.of(step.index) & _NO_EVENT_YET:
                 self.event(step.index, ActionEvent(name))
-        self.code.add(self.texts.times, [*self.clock.calls(), *self.clock.kept(), *self._restarted()])
+        self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
         checked = [s for step in self.net.steps for s in self._checked(step.index)]
         self.code.add(self.own_texts.checks_behind, checked)
-        signals = StepSignals(self.flags.__getitem__, self.event, self._released, self.clock.over)
+        signals = StepSignals(self.flags.__getitem__, self.event, self._released, self.clock.over, self._gone)
         actions = Actions(self.source, self.code, self.texts, self.own_texts, signals)
         actions.add()
         changes = [assignment(wanted, self._next(actions, step)) for step, wanted in self.wanted.items()]
@@ -272,6 +271,13 @@ class Sequencer:
     def _released(self, step: int) -> Expression:
         return self.checks[step].value("LS")
 
+    def _gone(self, step: int) -> Expression:
+        """Whether a step was left in the cycle before."""
+        left = self.event(step, ActionEvent.S0)
+        if step not in self._left_before:
+            self._left_before[step] = self.code.declare(f"{self.flags[step].identifier}_S0_old"), left
+        return self._left_before[step][0]
+
     def _next(self, actions: Actions, step: int) -> Expression:
         """Whether a step is active at the start of the next cycle: what is switched on is so in any case."""
         stays = conjunction([self.flags[step], negation(actions.switched(Qualifier.OFF, step))])
@@ -281,7 +287,7 @@ class Sequencer:
         """Events stand right behind the step change; which ones are needed is only known in the end."""
         rest = self.code.networks[place:]
         del self.code.networks[place:]
-        statements: list[Statement] = []
+        statements: list[Statement] = [assignment(old, event) for old, event in self._left_before.values()]
         for (step, event), name in sorted(self._events.items(), key=lambda item: (item[0][0], item[0][1].value)):
             flag = self.flags[step]
             if event is ActionEvent.S1:

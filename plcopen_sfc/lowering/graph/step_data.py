@@ -14,12 +14,24 @@ from typing import NoReturn
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.nodes import Operator
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.model.actions import ActionEvent
 
 QUANTITIES = frozenset("X T U T_MAX T_WARN SNO S1 S0 L1 L0 V1 V0 A1 R1 LS LA VS VA".split())
 """What can be asked of a step."""
+
+_COMPARING = frozenset(
+    {
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+    }
+)
 
 
 class Phase(Enum):
@@ -47,13 +59,18 @@ class Text:
 def texts_of(source: GraphSource) -> Iterator[Text]:
     """All texts of a sequencer."""
     tree: n.Node
+    # conditions are also evaluated for steps that are not active yet
+    ahead = {i for rows in source.rows for row in rows for i in row.switched}
+    if source.skips:
+        ahead = {step.index for step in source.net.steps}
     for tree in (*source.before, *source.logic):
         yield Text(tree, Phase.BEFORE, (), "permanent operations before")
     for transition, condition, preparation in zip(
         source.net.transitions, source.conditions, source.preparations, strict=True
     ):
         for tree in (condition, *preparation):
-            yield Text(tree, Phase.CHECK, transition.sources, f"transition {transition.path}")
+            active = tuple(i for i in transition.sources if i not in ahead)
+            yield Text(tree, Phase.CHECK, active, f"transition {transition.path}")
     for kind, conditions in (("interlock", source.interlocks), ("supervision", source.supervisions)):
         for step, stated in conditions.items():
             for tree in (stated.value, *stated.preparation):
@@ -111,6 +128,23 @@ class Questions:
             if index == step and quantity in quantities
             for text in texts
         )
+
+    def compared(self, step: int, quantities: Collection[str]) -> Iterator[n.Expression | None]:
+        """What some quantities of a step are compared with, each time that one is asked for; None: nothing."""
+        trees = {id(t.tree): t.tree for q in quantities for t in self._asked.get((step, q), ())}
+        wanted = {(step, quantity) for quantity in quantities}
+        for tree in trees.values():
+            for node in walk(tree):
+                if step_quantity(node, self.steps) in wanted:
+                    yield self._partner(tree, node)
+
+    def _partner(self, tree: n.Node, asking: n.Node) -> n.Expression | None:
+        for node in walk(tree):
+            if isinstance(node, n.Operation) and node.operator in _COMPARING and len(node.operands) == 2:
+                left, right = map(n.bare, node.operands)
+                if left is asking or right is asking:
+                    return right if left is asking else left
+        return None
 
     def only_while_active(self, step: int, quantity: str) -> bool:
         """Whether it is asked for only where the step is active."""

@@ -9,81 +9,95 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, time_literal
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.graph.checks import StepChecks
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Questions
-from plcopen_sfc.lowering.logic import assignment, conjunction, negation, when
+from plcopen_sfc.lowering.logic import assignment, call, conjunction, negation, when
 from plcopen_sfc.lowering.texts import Texts
-from plcopen_sfc.lowering.times import StepTimes
-from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.lowering.times import FOREVER
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 
 TIME = ElementaryType(name=Elementary.TIME)
 _NONE = n.Literal("T#0ms")
 
 
 class StepClock:
-    """The times of the steps of one sequencer."""
+    """The times of the steps of one sequencer. `flags` tell that steps are active."""
 
     def __init__(
         self, source: GraphSource, code: Code, flags: Sequence[n.Name], texts: Texts, questions: Questions
     ) -> None:
-        self._flags = flags
-        self._code = code
-        steps = source.net.steps
-        self._times = StepTimes(code, flags.__getitem__, lambda i: texts.time_name(steps[i].step))
-        self._elapsed: dict[int, Expression] = {}
+        self._source, self._flags, self._questions = source, flags, questions
+        self._timers: dict[int, n.Name] = {}
+        self._limits: dict[int, Expression] = {}
         self._kept: dict[int, n.Name] = {}
         self._undisturbed: dict[int, tuple[n.Name, n.Name]] = {}
-        self._plain: set[int] = set()
-        for step in range(len(steps)):
-            quantities = questions.of(step)
-            checked = step in source.interlocks or step in source.supervisions
-            quiet = "U" in quantities and not checked  # nothing could disturb it: it is T
-            self._plain |= {step} if quiet else set()
-            durations = [row.value for row in source.rows[step] if row.is_coil and row.value is not None]
-            simple = len(set(map(repr, durations))) == 1 and isinstance(durations[0], n.Literal)
-            if quantities & {"T", "U"} or (durations and not simple):
-                self._elapsed[step] = self._times.elapsed(step)
-            elif durations:
-                self._times.is_over(step, durations[0])
-            asked = [q for q in ("T", "U") if q in quantities and (q == "T" or quiet)]
-            if not all(questions.only_while_active(step, q) for q in asked):
-                self._kept[step] = code.declare(f"{flags[step].identifier}_T", TIME)
-            if "U" in quantities and not quiet:
-                undisturbed = code.declare(f"{flags[step].identifier}_U", TIME)
-                self._undisturbed[step] = undisturbed, code.declare(f"{flags[step].identifier}_T_old", TIME)
+        for step in source.net.steps:
+            index = step.index
+            asked = questions.of(index) & {"T", "U"}
+            durations = [row.value for row in source.rows[index] if row.is_coil and row.value is not None]
+            if not asked and not durations:
+                continue
+            self._timers[index] = code.declare(texts.time_name(step.step), DerivedType(name="TON"))
+            self._limits[index] = self._limit(index, asked, durations)
+            counted = "U" in asked and self._is_checked(index)
+            elapsed = asked - {"U"} if counted else asked
+            if not all(questions.only_while_active(index, quantity) for quantity in elapsed):
+                self._kept[index] = code.declare(f"{flags[index].identifier}_T", TIME)
+            if counted:
+                sum_ = code.declare(f"{flags[index].identifier}_U", TIME)
+                self._undisturbed[index] = sum_, code.declare(f"{flags[index].identifier}_T_old", TIME)
+
+    def _is_checked(self, step: int) -> bool:
+        """Whether anything could disturb a step; where nothing does, its times T and U are the same."""
+        return step in self._source.interlocks or step in self._source.supervisions
+
+    def _limit(self, step: int, asked: set[str], durations: Sequence[Expression]) -> Expression:
+        """The time that the timer of a step measures: one that is beyond all that it is compared with."""
+        if not asked and all(duration == durations[0] for duration in durations):
+            return durations[0]
+        times = [_nanoseconds(duration) for duration in durations]
+        times += [_nanoseconds(constant) for constant in self._questions.compared(step, asked)]
+        if "U" in asked and self._is_checked(step):
+            return FOREVER
+        known = [time for time in times if time is not None]
+        return n.Literal(time_literal(2 * max(known))) if len(known) == len(times) and max(known) > 0 else FOREVER
+
+    def _elapsed(self, step: int) -> Expression:
+        return n.Member(self._timers[step], n.Name("ET"))
 
     def value(self, step: int, quantity: str) -> Expression:
         """The time T of a step, or its time without disturbance U."""
-        if quantity == "U" and step not in self._plain:
+        if quantity == "U" and step in self._undisturbed:
             return self._undisturbed[step][0]
-        return self._kept.get(step, self._elapsed[step])
+        return self._kept.get(step, self._elapsed(step))
 
     def over(self, step: int, time: Expression) -> Expression:
         """Whether an active step has been so for `time`."""
-        return self._times.is_over(step, time)
+        if self._limits[step] == time and isinstance(time, n.Literal):
+            return n.Member(self._timers[step], n.Name("Q"))
+        return n.Operation(Operator.GREATER_OR_EQUAL, (self._elapsed(step), time))
 
-    def limit(self, step: int, text: str | None) -> Expression:  # noqa: ARG002
-        """A limit that a step states."""
+    def stated(self, text: str | None) -> Expression:
+        """A limit that a step states, T_MAX or T_WARN."""
         return n.Literal(text) if text else _NONE
 
     def calls(self) -> list[Statement]:
         """The calls of the timers."""
-        return self._times.calls()
-
-    def kept(self) -> list[Statement]:
-        """Times that stay when their step is left."""
-        return [when(self._flags[step], assignment(name, self._elapsed[step])) for step, name in self._kept.items()]
+        calls = [call(timer, IN=self._flags[i], PT=self._limits[i]) for i, timer in self._timers.items()]
+        kept = [when(self._flags[i], assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
+        return [*calls, *kept]
 
     def counted(self, checks: Sequence[StepChecks]) -> list[Statement]:
         """The times without disturbance, behind the checks of the active steps."""
         found: list[Statement] = []
         for step, (sum_, old) in self._undisturbed.items():
-            elapsed = self._elapsed[step]
-            passed = n.Operation(n.Operator.SUBTRACT, (elapsed, old))
-            more = assignment(sum_, n.Operation(n.Operator.ADD, (sum_, n.Parenthesized(passed))))
+            elapsed = self._elapsed(step)
+            passed = n.Operation(Operator.SUBTRACT, (elapsed, old))
+            more = assignment(sum_, n.Operation(Operator.ADD, (sum_, n.Parenthesized(passed))))
             calm = conjunction([self._flags[step], negation(checks[step].disturbed())])
             found += [when(calm, more), assignment(old, elapsed)]
         return found
@@ -94,3 +108,14 @@ class StepClock:
             when(entered(step), assignment(sum_, _NONE), assignment(old, _NONE))
             for step, (sum_, old) in self._undisturbed.items()
         ]
+
+
+def _nanoseconds(time: Expression | None) -> int | None:
+    """A duration that is a constant."""
+    if not isinstance(time, n.Literal):
+        return None
+    try:
+        found = literal_value(time.text)
+    except LiteralError:
+        return None
+    return found.value if found.kind is LiteralKind.DURATION and isinstance(found.value, int) else None

@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
 
 _COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
-_SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
+SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
+"""What switches steps."""
 _COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
 _TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
-_NEED_EVENT = (_SWITCHES | _COUNTERS | _TIMERS) - {Qualifier.TF}
+_NEED_EVENT = (SWITCHES | _COUNTERS | _TIMERS) - {Qualifier.TF}
 _LAST_COUNT = 999
 """S5 counters count from 0 to 999."""
 
@@ -95,7 +96,7 @@ class GraphActions:
                 row.event, row.interlock = None, True
             if model.qualifier in _TIMERS:
                 row.timer = self._timer(row.key)
-            if model.qualifier in _SWITCHES:
+            if model.qualifier in SWITCHES:
                 row.switched = self._steps_named(model.target or "", owner)
             self._rows[owner.steps.bit_length() - 1].append((row, model))
 
@@ -145,7 +146,7 @@ class GraphActions:
             row.duration = self._scope.expression(model.duration, where, ELEMENTARY["TIME"])
         elif model.qualifier in (Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF):
             row.duration = missing_time(f"{model.target} has no time for {model.qualifier}", where)
-        if row.qualifier in _SWITCHES:
+        if row.qualifier in SWITCHES:
             return
         if row.qualifier in _COUNTERS and model.target:
             number = ELEMENTARY["INT"]
@@ -167,9 +168,8 @@ class GraphActions:
     def act(self, frame: Frame, now: int, happening: Happening) -> tuple[int, int]:
         """Execute the actions of a cycle. Gives the steps that they switch on and off."""
         v = frame.v
-        left = happening.left | v[self.trailing]
+        self._drive_coils(frame, now, v[self.trailing], happening)
         v[self.trailing] = happening.left
-        self._drive_coils(frame, now, left, happening)
         on = off = 0
         # what a step does when it is left comes before what the next one does
         for index in [*indexes(happening.left & ~happening.active), *indexes(happening.active)]:
@@ -192,12 +192,15 @@ class GraphActions:
         self._run_timers(frame, now)
         return on, off
 
-    def _drive_coils(self, frame: Frame, now: int, left: int, happening: Happening) -> None:
+    def _drive_coils(self, frame: Frame, now: int, trailing: int, happening: Happening) -> None:
+        """Write the coils of the active steps and of those that were left; what S0 has set, once more a cycle later."""
         wanted: dict[str, tuple[Write, bool]] = {}
-        for index in indexes(left | happening.active):
+        driving = happening.left | happening.active
+        for index in indexes(driving | trailing):
             bit = 1 << index
             for row, _ in self._rows[index]:
-                if row.is_coil and row.write is not None:
+                written = bit & driving or row.event is ActionEvent.S0
+                if row.is_coil and row.write is not None and written:
                     before = wanted.get(row.key, (row.write, False))[1]
                     wanted[row.key] = (row.write, before or self._is_wanted(frame, now, row, bit, happening))
         for write, value in wanted.values():

@@ -6,6 +6,7 @@ cycle. Permanent operations are executed in every cycle, also while the sequence
 
 from __future__ import annotations
 
+from collections.abc import Callable, Container
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import UnknownBehaviourError
@@ -13,13 +14,13 @@ from plcopen_sfc.model import ActionAssociation, ActionEvent, SfcNetwork
 from plcopen_sfc.semantics.charts.actions import Owner, check_associations
 from plcopen_sfc.semantics.charts.declaring import override
 from plcopen_sfc.semantics.charts.graph import data
-from plcopen_sfc.semantics.charts.graph.actions import GraphActions, Happening
+from plcopen_sfc.semantics.charts.graph.actions import SWITCHES, GraphActions, Happening
 from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions, programmed
 from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run
 from plcopen_sfc.semantics.charts.step_actions import check_step_actions
-from plcopen_sfc.semantics.charts.steps import Steps, tick
+from plcopen_sfc.semantics.charts.steps import Steps, T, X, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -97,6 +98,36 @@ class GraphProgram:
             for model in s.step.actions
             if not model.exclude
         ]
+
+    def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
+        """A function that sets back times of steps that nobody will see, so that fewer states are different.
+
+        `read` are the steps whose time a text reads (names in lower case), `anywhere` those of which one does elsewhere
+        than in the conditions behind them, and so also when they are not active.
+        """
+        # conditions are also evaluated for steps that are not active yet
+        ahead = self._skips or any(a.qualifier in SWITCHES for s in self.net.steps for a in s.step.actions)
+        timeless: list[tuple[int, int]] = []
+        own: list[int] = []
+        for step, slot, since in zip(self.net.steps, self._slots, self._steps.since, strict=True):
+            name = step.step.name.casefold()
+            if name not in read and not any(a.duration for a in step.step.actions):
+                timeless.append((slot, since))
+            elif name not in read or (name not in anywhere and not ahead):
+                own.append(slot)
+
+        def forget(frame: Frame, now: int) -> None:
+            v = frame.v
+            for slot, since in timeless:
+                v[slot].v[T] = v[slot].v[data.U] = 0
+                if v[since] is not None:
+                    v[since] = now
+            for slot in own:
+                values = v[slot].v
+                if not values[X]:
+                    values[T] = values[data.U] = 0
+
+        return forget
 
     # -- preparing
 
@@ -327,7 +358,7 @@ class GraphProgram:
         v = frame.v
         numbers = sorted(self.net.steps[i].step.number or 0 for i in indexes(situation))
         shown = v[self._display]
-        if commands.mode is Mode.MANUAL and commands.selected:
+        if commands.mode is Mode.MANUAL and commands.selected != 0:
             shown = commands.selected
         elif shown not in numbers:
             shown = numbers[0] if numbers else 0

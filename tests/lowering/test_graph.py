@@ -1,0 +1,248 @@
+"""Sequencers of S7-GRAPH as structured text: proven to do the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome
+from tests.lowering.sequencers import (
+    STANDARD_INPUTS,
+    STANDARD_OUTPUTS,
+    act,
+    block,
+    guarded,
+    ring,
+    text,
+    verdict,
+)
+from tests.semantics.charts.rig import chain
+
+
+def proven(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q", cap: int = 3_000) -> None:
+    project = block(chart, inputs, outputs)
+    found = verdict(project, cap=cap)
+    assert found.outcome is Outcome.PROVEN, f"{found}\n{text(project)}"
+
+
+def only_tested(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q") -> None:
+    project = block(chart, inputs, outputs)
+    found = verdict(project, cap=500)
+    assert found.outcome is Outcome.TESTED, f"{found}\n{text(project)}"
+
+
+@pytest.mark.parametrize(
+    "action",
+    [
+        act("N"),
+        act("S"),
+        act("R"),
+        act("D", duration="T#20ms"),
+        act("L", duration="T#30ms"),
+        act("N", event="S1"),
+        act("N", event="S0"),
+        act("S", event="S1"),
+        act("S", event="S0"),
+        act("R", event="S1"),
+        act("N", value="NOT #Q"),
+        act("N", event="S1", value="NOT #Q"),
+        act("N", event="S0", value="NOT #Q"),
+        act("CALL", None, body=m.StBody(text="#Q := NOT #Q;")),
+    ],
+    ids=lambda a: f"{a.qualifier}{a.event or ''}{a.value or ''}",
+)
+def test_one_action(action: m.ActionAssociation) -> None:
+    proven(ring(action))
+
+
+def test_what_is_set_is_reset() -> None:
+    chart = ring(act("S"))
+    chart.step("S3").actions = [act("R", event="S1"), act("N", "P")]
+    proven(chart, outputs="Q P")
+
+
+def test_several_steps_drive_one_coil() -> None:
+    chart = ring(act("N"), act("L", duration="T#20ms"))
+    chart.step("S1").actions = [act("D", duration="T#10ms")]
+    chart.step("S3").actions = [act("N", event="S0")]
+    proven(chart)
+
+
+def test_a_coil_that_something_else_writes() -> None:
+    chart = ring(act("N"))
+    chart.step("S3").actions = [act("S", event="S1")]
+    chart.permanent_post = [m.PermanentOperation(body=m.StBody(text="IF #c1 AND #c3 THEN #Q := TRUE; END_IF;"))]
+    proven(chart)
+
+
+@pytest.mark.parametrize("event", ["S1", "S0"])
+@pytest.mark.parametrize("qualifier", ["CS", "CU", "CD", "CR"])
+def test_counters(qualifier: str, event: str) -> None:
+    value = "998" if qualifier == "CS" else None
+    chart = ring(act(qualifier, "n", event, value=value))
+    chart.step("S1").actions = [act("CU", "n", "S1")]
+    chart.step("S3").actions = [act("CS", "n", "S0", value="2")]
+    proven(chart, outputs="n:INT")
+
+
+@pytest.mark.parametrize("qualifier", ["ON", "OFF"])
+@pytest.mark.parametrize("target", ["S1", "S3", "S_ALL", "S2"])
+def test_steps_are_switched(qualifier: str, target: str) -> None:
+    chart = ring(act(qualifier, target, "S1"))
+    chart.step("S3").actions = [act("ON", "S1", "S0")]
+    proven(chart, outputs="")
+
+
+EVENTS = ["L1", "L0", "V1", "V0", "S1", "S0"]
+
+
+@pytest.mark.parametrize("acknowledge", [False, True])
+@pytest.mark.parametrize("event", EVENTS)
+def test_events_of_interlock_and_supervision(event: str, acknowledge: bool) -> None:
+    chart = guarded(act("N", value="NOT #Q", event=event), act("N", "P", interlock=True), acknowledge=acknowledge)
+    proven(chart, "ok fault ACK_EF", "Q P")
+
+
+@pytest.mark.parametrize("acknowledge", [False, True])
+def test_acknowledging(acknowledge: bool) -> None:
+    chart = guarded(act("N", value="NOT #Q", event="A1"), act("S", "P", interlock=True), acknowledge=acknowledge)
+    proven(chart, "ok fault ACK_EF", "Q P ERR_FLT")
+
+
+def test_an_interlock_and_a_supervision_that_nobody_asks_for_are_short() -> None:
+    project = block(guarded(act("N", interlock=True)), "ok fault", "Q")
+    assert verdict(project).proven
+    code = text(project)
+    assert "#X2_LS := #X2 AND #ok;" in code
+    assert "#T2_3 := #X2 AND #c2 AND NOT #fault;" in code
+    assert "_VA" not in code
+
+
+@pytest.mark.parametrize("asked", ["LA", "LS", "VA", "VS", "L1", "V1", "S1", "S0"])
+def test_data_of_a_step_in_conditions_of_others(asked: str) -> None:
+    chart = guarded(act("N"))
+    chart.step("S3").interlock = m.Supervised(condition=m.Expression(text=f"NOT #S2.{asked}"))
+    chart.step("S3").actions = [act("N", "P", interlock=True)]
+    chart.transitions[1].condition = m.Expression(text=f"#c2 OR #S2.{asked}")
+    chart.permanent_pre = [m.PermanentOperation(body=m.StBody(text=f"#A := #S2.{asked};"))]
+    chart.permanent_post = [m.PermanentOperation(body=m.StBody(text=f"#B := #S2.{asked} AND NOT #S2.X;"))]
+    proven(chart, "ok fault", "Q P A B")
+
+
+@pytest.mark.parametrize("asked", ["T", "U"])
+def test_step_times(asked: str) -> None:
+    chart = guarded(act("N", value="NOT #Q"))
+    chart.transitions[1].condition = m.Expression(text=f"#S2.{asked} >= T#20ms")
+    # the time without disturbance is counted from the time of the step, which has no end then
+    (proven if asked == "T" else only_tested)(chart, "ok fault")
+
+
+@pytest.mark.parametrize("asked", ["T", "U"])
+@pytest.mark.parametrize("checked", [False, True])
+def test_step_times_stay_when_the_step_is_left(asked: str, checked: bool) -> None:
+    chart = guarded() if checked else ring()
+    chart.permanent_post = [m.PermanentOperation(body=m.StBody(text=f"#Q := #S2.{asked} >= T#20ms;"))]
+    chart.permanent_pre = [m.PermanentOperation(body=m.StBody(text=f"#P := #S2.{asked} > T#10ms;"))]
+    (only_tested if checked and asked == "U" else proven)(chart, "ok fault", "Q P")
+
+
+def test_delays_and_times_of_one_step() -> None:
+    chart = ring(act("D", duration="T#20ms"), act("L", "P", duration="T#30ms"), act("D", "R", duration="T#10ms"))
+    chart.transitions[1].condition = m.Expression(text="#S2.T > T#20ms AND #c2")
+    proven(chart, outputs="Q P R")
+
+
+def test_start_and_end_of_the_sequence() -> None:
+    proven(ring(act("N")), "INIT_SQ OFF_SQ")
+
+
+@pytest.mark.parametrize("inputs", ["SW_TAP T_PUSH", "SW_TOP T_PUSH SW_AUTO", "SW_TAP SW_TOP T_PUSH", "SW_AUTO"])
+def test_operating_modes(inputs: str) -> None:
+    proven(ring(act("N")), inputs, "Q AUTO_ON MAN_ON TAP_ON TOP_ON")
+
+
+@pytest.mark.parametrize(
+    "inputs", ["SW_MAN S_SEL:INT S_ON", "SW_MAN S_SEL:INT S_OFF", "SW_MAN S_ON S_OFF", "SW_MAN S_SEL:INT"]
+)
+def test_steps_are_switched_by_hand(inputs: str) -> None:
+    proven(chain("S1", "S2", conditions="#c1 #c2"), inputs, "S_NO:INT MAN_ON S_ACTIVE")
+
+
+@pytest.mark.parametrize("inputs", ["", "S_NEXT", "S_NEXT S_PREV"])
+def test_the_step_displayed(inputs: str) -> None:
+    chart = ring()
+    b = chart.add_step("S4", initial=True)
+    chart.add_transition(b, chart.step("S3"), "#c3")
+    proven(chart, inputs, "S_NO:INT S_MORE S_ACTIVE")
+
+
+def test_a_locked_mode() -> None:
+    chart = ring(act("N"))
+    chart.graph_settings = m.GraphSettings(lock_operating_mode=True)
+    project = block(chart, "SW_MAN SW_TAP T_PUSH", "Q AUTO_ON MAN_ON")
+    assert verdict(project).proven
+    assert "SW_MAN" not in text(project)
+
+
+def test_registering() -> None:
+    chart = ring(act("N", "P", "R1"), act("S", event="R1"))
+    proven(chart, "REG_EF REG_S", "Q P")
+
+
+def test_standard_parameters() -> None:
+    chart = guarded(act("N", interlock=True), act("D", "P", duration="T#20ms"), acknowledge=True)
+    project = block(chart, f"ok fault {STANDARD_INPUTS}", f"Q P {STANDARD_OUTPUTS}")
+    found = verdict(project, cap=500, runs=60)
+    assert found.outcome is Outcome.TESTED, str(found)
+    at_rest = {name.partition(":")[0]: 0 for name in STANDARD_INPUTS.split() if name != "ACK_EF"}
+    assert verdict(project, fixed=at_rest).proven
+
+
+def test_what_is_not_there_makes_no_code() -> None:
+    chart = ring(act("N"))
+    chart.step("S3").actions = [act("S", "P")]
+    assert text(block(chart, outputs="Q P")) == (
+        """// Transitions
+#T1_2 := #X1 AND #c1;
+#T2_3 := #X2 AND #c2;
+#T3_1 := #X3 AND #c3;
+
+// Steps that are left
+IF #T1_2 THEN
+    #X1 := FALSE;
+END_IF;
+IF #T2_3 THEN
+    #X2 := FALSE;
+END_IF;
+IF #T3_1 THEN
+    #X3 := FALSE;
+END_IF;
+
+// Steps that are entered
+IF #T1_2 THEN
+    #X2 := TRUE;
+END_IF;
+IF #T2_3 THEN
+    #X3 := TRUE;
+END_IF;
+IF #T3_1 THEN
+    #X1 := TRUE;
+END_IF;
+
+// Start of the sequence
+IF #FirstScan THEN
+    #X1 := TRUE;
+    #X2 := FALSE;
+    #X3 := FALSE;
+    #FirstScan := FALSE;
+END_IF;
+
+// Action #Q
+#Q := #X2;
+
+// Step S3: actions
+IF #X3 THEN
+    #P := TRUE;
+END_IF;
+"""
+    )
