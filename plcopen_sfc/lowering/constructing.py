@@ -10,9 +10,14 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.lowering.bits import StepBits
 from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
+from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.graph.reading import read_sequencer
+from plcopen_sfc.lowering.graph.sequencer import Sequencer
+from plcopen_sfc.lowering.graph.source import GraphSource
+from plcopen_sfc.lowering.graph.surface import without_step_data
 from plcopen_sfc.lowering.memory import BitMemory, BlockMemory, Memory
 from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.reading import read_chart
@@ -91,8 +96,14 @@ def construct(
 
     Raises `LoweringError` for what cannot be said in the target.
     """
-    source = read_chart(pou, chart, dialect, rules.profile)
-    chosen, why = _choice(source, construction)
+    source: ChartSource | GraphSource
+    if rules.profile.graph_parameters:
+        source = read_sequencer(pou, chart, dialect, rules)
+        chosen, why = _choice_for_sequencer(construction)
+        pou = without_step_data(pou)
+    else:
+        source = read_chart(pou, chart, dialect, rules.profile)
+        chosen, why = _choice(source, construction)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
@@ -106,7 +117,11 @@ def construct(
         Construction.REGIONS: RegionChain,
         Construction.BITS: StepBits,
     }
-    maker = makers[chosen](source, code, memory, rules, surroundings)
+    maker: Sequencer | Chain
+    if isinstance(source, GraphSource):
+        maker = Sequencer(source, code, memory, rules, surroundings)
+    else:
+        maker = makers[chosen](source, code, memory, rules, surroundings)
     if style is Style.EXACT:
         maker.exact()
     elif isinstance(maker, FlipFlopChain | CaseChain):
@@ -129,6 +144,12 @@ def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, st
     if not objection:
         return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
     return Construction.BITS, f"no CASE can hold the chart: {objection}"
+
+
+def _choice_for_sequencer(wanted: Construction) -> tuple[Construction, str]:
+    if wanted not in (Construction.AUTO, Construction.BITS):
+        raise LoweringError(f"sequencers of S7-GRAPH are lowered to {Construction.BITS} only")
+    return Construction.BITS, "asked for" if wanted is Construction.BITS else "the chart is a sequencer of S7-GRAPH"
 
 
 def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:

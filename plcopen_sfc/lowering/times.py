@@ -10,7 +10,7 @@ from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.logic import FALSE, call, when
 from plcopen_sfc.model.types import DerivedType
 
-_FOREVER = n.Literal("T#24d")
+FOREVER = n.Literal("T#24d")
 """Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
 
 
@@ -24,7 +24,7 @@ class StepTimes:
 
     def elapsed(self, step: int) -> Expression:
         """The time for which a step has been active."""
-        self._limits[step] = _FOREVER
+        self._limits[step] = FOREVER
         return n.Member(self._timer(step), n.Name("ET"))
 
     def is_over(self, step: int, time: Expression) -> Expression:
