@@ -189,3 +189,7 @@ class UnknownBehaviourError(SimulationError):
 
 class UnstableChartError(SimulationError):
     """The search for stability does not end: the situation goes on changing with the same inputs."""
+
+
+class ForcingConflictError(SimulationError):
+    """Two forcing orders want a partial chart of a GRAFCET to be in different situations at the same time."""

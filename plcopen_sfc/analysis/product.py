@@ -15,7 +15,13 @@ from typing import Any, Protocol
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
 from plcopen_sfc.analysis.intervals import KeptError, Split
-from plcopen_sfc.errors import SfcError, UnknownBehaviourError, UnknownFunctionError, UnstableChartError
+from plcopen_sfc.errors import (
+    ForcingConflictError,
+    SfcError,
+    UnknownBehaviourError,
+    UnknownFunctionError,
+    UnstableChartError,
+)
 from plcopen_sfc.semantics.signals import Value
 
 __all__ = ["Branching", "Explored", "LeftOutError", "System", "compare", "end_of", "explore", "failure_of"]
@@ -202,14 +208,17 @@ def _scan(left: System, right: System, read: InputReader, *, first: bool) -> tup
 def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
     """Where two systems cannot be compared any further: why, and the error.
 
-    Both fail; or a chart never becomes stable, which is a mistake of its author: nobody can say what follows; or the
-    user does not want to know what follows. Raises an error that says that a system cannot be executed at all.
+    Both fail; or a chart never becomes stable or its orders contradict each other, which is a mistake of its author:
+    nobody can say what follows; or the user does not want to know what follows. Raises an error that says that a system
+    cannot be executed at all.
     """
     for failure in failures:
         if isinstance(failure, UnknownBehaviourError | UnknownFunctionError):
             raise failure
         if isinstance(failure, UnstableChartError):
             return "situations that never become stable are left out", failure
+        if isinstance(failure, ForcingConflictError):
+            return "situations in which forcing orders contradict each other are left out", failure
         if isinstance(failure, LeftOutError):
             return f"what follows {failure.message} is left out", failure
     first = failures[0]

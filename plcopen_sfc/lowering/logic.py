@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 
 TRUE = n.Literal("TRUE")
@@ -41,6 +42,24 @@ def negation(operand: Expression) -> Expression:
 def equal(left: Expression, right: Expression) -> Expression:
     """``left = right``"""
     return n.Operation(Operator.EQUAL, (left, right))
+
+
+def simplified(tree: Expression) -> Expression:
+    """The same without parentheses and without operands that are constant."""
+
+    def simpler(node: n.Node) -> n.Node:
+        match node:
+            case n.Parenthesized(inner):
+                return inner
+            case n.Unary(Operator.NOT, inner):
+                return negation(inner)
+            case n.Operation(Operator.AND, operands):
+                return conjunction(operands)
+            case n.Operation(Operator.OR, operands):
+                return disjunction(operands)
+        return node
+
+    return transform(tree, simpler)
 
 
 def is_constant(expression: Expression, constant: n.Literal) -> bool:

@@ -18,19 +18,28 @@ from plcopen_sfc.semantics.profile import Profile, StepVariables
 StepValue = Callable[[int], Expression]
 """What stands for something of a step, given by its index in the net."""
 
+MayFire = Callable[[Expression, Expression], Expression]
+"""When a transition may fire, by its condition and by what tells that minimum times have passed."""
 
-def resolve_steps(source: ChartSource, active: StepValue, times: StepTimes, profile: Profile) -> ChartSource:
+
+def resolve_steps(
+    source: ChartSource, active: StepValue, times: StepTimes, profile: Profile, may_fire: MayFire
+) -> ChartSource:
     """The same chart, its texts with `active` and `times` for what asks whether and how long a step is active.
 
-    Raises `LoweringError` for whatever else a program may ask of a step: there is nothing that would answer.
+    Its conditions are those of `may_fire`. Raises `LoweringError` for whatever else a program may ask of a step: there
+    is nothing that would answer.
     """
     steps = _StepVariables(source, active, times.elapsed, profile)
     resolved = source.changed(lambda tree: transform(tree, steps.resolved))
-    conditions = list(resolved.conditions)
+    waited: list[list[Expression]] = [[] for _ in source.net.transitions]
     for step, time in resolved.minimum_times.items():
         over = times.is_over(step, time)
         for transition in source.net.leaving[step]:
-            conditions[transition] = conjunction([over, conditions[transition]])
+            waited[transition].append(over)
+    conditions = [
+        may_fire(condition, conjunction(over)) for condition, over in zip(resolved.conditions, waited, strict=True)
+    ]
     return replace(resolved, conditions=tuple(conditions))
 
 
@@ -44,9 +53,7 @@ class _StepVariables:
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)
         self._flags = self._steps if simple else {}
         if profile.step_variables is StepVariables.GRAFCET:
-            numbers = {f"x{s.step.name}".casefold(): s.bit for s in source.net.steps}
-            numbers |= {f"x{s.step.number}": s.bit for s in source.net.steps if s.step.number is not None}
-            self._flags = {name: bits for name, bits in numbers.items() if name not in declared}
+            self._flags = {name: bits for name, bits in bits_by_number(source.net).items() if name not in declared}
 
     def resolved(self, node: Node) -> Node:
         """What stands for a node."""
@@ -63,6 +70,16 @@ class _StepVariables:
             case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:
                 return disjunction(self._active(i) for i in indexes(bits))
         return node
+
+
+def bits_by_number(net: Net) -> dict[str, int]:
+    """What ``X12`` means, and ``XM1`` of a macro-step: the first step with this name or number."""
+    found: dict[str, int] = {}
+    for owner, bits in [*((s.step, s.bit) for s in net.steps), *((m.step, m.steps) for m in net.macros)]:
+        for text in (owner.name, "" if owner.number is None else str(owner.number)):
+            if text.isalnum():
+                found.setdefault(f"x{text}".casefold(), bits)
+    return found
 
 
 def _bits_by_name(net: Net) -> dict[str, int]:

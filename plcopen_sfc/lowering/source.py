@@ -10,8 +10,10 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
+from plcopen_sfc.lowering.grafcet.source import GrafcetSource
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.net import Net
 
 Change: TypeAlias = Callable[[Any], Any]
@@ -41,6 +43,26 @@ class ActionSource:
     statements: tuple[n.Statement, ...]
     uses: tuple[Use, ...]
 
+    def changed(self, change: Change) -> ActionSource:
+        """The same action with `change` applied to every text but its target."""
+
+        def used(use: Use) -> Use:
+            duration = change(use.duration) if use.duration is not None else None
+            return replace(use, condition=change(use.condition), duration=duration)
+
+        statements = tuple(change(statement) for statement in self.statements)
+        return replace(self, statements=statements, uses=tuple(used(use) for use in self.uses))
+
+    def trees(self) -> Iterator[n.Node]:
+        """Every text."""
+        yield from self.statements
+        if self.target is not None:
+            yield self.target
+        for use in self.uses:
+            yield use.condition
+            if use.duration is not None:
+                yield use.duration
+
 
 @dataclass(frozen=True)
 class StepCode:
@@ -53,12 +75,32 @@ class StepCode:
 
 
 @dataclass(frozen=True)
+class Reason:
+    """An operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does."""
+
+    text: str
+    stands: n.Expression
+
+
+@dataclass(frozen=True)
+class Watch:
+    """The longest time that a step may be active, and why it still is."""
+
+    step: int
+    time: n.Expression
+    reasons: tuple[Reason, ...] = ()
+
+
+@dataclass(frozen=True)
 class ChartSource:
     """What is lowered.
 
     `conditions` are those of `net.transitions`; `preparations` is what must be executed before each of them is
     evaluated, `logic` what is drawn in the chart and executed in every scan, `helpers` are the variables that both
-    need. `minimum_times` are those of steps, by index.
+    need. `minimum_times` are those of steps, by index; `watches` their longest times where these are watched. `flags`
+    are the SFC flags in use, `undeclared_flags` those that only the tool declares. `waited` are, by transition, the
+    minimum times of its steps that have passed; they are known when step variables are. `grafcet`: what only IEC 60848
+    has.
     """
 
     pou: Pou
@@ -71,6 +113,10 @@ class ChartSource:
     actions: tuple[ActionSource, ...]
     step_code: tuple[StepCode, ...]
     minimum_times: dict[int, n.Expression]
+    watches: tuple[Watch, ...] = ()
+    flags: frozenset[SfcFlag] = frozenset()
+    undeclared_flags: frozenset[SfcFlag] = frozenset()
+    grafcet: GrafcetSource | None = None
 
     def changed(self, change: Change) -> ChartSource:
         """The same chart with `change` applied to every text but the targets of actions."""
@@ -78,22 +124,21 @@ class ChartSource:
         def each(nodes: tuple[Any, ...]) -> tuple[Any, ...]:
             return tuple(change(node) for node in nodes)
 
-        def used(use: Use) -> Use:
-            duration = change(use.duration) if use.duration is not None else None
-            return replace(use, condition=change(use.condition), duration=duration)
+        def watched(watch: Watch) -> Watch:
+            reasons = tuple(replace(reason, stands=change(reason.stands)) for reason in watch.reasons)
+            return replace(watch, time=change(watch.time), reasons=reasons)
 
-        actions = [
-            replace(a, statements=each(a.statements), uses=tuple(used(use) for use in a.uses)) for a in self.actions
-        ]
         code = [replace(c, entry=each(c.entry), main=each(c.main), exit=each(c.exit)) for c in self.step_code]
         return replace(
             self,
             conditions=each(self.conditions),
             preparations=tuple(each(statements) for statements in self.preparations),
             logic=each(self.logic),
-            actions=tuple(actions),
+            actions=tuple(action.changed(change) for action in self.actions),
             step_code=tuple(code),
             minimum_times={step: change(time) for step, time in self.minimum_times.items()},
+            watches=tuple(watched(watch) for watch in self.watches),
+            grafcet=self.grafcet.changed(change) if self.grafcet is not None else None,
         )
 
     def names(self) -> set[str]:
@@ -102,20 +147,17 @@ class ChartSource:
         found |= {self.pou.name, *(action.name for action in self.pou.actions)}
         found |= {step.step.name for step in self.net.steps} | {each.name for each in self.pou.transitions}
         found |= {helper.name for helper in self.helpers}
-        return found | {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
+        read = {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
+        steps = self.grafcet.step_variables if self.grafcet is not None else ()  # their flags may be called so
+        return found | {name for name in read if name.casefold() not in steps}
 
     def _trees(self) -> Iterator[n.Node]:
         yield from self.conditions
         yield from (statement for statements in self.preparations for statement in statements)
         yield from self.logic
         yield from self.minimum_times.values()
-        for action in self.actions:
-            yield from action.statements
-            if action.target is not None:
-                yield action.target
-            for use in action.uses:
-                yield use.condition
-                if use.duration is not None:
-                    yield use.duration
+        yield from (watch.time for watch in self.watches)
+        yield from (tree for action in self.actions for tree in action.trees())
+        yield from self.grafcet.trees() if self.grafcet is not None else ()
         for code in self.step_code:
             yield from (*code.entry, *code.main, *code.exit)

@@ -43,7 +43,10 @@ def check(chart: m.SfcNetwork, inputs: str, outputs: str, *, profiles: tuple[Pro
     """Lower the chart in all ways, with and without the search for stability. Gives back the step bits."""
     pou = pou_with(chart, inputs, outputs)
     for profile in profiles or (ONCE, PROFILES["grafcet"]):
-        for construction, language in (("flipflop", "ST"), ("bits", "ST")):
+        ways = [("flipflop", "ST"), ("bits", "ST")]
+        if profile.evolution is Evolution.SINGLE:
+            ways.insert(0, ("flipflop", "FBD"))
+        for construction, language in ways:
             lowered = lower(pou, construction, language=language, profile=profile)
             assert lowered.proof is not None
             assert lowered.proof.outcome is Outcome.PROVEN, f"{profile.name} {construction}: {lowered.proof}"
@@ -98,7 +101,7 @@ def test_actions_on_events(event: str, step: str) -> None:
         "↓a;↑(a AND b);c1",
         "NOT ↑a AND b;↓b;c1",
         "c1;20ms/X2;20ms/a",
-        "c1;X2/20ms;c2 AND NOT 20ms/a/30ms",
+        "c1;X2/20ms;c2 AND NOT 20ms/a/20ms",
         "c1;↑X2;20ms/(a AND NOT b)",
         "↑X1;↑(20ms/X2);X1",
         "c1;c2;S3.T >= T#20ms AND S3.X",

@@ -72,7 +72,7 @@ class StoredActions:
         ]
 
     def _executed(self, condition: Expression, action: StoredAction) -> list[Statement]:
-        return self._memory.conditional("", condition, action.statements)
+        return self._memory.conditional("event", condition, action.statements)
 
 
 class ContinuousActions:

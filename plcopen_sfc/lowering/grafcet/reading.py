@@ -12,6 +12,7 @@ from plcopen_sfc.lowering.chart_texts import TextReader
 from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource, StoredAction
 from plcopen_sfc.lowering.logic import TRUE
 from plcopen_sfc.lowering.reading import read_chart
+from plcopen_sfc.lowering.references import bits_by_number
 from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.conditions import Condition, Expression
@@ -23,7 +24,7 @@ from plcopen_sfc.semantics.charts.grafcet.extension import has_grafcet
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.terms import TermTexts, rising
 from plcopen_sfc.semantics.net import Net, indexes
-from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 
 Owned = tuple[Owner, SfcNetwork, ActionAssociation]
 
@@ -80,14 +81,16 @@ class _Reader(TextReader):
             transition.transition.condition = self._termless(transition.transition.condition)
         stored = tuple(self._stored())
         continuous = tuple(self._continuous())
-        for owner in [*self._net.steps, *self._net.macros]:
-            owner.step.actions = [a for a in owner.step.actions if a.kind is None and a.forcing is None]
+        for step in [*(s.step for s in self._net.steps), *(m.step for m in self._net.macros)]:
+            step.actions = [a for a in step.actions if a.kind is None and a.forcing is None]
         edges = [Edge(e.name, self.expression(e.operand, "an edge"), e.rising) for e in self._terms.edges]
         delays = [
             Delay(t.name, self.expression(t.operand, "a time"), self._time(t.first), self._time(t.last))
             for t in self._terms.timers
         ]
-        return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts)
+        known = self._profile.step_variables is StepVariables.GRAFCET
+        names = frozenset(bits_by_number(self._net) if known else ())
+        return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts, names)
 
     def _time(self, text: str | None) -> n.Expression | None:
         return self.expression(text, "a time") if text is not None else None

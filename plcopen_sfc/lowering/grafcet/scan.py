@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_en
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
 from plcopen_sfc.lowering.grafcet.source import GrafcetSource
+from plcopen_sfc.lowering.grafcet.stability import Stability
 from plcopen_sfc.lowering.grafcet.terms import TermCode
 from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation, when
 from plcopen_sfc.lowering.steps import StepFlags
@@ -39,11 +40,19 @@ class GrafcetScan:
         assert chain.source.grafcet is not None  # noqa: S101
         self._grafcet: GrafcetSource = chain.source.grafcet
         self._concurrency = Concurrency(chain.source, chain.profile)
-        self._stable = chain.profile.evolution is Evolution.UNTIL_STABLE
+        self._stability = Stability(
+            chain.source, self._terms, chain.flags, [v.name for v in self._code.variables], self._concurrency
+        )
+        self._stable = chain.profile.evolution is Evolution.UNTIL_STABLE and not self._stability.once
         self._olds: dict[int, n.Name] = {}
         self._first: n.Name | None = None
         self._stored = StoredActions(self._grafcet.stored, chain.memory, chain.active, self._before, self._fresh)
         self._ruled = [Ruling(chart, chain.active, self._before, self._reentered) for chart in self._grafcet.ruled]
+
+    @property
+    def repeats(self) -> bool:
+        """Whether there is a loop."""
+        return self._stable
 
     def append(self) -> None:
         """Append all networks."""
@@ -58,7 +67,6 @@ class GrafcetScan:
             self._loop(evolution)
         else:
             code.networks += evolution
-            code.add(texts.before, self._remembered())
         timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
         code.add(texts.times, [*chain.times.calls(), *timers])
         chain.add_actions()
@@ -99,7 +107,11 @@ class GrafcetScan:
     def _remembered(self) -> list[Statement]:
         return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
 
-    def _starting(self) -> n.Name:
+    def _starting(self) -> Expression:
+        """Whether it is the first scan."""
+        pulse = self._chain.memory.starting()
+        if not is_constant(pulse, FALSE):
+            return pulse
         if self._first is None:
             self._first = self._code.declare("FirstScan", initial="TRUE")
         return self._first
@@ -156,7 +168,7 @@ class GrafcetScan:
         """What is executed once, before the first evolution."""
         statements = [*self._terms.starts, *self._stored.at_the_start(indexes(self._net.initial))]
         if statements:
-            self._code.add(self._texts.start, [when(self._starting(), *statements)])
+            self._code.add(self._texts.start, self._chain.memory.conditional("", self._starting(), statements))
 
     def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork | TextNetwork]:
         kept, self._code.networks = self._code.networks, []
@@ -167,23 +179,25 @@ class GrafcetScan:
     def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork]) -> None:
         """Repeat an evolution until no transition is cleared any more."""
         texts, dialect = self._texts, self._chain.source.dialect
-        number = self._code.declare(texts.evolutions, ElementaryType(name=Elementary.INT))
         moving = self._code.declare(texts.moving, comment=texts.moving_comment)
-        unstable = self._code.declare(texts.unstable, comment=texts.unstable_comment)
-        most = n.Literal(str(self._chain.profile.max_evolutions))
-        counted = assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
         goes_on = assignment(moving, disjunction(self._chain.fired))
-        ends = disjunction([negation(moving), n.Operation(n.Operator.GREATER_OR_EQUAL, (number, most))])
-        inside = [
-            CodeNetwork("", (counted,)),
-            *evolution,
-            CodeNetwork("", (goes_on,)),
-        ]
-        lines = [print_node(assignment(number, n.Literal("0")), dialect), "REPEAT"]
-        lines += "\n\n".join(paragraph(network, dialect) for network in inside).splitlines()
-        lines = lines[:2] + [_INDENT + line if line else line for line in lines[2:]]
+        inside = [*evolution, CodeNetwork("", (goes_on,))]
+        ends = negation(moving)
+        ahead: list[Statement] = []
+        behind: list[Statement] = []
+        if self._stability.most is None:
+            number = self._code.declare(texts.evolutions, ElementaryType(name=Elementary.INT))
+            unstable = self._code.declare(texts.unstable, comment=texts.unstable_comment)
+            most = n.Literal(str(self._chain.profile.max_evolutions))
+            counted = assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
+            inside.insert(0, CodeNetwork("", (counted,)))
+            ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, most))])
+            ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
+        lines = [print_node(statement, dialect) for statement in ahead] + ["REPEAT"]
+        texts_inside = "\n\n".join(paragraph(network, dialect) for network in inside)
+        lines += [_INDENT + line if line else line for line in texts_inside.splitlines()]
         lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
-        lines.append(print_node(assignment(unstable, moving), dialect))
+        lines += [print_node(statement, dialect) for statement in behind]
         self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
 
 
@@ -194,10 +208,13 @@ def add_grafcet(chain: Chain, *, exact: bool, drawn: bool) -> None:
         raise LoweringError("a GRAFCET is lowered to step bits or flip-flops only", location=path)
     if not exact:
         raise LoweringError("a GRAFCET has no classic form", location=path)
-    if drawn and chain.profile.evolution is Evolution.UNTIL_STABLE:
+    scan = GrafcetScan(chain)
+    if drawn and scan.repeats:
         raise LoweringError(
-            "the search for a stable situation is a loop, which networks do not have",
+            "the search for a stable situation is a loop, which networks do not have: transitions may follow each other"
+            " with the same inputs",
             location=path,
-            hint="Lower it to structured text, or with a profile of one evolution in a scan.",
+            hint="Lower it to structured text, or with a profile of one evolution in a scan; or let the conditions of"
+            " neighbours exclude each other, by edges or times.",
         )
-    GrafcetScan(chain).append()
+    scan.append()

@@ -51,7 +51,7 @@ class GrafcetSource:
     """`edges` and `delays` of all conditions, the `stored` and `continuous` actions, and the charts that others rule.
 
     Edges and delays stand in an order in which each needs only those before it, `ruled` in one in which each chart is
-    ruled only by those before it.
+    ruled only by those before it. `step_variables` are the names that mean steps (``X5``), in lower case.
     """
 
     edges: tuple[Edge, ...]
@@ -59,6 +59,7 @@ class GrafcetSource:
     stored: tuple[StoredAction, ...]
     continuous: tuple[ActionSource, ...]
     ruled: tuple[RuledChart, ...]
+    step_variables: frozenset[str]
 
     def changed(self, change: Change) -> GrafcetSource:
         """The same with `change` applied to every text but the targets of actions."""

@@ -9,7 +9,7 @@ from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statement
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import DerivedType
 
@@ -43,6 +43,10 @@ class TermCode:
     def named(self, node: Node) -> Node:
         """The variable of a term instead of the name that stands for it."""
         return self._values.get(node.identifier.casefold(), node) if isinstance(node, n.Name) else node
+
+    def value_of(self, term: Edge | Delay) -> Expression:
+        """The value of a term."""
+        return self._values[term.name.casefold()]
 
     def _declare_delay(self, delay: Delay) -> Expression:
         kinds = [(delay.first, "TON"), (delay.last, "TOF")]
@@ -79,22 +83,11 @@ class TermCode:
         hidden |= self._flags
 
         def without(node: Node) -> Node:
-            match node:
-                case n.Name(name) if name.casefold() in hidden:
-                    return FALSE
-                case n.Member() if node in self._values.values():
-                    return FALSE
-                case n.Parenthesized(inner):
-                    return inner
-                case n.Unary(n.Operator.NOT, inner):
-                    return negation(inner)
-                case n.Operation(n.Operator.AND, operands):
-                    return conjunction(operands)
-                case n.Operation(n.Operator.OR, operands):
-                    return disjunction(operands)
-            return node
+            if isinstance(node, n.Name) and node.identifier.casefold() in hidden:
+                return FALSE
+            return FALSE if isinstance(node, n.Member) and node in self._values.values() else node
 
-        start = transform(operand, without)
+        start = simplified(transform(operand, without))
         read = {node.identifier.casefold() for node in walk(operand) if isinstance(node, n.Name)}
         if not read & (hidden | self._early) and not any(isinstance(node, n.Member | n.Call) for node in walk(operand)):
             return None

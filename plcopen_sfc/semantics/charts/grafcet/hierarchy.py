@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError
+from plcopen_sfc.errors import ForcingConflictError, Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ForcedSituation, PartialChart, SfcNetwork
 from plcopen_sfc.semantics.charts.actions import Owner
 from plcopen_sfc.semantics.net import Net
@@ -194,7 +194,7 @@ class Hierarchy:
         if not acting:
             return None
         if any(order.imposed != acting[0].imposed for order in acting):
-            raise SimulationError(
+            raise ForcingConflictError(
                 f"the steps {', '.join(order.path for order in acting)} force {chart.name} into different situations",
                 location=Location(path=self._path),
             )

@@ -1,0 +1,198 @@
+"""How many evolutions a scan can have at most: which transitions can follow each other with the same inputs.
+
+A transition that is cleared in an evolution and was not in the one before has become enabled, by a transition that has
+activated one of its steps, or its condition has become TRUE, by something that changes between two evolutions: the
+activity of a step, or what a stored action writes. Inputs stay as they are: their edges are over, and a condition that
+excludes the one before cannot be TRUE. Where no circle of transitions can follow each other, the search for stability
+ends, whatever the inputs are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from graphlib import CycleError, TopologicalSorter
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.nodes import Expression, Node
+from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, exclude
+from plcopen_sfc.lowering.grafcet.source import Delay, Edge
+from plcopen_sfc.lowering.grafcet.terms import TermCode
+from plcopen_sfc.lowering.logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
+from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.semantics.net import NetTransition
+
+
+class Stability:
+    """What is known of the evolutions of a chart, whose texts have the variables of steps and terms already.
+
+    `flags` are the variables of the steps, in the order of the net, `own` all variables of the lowered code.
+    """
+
+    def __init__(
+        self, source: ChartSource, terms: TermCode, flags: Iterable[n.Name], own: Iterable[str], seen: Concurrency
+    ) -> None:
+        assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
+        self._source, self._grafcet, self._terms, self._seen = source, source.grafcet, terms, seen
+        self._steps = {flag.identifier.casefold(): step for step, flag in enumerate(flags)}
+        self._edges = {terms.value_of(edge): edge for edge in source.grafcet.edges}
+        self._delays = {terms.value_of(delay): delay for delay in source.grafcet.delays}
+        self._own = {name.casefold() for name in own}
+        self._written = set(_names(tree for stored in source.grafcet.stored for tree in stored.statements))
+        self.most = self._most()
+        """The most evolutions of a scan in which a transition is cleared; None: there may be any number of them."""
+
+    @property
+    def once(self) -> bool:
+        """Whether one evolution in each scan does the same as the search for stability."""
+        if self.most is None or self.most > 1:
+            return False
+        events = [stored.event for stored in self._grafcet.stored if stored.event is not None]
+        if not all(is_constant(self._later(event), FALSE) for event in events):
+            return False
+        actions = (tree for a in (*self._source.actions, *self._grafcet.continuous) for tree in a.trees())
+        pulses = set(self._edges)
+        return not any(node in pulses for tree in actions for node in walk(tree) if isinstance(node, n.Name))
+
+    def _most(self) -> int | None:
+        """The longest chain of transitions that can follow each other."""
+        if self._grafcet.ruled:
+            return None  # orders hold charts and set them free again
+        transitions = self._source.net.transitions
+        followers = {t.index: [u.index for u in self._candidates(t) if self._follows(t, u)] for t in transitions}
+        try:
+            order = list(TopologicalSorter(followers).static_order())
+        except CycleError:
+            return None
+        length: dict[int, int] = {}
+        for index in order:  # those that follow stand before
+            length[index] = 1 + max((length[u] for u in followers[index]), default=0)
+        return max(length.values(), default=0)
+
+    def _candidates(self, before: NetTransition) -> Iterator[NetTransition]:
+        for transition in self._source.net.transitions:
+            touched = before.post & transition.pre or not transition.pre
+            if touched or self._is_volatile(transition) or self._reads(transition) & (before.pre | before.post):
+                yield transition
+
+    def _follows(self, before: NetTransition, transition: NetTransition) -> bool:
+        """Whether a transition can be cleared in the evolution behind that which clears `before`."""
+        condition = self._source.conditions[transition.index]
+        later = self._later(condition)
+        if is_constant(later, FALSE):
+            return False
+        if not transition.pre or self._is_volatile(transition) or self._reads(transition) & (before.pre | before.post):
+            return True
+        for step, entered in enumerate(self._source.net.steps):
+            if entered.bit & before.post & transition.pre:
+                fresh = later if self._seen.enters_active(before, step) else self._just_entered(later, step)
+                own = self._source.conditions[before.index]
+                if not exclude(disjunction([own, self._later(own)]), self._renamed(fresh), self._source.dialect):
+                    return True
+        return False
+
+    # -- what changes between two evolutions
+
+    def _is_volatile(self, transition: NetTransition) -> bool:
+        """Whether a condition can become TRUE between two evolutions by something else than the activity of steps."""
+        condition = self._source.conditions[transition.index]
+        if self._source.preparations[transition.index] or self._changes(condition):
+            return True
+        later = self._later(condition)
+        return later != simplified(condition) and not exclude(later, negation(condition), self._source.dialect)
+
+    def _changes(self, tree: Expression) -> bool:
+        """Whether it depends on what is called, or on what stored actions or the lowered code write."""
+        for node in walk(tree):
+            if isinstance(node, n.Call | n.AssignmentExpression):
+                return True
+            term = self._term(node)
+            if term is not None and self._changes(term.operand):
+                return True
+            if isinstance(node, n.Name):
+                name = node.identifier.casefold()
+                known = name in self._steps or node in self._edges or self._is_timer(node)
+                if name in self._written or (name in self._own and not known):
+                    return True
+        return False
+
+    def _is_timer(self, name: n.Name) -> bool:
+        return any(isinstance(value, n.Member) and value.base == name for value in self._delays)
+
+    def _term(self, node: Node) -> Edge | Delay | None:
+        if isinstance(node, n.Name):
+            return self._edges.get(node)
+        return self._delays.get(node) if isinstance(node, n.Member) else None
+
+    def _reads(self, transition: NetTransition) -> int:
+        """The steps whose activity can make a condition TRUE, as bits."""
+        condition = self._later(self._source.conditions[transition.index])
+        bits = self._steps_in(condition)
+        for value, delay in self._delays.items():
+            if self._only_falls(delay) and _rises_with(condition, value, self._source):
+                condition = _with(condition, value, TRUE)
+                bits = self._steps_in(condition)
+        return bits
+
+    def _steps_in(self, tree: Expression) -> int:
+        bits = 0
+        for node in walk(tree):
+            if isinstance(node, n.Name) and node.identifier.casefold() in self._steps:
+                bits |= 1 << self._steps[node.identifier.casefold()]
+            term = self._term(node)
+            bits |= self._steps_in(term.operand) if term is not None else 0
+        return bits
+
+    def _only_falls(self, delay: Delay) -> bool:
+        """Whether the term cannot become TRUE between two evolutions: its time has still to pass."""
+        return delay.last is None and not self._changes(delay.operand)
+
+    def _later(self, tree: Expression) -> Expression:
+        """The condition in every evolution but the first: edges of inputs are over."""
+        over = {
+            pulse
+            for pulse, edge in self._edges.items()
+            if not self._changes(edge.operand) and not self._steps_in(edge.operand)
+        }
+        return simplified(transform(tree, lambda node: FALSE if isinstance(node, n.Name) and node in over else node))
+
+    def _just_entered(self, tree: Expression, step: int) -> Expression:
+        """The condition when a step has just become active: times since then have not passed."""
+
+        def fresh(node: Node) -> Node:
+            delay = self._delays.get(node) if isinstance(node, n.Member) else None
+            if delay is None or not self._only_falls(delay) or not isinstance(delay.operand, n.Name):
+                return node
+            return FALSE if self._steps.get(delay.operand.identifier.casefold()) == step else node
+
+        return simplified(transform(tree, fresh))
+
+    def _renamed(self, tree: Expression) -> Expression:
+        """With other names for what may have changed since the evolution before."""
+
+        def other(node: Node) -> Node:
+            if isinstance(node, n.Name) and (node.identifier.casefold() in self._steps or node in self._edges):
+                return n.Name(f"{node.identifier}_now", node.quoting)
+            if isinstance(node, n.Member) and node in self._delays and self._steps_in(node):
+                return n.Name(f"{_path(node)}_now")
+            return node
+
+        return transform(tree, other)
+
+
+def _path(member: n.Member) -> str:
+    return f"{member.base.identifier}_{member.name.identifier}" if isinstance(member.base, n.Name) else "term"
+
+
+def _rises_with(condition: Expression, atom: Expression, source: ChartSource) -> bool:
+    """Whether a condition that is TRUE while a term is FALSE is also TRUE when the term is TRUE."""
+    without, with_ = _with(condition, atom, FALSE), _with(condition, atom, TRUE)
+    return without != with_ and exclude(without, negation(with_), source.dialect)
+
+
+def _with(condition: Expression, atom: Expression, value: n.Literal) -> Expression:
+    return simplified(transform(condition, lambda node: value if node == atom else node))
+
+
+def _names(trees: Iterable[Node]) -> Iterator[str]:
+    return (node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name))
