@@ -10,11 +10,9 @@ from collections.abc import Callable
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.logic import FALSE, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
+from plcopen_sfc.lowering.source import ActionSource, Use
 from plcopen_sfc.model.actions import Qualifier
 
 Q = Qualifier
@@ -39,18 +37,12 @@ class ActionControl:
             return disjunction(terms)  # their flip-flops have seen the reset already
         return conjunction([disjunction(terms), negation(reset)])
 
-    def drive_with_final_scan(self, action: ActionSource, into: list[Statement]) -> Expression:
-        """Whether the action is executed: while it is active, and once more after it has ended (output A).
-
-        P1 and P0 are executed in one scan only.
-        """
+    def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
+        """The same in two parts: what lasts, after whose end an action is executed once more, and P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)
         lasting = conjunction([disjunction(self._lasting(action, reset, into)), negation(reset)])
         single = conjunction([disjunction(self._single(action, into)), negation(reset)])
-        if is_constant(lasting, FALSE):
-            return single
-        active = self._memory.named(f"{action.name}_Q", lasting, into)
-        return disjunction([active, single, self._memory.falling(f"{action.name}_end", active, into)])
+        return lasting, single
 
     def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
         reset = disjunction([reset, self._ending])
@@ -127,18 +119,3 @@ class ActionControl:
                 location=Location(path=f"action {action.name}"),
             )
         return times[0]
-
-
-def add_actions(source: ChartSource, code: Code, control: ActionControl, rules: LoweringRules) -> None:
-    """Append a network for each action, in the order in which the profile executes them."""
-    actions = list(source.actions)
-    if rules.profile.alphabetic_actions:
-        actions.sort(key=lambda action: action.name.casefold())
-    for action in actions:
-        statements: list[Statement] = []
-        if action.target is not None:
-            statements.append(assignment(action.target, control.drive(action, statements)))
-        else:
-            drive = control.drive_with_final_scan if rules.profile.final_scan else control.drive
-            statements.append(when(drive(action, statements), *action.statements))
-        code.add(rules.texts.action(action.name), statements)

@@ -43,8 +43,8 @@ def is_variable(expression: Expression) -> bool:
 
 
 @lru_cache(maxsize=4096)
-def reads(expression: Expression) -> frozenset[Path]:
-    """The variables that an expression reads."""
+def reads(expression: Expression | Statement) -> frozenset[Path]:
+    """The variables that an expression reads; of a statement also those that it writes."""
     found: set[Path] = set()
     waiting: list[Any] = [expression]
     while waiting:

@@ -161,6 +161,8 @@ class Actions:
             out = v[action.out] = bits & _OUT
             if out:
                 active.append(action)
+            elif self._always and action.write is not None:
+                action.write(frame, False)
             elif before and (action.run is None or (self._profile.final_scan and before & ON)):
                 ended.append(action)
             if bits:

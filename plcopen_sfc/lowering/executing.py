@@ -1,0 +1,203 @@
+"""Executing the actions of a chart: all are decided on first, then executed, those first that have ended.
+
+Where no action sees what another one does that is the same as one after the other, which is what people would write.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from plcopen_sfc.languages.networks.effects import ANYTHING, Path, path_of, reads, writes
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.control import ActionControl
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.source import ActionSource, ChartSource
+from plcopen_sfc.model.types import DerivedType, SimpleValue
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.profile import BooleanTargets
+
+
+def add_actions(source: ChartSource, code: Code, control: ActionControl, memory: Memory, rules: LoweringRules) -> None:
+    """Append what drives and executes the actions, in the order in which the profile does."""
+    actions = list(source.actions)
+    if rules.profile.alphabetic_actions:
+        actions.sort(key=lambda action: action.name.casefold())
+    execution = _Execution(source, code, control, memory, rules)
+    if execution.interfere(actions):
+        execution.in_phases(actions)
+    else:
+        for action in actions:
+            execution.at_once(action)
+
+
+class _Execution:
+    def __init__(
+        self, source: ChartSource, code: Code, control: ActionControl, memory: Memory, rules: LoweringRules
+    ) -> None:
+        self._source, self._code, self._control, self._memory = source, code, control, memory
+        self._texts = rules.texts
+        self._final_scan = rules.profile.final_scan
+        self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
+        self._blocks = _standard_instances(source)
+        self._others = _Paths()
+        for step in source.step_code:
+            for statement in (*step.entry, *step.main, *step.exit):
+                self._others.add(0, writes(statement, self._blocks))
+        for statement in (*source.logic, *(each for before in source.preparations for each in before)):
+            self._others.add(0, writes(statement, self._blocks))
+
+    # -- one after the other
+
+    def at_once(self, action: ActionSource) -> None:
+        """Append a network that drives and executes an action."""
+        statements: list[Statement] = []
+        if action.target is None:
+            lasting, single = self._control.outputs(action, statements)
+            executed = disjunction([lasting, single])
+            if self._final_scan and not is_constant(lasting, FALSE):
+                lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
+                ended = self._memory.falling(f"{action.name}_end", lasting, statements)
+                executed = disjunction([lasting, single, ended])
+            statements += self._memory.conditional(f"{action.name}_A", executed, action.statements)
+        elif self._always or self._is_own(action.target):
+            statements.append(assignment(action.target, self._control.drive(action, statements)))
+        else:
+            driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
+            ended = self._memory.falling(f"{action.name}_end", driven, statements)
+            statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
+            statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
+        self._code.add(self._texts.action(action.name), statements)
+
+    def _is_own(self, target: Expression) -> bool:
+        """Whether a variable is FALSE anyway while its action is not executed: nothing else in the POU writes it."""
+        interface = self._source.pou.interface
+        path = path_of(target)
+        if self._others.touching([path]):
+            return False
+        for section in interface.sections if interface is not None else ():
+            for variable in section.variables:
+                if path == (variable.name.casefold(),):
+                    value = variable.initial.text if isinstance(variable.initial, SimpleValue) else None
+                    starts = (value or "FALSE").upper() in ("FALSE", "BOOL#FALSE", "0")
+                    local = section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
+                    return local and starts and not section.retain and not section.persistent
+        return False
+
+    # -- all decided on, then all executed
+
+    def in_phases(self, actions: Sequence[ActionSource]) -> None:
+        """Append what decides on all actions, what executes those that have ended, and what executes the others."""
+        deciding: list[Statement] = []
+        ending: list[Statement] = []
+        acting: list[tuple[ActionSource, list[Statement]]] = []
+        idle: list[Statement] = []
+        for action in actions:
+            lasting, single = self._control.outputs(action, deciding)
+            name = action.name
+            if action.target is not None:
+                driven = self._memory.named(f"{name}_Q", disjunction([lasting, single]), deciding)
+                off, on = [assignment(action.target, FALSE)], [assignment(action.target, TRUE)]
+                if self._always:
+                    idle += self._memory.conditional("", negation(driven), off)
+                else:
+                    ended = self._memory.falling(f"{name}_end", driven, deciding)
+                    ending += self._memory.conditional("", ended, off)
+                acting.append((action, self._memory.conditional("", driven, on)))
+                continue
+            if not is_constant(single, FALSE):
+                single = self._memory.named(f"{name}_pulse", single, deciding)
+            if not is_constant(lasting, FALSE):
+                lasting = self._memory.named(f"{name}_Q", lasting, deciding)
+                if self._final_scan:
+                    ended = self._memory.falling(f"{name}_end", lasting, deciding)
+                    last = conjunction([ended, negation(single)])
+                    ending += self._memory.conditional(f"{name}_last", last, action.statements)
+            executed = disjunction([lasting, single])
+            acting.append((action, self._memory.conditional(f"{name}_A", executed, action.statements)))
+        self._code.add(self._texts.control, deciding)
+        self._code.add(self._texts.ended, [*idle, *ending])
+        for action, statements in acting:
+            self._code.add(self._texts.action(action.name), statements)
+
+    # -- whether it matters
+
+    def interfere(self, actions: Sequence[ActionSource]) -> bool:
+        """Whether an action may see what another one does: then they cannot be lowered one after the other."""
+        written, asked, used = _Paths(), [], []
+        for index, action in enumerate(actions):
+            if action.target is not None:
+                writing = frozenset({path_of(action.target)})
+                reading = frozenset(reads(action.target) - writing)
+            else:
+                writing = _union(writes(each, self._blocks) for each in action.statements)
+                reading = _union(reads(each) for each in action.statements)
+            conditions = [use.condition for use in action.uses]
+            times = [use.duration for use in action.uses if use.duration is not None]
+            asked.append(_union(reads(each) for each in (*conditions, *times)))
+            used.append(reading | writing)
+            written.add(index, writing)
+        plain = {index for index, action in enumerate(actions) if action.target is not None}
+        for index in range(len(actions)):
+            if any(other < index for other in written.touching(asked[index])):
+                return True
+            for other in written.touching(used[index]) - {index}:
+                # two variables do not disturb each other; two bodies stay in order where none of them runs once more
+                if not plain >= {index, other} and (self._final_scan or plain & {index, other}):
+                    return True
+        return False
+
+
+class _Paths:
+    """What actions write: finds those that write a path, a part of it, or what it is part of."""
+
+    def __init__(self) -> None:
+        self._whole: dict[tuple[bool, Path], set[int]] = {}
+        self._starts: dict[tuple[bool, Path], set[int]] = {}
+        self._anything: set[int] = set()
+        self._all: set[int] = set()
+
+    def add(self, index: int, written: Iterable[Path]) -> None:
+        """An action writes these paths."""
+        for path in written:
+            self._all.add(index)
+            if path == ANYTHING:
+                self._anything.add(index)
+            for is_part, form in _forms(path):
+                self._whole.setdefault((is_part, form), set()).add(index)
+                for length in range(1, len(form) + 1):
+                    self._starts.setdefault((is_part, form[:length]), set()).add(index)
+
+    def touching(self, paths: Iterable[Path]) -> set[int]:
+        """The actions that write something of these paths."""
+        found: set[int] = set()
+        for path in paths:
+            found |= self._all if path == ANYTHING else self._anything
+            for is_part, form in _forms(path):
+                for kind in (False,) if is_part else (False, True):
+                    found |= self._starts.get((kind, form), set())
+                    for length in range(1, len(form)):
+                        found |= self._whole.get((kind, form[:length]), set())
+        return found
+
+
+def _forms(path: Path) -> list[tuple[bool, Path]]:
+    """A path as it is, and without its first name: a global variable may be named with or without its list."""
+    return [(False, path)] + ([(True, path[1:])] if len(path) > 1 else []) if path else []
+
+
+def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
+    return frozenset().union(*sets)
+
+
+def _standard_instances(source: ChartSource) -> set[Path]:
+    interface = source.pou.interface
+    found: set[Path] = set()
+    for variable in interface.variables() if interface is not None else ():
+        block = standard_block(variable.type.name) if isinstance(variable.type, DerivedType) else None
+        if block is not None and block.stateful:
+            found.add((variable.name.casefold(),))
+    return found
