@@ -268,6 +268,10 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     ] = None,
     lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
     verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
+    tia: Annotated[str, typer.Option("--tia", metavar="V16", help="Write simaticml for this version of TIA.")] = "",
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="FILE", help="Write the proof, the faults and the conversion.")
+    ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
     verbose: Verbose = 0,
@@ -292,8 +296,9 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             tuple(modes or ()),
             lang,
             verify,
+            tia,
         )
-        screen.exit_code = lower.run(screen, file, target, how)
+        screen.exit_code = lower.run(screen, file, target, how, report_to=report)
 
 
 def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:

@@ -296,7 +296,8 @@ class _Showing:
         others = tuple(each for each in places if each != place)
         names = {name.casefold() for name in place}
         outputs = [output.name for output in self._facts.outputs if output.name.casefold() in names]
-        return Fault(kind, place, others, self._trace(places[place].inputs, outputs), places[place].shortest)
+        trace = self._trace(places[place].inputs, outputs)
+        return Fault(kind, place, others, trace, places[place].shortest, self._signals)
 
     def _trace(self, inputs: Inputs, outputs: list[str]) -> tuple[FaultScan, ...]:
         read = [name for name in self._signals if any(name in row for row in inputs)]

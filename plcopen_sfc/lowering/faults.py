@@ -9,7 +9,7 @@ from typing import Any
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.semantics.signals import Value
+from plcopen_sfc.semantics.signals import Signal, Value
 
 _OTHERS_SHOWN = 10
 __all__ = ["Fault", "FaultKind", "FaultScan"]
@@ -108,7 +108,7 @@ class Fault:
     """A fault that the code of a chart has.
 
     `place`: the steps, and the output, that `trace` shows it with; `others` has it in other places. `shortest`: no
-    shorter sequence of inputs shows any.
+    shorter sequence of inputs shows any. `signals` are the types of the inputs.
     """
 
     kind: FaultKind
@@ -116,6 +116,7 @@ class Fault:
     others: tuple[tuple[str, ...], ...]
     trace: tuple[FaultScan, ...]
     shortest: bool
+    signals: Mapping[str, Signal]
 
     @property
     def code(self) -> str:
@@ -140,9 +141,15 @@ class Fault:
         for number, scan in enumerate(self.trace, 1):
             chart = [" ".join(scan.chart) or "-", *(_shown(scan.chart_outputs[name]) for name in outputs)]
             code = [" ".join(scan.code) or "-", *(_shown(scan.code_outputs[name]) for name in outputs)]
-            rows.append([str(number), "|", _given(scan.inputs), "|", *chart, "|", *code])
+            rows.append([str(number), "|", self._given(scan.inputs), "|", *chart, "|", *code])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         return [" ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+    def _given(self, inputs: Mapping[str, Value]) -> str:
+        """The inputs that are not 0: the names of Boolean ones, the values of all others."""
+        given = [(name, value) for name, value in inputs.items() if value]
+        texts = [n if value is True else f"{n}={self.signals[n].text(value)}" for n, value in given]
+        return " ".join(texts) or "-"
 
     def __str__(self) -> str:
         """What is wrong, why, and the table."""
@@ -175,12 +182,6 @@ class Fault:
 
 def _listed(names: tuple[str, ...]) -> str:
     return ", ".join(names)
-
-
-def _given(inputs: Mapping[str, Value]) -> str:
-    """The inputs that are not 0: the names of Boolean ones, the values of all others."""
-    texts = [name if value is True else f"{name}={value}" for name, value in inputs.items() if value]
-    return " ".join(texts) or "-"
 
 
 def _shown(value: bool) -> str:

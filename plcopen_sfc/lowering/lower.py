@@ -31,7 +31,7 @@ class LoweredPou:
     `construction` was taken, `why` says why. `proof` is what the comparison with the chart came to, None where none was
     wanted. `at_rest` and `left_out` say for what it holds: while inputs that were added have these values, and in all
     scans but those in which a variable of the code is TRUE. `faults` are those that textbook code has (`find_faults`),
-    as far as it was compared; `situation` says what tells in the code that a step is active, by the path of the step.
+    as far as it was compared; `step_flags` and `situation` are those of `Constructed`.
     """
 
     project: Project
@@ -44,6 +44,7 @@ class LoweredPou:
     faults: tuple[Fault, ...]
     at_rest: Mapping[str, bool]
     left_out: str | None
+    step_flags: Mapping[str, str]
     situation: Mapping[str, str]
 
     @property
@@ -170,6 +171,7 @@ def lower(
         (),
         made.at_rest,
         made.left_out,
+        made.step_flags,
         made.situation,
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered

@@ -32,11 +32,20 @@ def test_writes_code_that_is_proven(cli: Cli, plant: Path) -> None:
     assert sfc.load("out.st").pou("Ablauf").sfc is None
 
 
-def test_a_classic_chain_is_written_and_its_fault_is_shown(cli: Cli, plant: Path) -> None:
+def test_a_classic_chain_is_written_and_its_faults_are_shown(cli: Cli, plant: Path) -> None:
     done = cli("lower", "plant.xml", "--to", "plcopen", "--as", "fup", "--style", "classic", "--init", "Init")
     assert done.code == 1
-    assert "different after" in done.out
-    assert "shortest input trace" in done.out
+    lines = done.out.splitlines()
+    assert lines[0] == "Ablauf: classic flipflop in FBD: asked for"
+    assert lines[1] == "under the profile iec: different after 1 scan (shortest input trace)"
+    at = lines.index("LOW101: two steps that follow each other are active in one scan: S1, S2")
+    assert lines[at + 2 : at + 6] == [
+        "  Likewise: S2, S3; S3, S4",
+        "  scan | inputs | chart | code",
+        "  1    | Init   | S1    | S1",
+        "  2    | B1     | S2    | S1 S2",
+    ]
+    assert lines[-1] == "written: plant-lowered.xml"
     assert (plant / "plant-lowered.xml").is_file()
 
 
@@ -45,6 +54,32 @@ def test_as_json(cli: Cli, plant: Path) -> None:
     data = json.loads(done.out)
     assert (data["construction"], data["profile"], data["file"]) == ("bits", "iec", "out.xml")
     assert data["proof"]["outcome"] == "equal (proof)"
+    assert {"Q1", "S1.X", "S4.X"} <= set(data["proof"]["compared"])
+    assert data["faults"] == []
+
+
+def test_the_report_has_the_faults_and_what_the_format_cannot_say(cli: Cli, plant: Path) -> None:
+    done = cli(
+        "lower", "plant.xml", "out.xml", "--to", "simaticml", "--tia", "V16", "--as", "case", "--report", "r.json"
+    )
+    assert done.code == 0
+    assert "V16" in (plant / "out.xml").read_text(encoding="utf-8-sig")
+    data = json.loads((plant / "r.json").read_text(encoding="utf-8"))
+    assert (data["language"], data["conversion"]["target_format"]) == ("ST", "simaticml-V16")
+    assert data["conversion"]["written"] == ["out.xml"]
+    done = cli("lower", "plant.xml", "out.xml", "--to", "codesys", "--as", "case", "--style", "classic", "--json")
+    assert json.loads(done.out)["faults"][0]["code"] == "LOW202"
+
+
+def test_a_folder_becomes_a_folder(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
+    done = cli("lower", fixtures / "simaticml-plc", tmp_path / "plc", "--to", "simaticml", "--no-verify")
+    assert (done.code, done.out.splitlines()[1]) == (0, "not compared with the chart")
+    source, written = (
+        {path.relative_to(folder) for path in folder.rglob("*.xml")}
+        for folder in (fixtures / "simaticml-plc", tmp_path / "plc")
+    )
+    assert written == source
+    assert sfc.load(tmp_path / "plc").pou("FB_Drilling").sfc is None
 
 
 def test_what_cannot_be_said_is_refused_and_nothing_is_written(cli: Cli, plant: Path) -> None:

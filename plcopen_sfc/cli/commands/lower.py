@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import json
+import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
-from plcopen_sfc.api import dumps, load, loads
+from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering.constructing import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
-from plcopen_sfc.semantics.subjects import resolve
+from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.semantics.subjects import Subject, resolve
 
 _FINDINGS = 1
+_SHOWN = 10
 
 
 @dataclass(frozen=True)
@@ -37,9 +43,10 @@ class How:
     modes: tuple[str, ...]
     lang: str
     verify: bool
+    tia: str = ""
 
 
-def run(screen: Screen, source: str, target: str | None, how: How) -> int:
+def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
     """Lower a chart of `source` and write the project with the code to `target` (None: next to it).
 
     What is written has been read back and compared with the chart. Where exact code is different nothing is written.
@@ -63,35 +70,61 @@ def run(screen: Screen, source: str, target: str | None, how: How) -> int:
         lang=how.lang,
         verify=False,
     )
-    data = dumps(lowered.project, format=how.to)
-    proof = None
-    if how.verify:
-        subject = resolve(project, how.pou)
-        again = resolve(loads(data, format=how.to), subject.pou.name)
-        proof = equivalent(subject, again, lowered.profile, fixed=lowered.at_rest, left_out=lowered.left_out)
-        if proof.outcome is Outcome.DIFFERENT and lowered.style is Style.EXACT:
-            raise LoweringError(
-                f"nothing is written: read back, the code does not do what the chart does: {proof}",
-                hint="Please report it with the chart.",
-            )
-        lowered = replace(lowered, proof=proof, faults=faults_of(subject, lowered))
     name = target or _beside(Path(source), how.to)
-    write_atomic(Path(name), data)
+    with tempfile.TemporaryDirectory() as folder:
+        draft = Path(folder) / Path(name).name
+        report = save(lowered.project, draft, format=how.to, tia=how.tia)
+        if how.verify:
+            lowered = _compared(resolve(project, how.pou), load(draft, format=how.to), lowered)
+        if draft.is_dir():
+            report = save(lowered.project, name, format=how.to, tia=how.tia)
+        else:
+            write_atomic(Path(name), draft.read_bytes())
+            report.written = [name]
+    data = {"file": name} | lowered.as_dict() | {"conversion": report.as_dict()}
+    if report_to is not None:
+        write_atomic(report_to, (json.dumps(data, ensure_ascii=False, indent=2) + "\n").encode())
     if screen.as_json:
-        screen.json({"file": name} | lowered.as_dict())
+        screen.json(data)
     else:
-        _show(screen, name, lowered)
-    return _FINDINGS if proof is not None and proof.outcome is Outcome.DIFFERENT else 0
+        _show(screen, name, lowered, report)
+    return _FINDINGS if lowered.proof is not None and lowered.proof.outcome is Outcome.DIFFERENT else 0
 
 
-def _show(screen: Screen, target: str, lowered: LoweredPou) -> None:
+def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou:
+    """With the proof for the code as it was read back, and the faults of a textbook form."""
+    proof = prove(
+        chart,
+        resolve(again, chart.pou.name),
+        lowered.profile,
+        fixed=lowered.at_rest,
+        left_out=lowered.left_out,
+        step_flags=lowered.step_flags or None,
+    )
+    if proof.outcome is Outcome.DIFFERENT and lowered.style is Style.EXACT:
+        raise LoweringError(
+            f"nothing is written: read back, the code does not do what the chart does: {proof}",
+            hint="Please report it with the chart.",
+        )
+    return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
+
+
+def _show(screen: Screen, target: str, lowered: LoweredPou, report: ConversionReport) -> None:
     head, *rest = str(lowered).splitlines()
     screen.line((lowered.pou.name, "bold"), head.removeprefix(lowered.pou.name))
     for line in rest if lowered.proof is not None else ["not compared with the chart"]:
         screen.line(line)
+    losses = report.losses
+    for item in losses if screen.verbose else losses[:_SHOWN]:
+        screen.line((item.fate.value, "yellow"), f": {item.what} {item.path}: {item.why}")
+    if len(losses) > _SHOWN and not screen.verbose:
+        screen.line(f".. and {len(losses) - _SHOWN} more: --verbose shows all, --report writes all")
     screen.line("written: ", (target, "bold"))
 
 
 def _beside(source: Path, to: str) -> str:
-    extension = format_named(to)[0].extensions[0]
-    return str(source.with_name(f"{source.stem}-lowered{extension}"))
+    """A name next to `source`: a folder for a folder, if the format has them."""
+    kind = format_named(to)[0]
+    extension = "" if source.is_dir() and kind.folders else kind.extensions[0]
+    place = source.resolve() if source.is_dir() else source
+    return str(place.with_name(f"{place.stem}-lowered{extension}"))
