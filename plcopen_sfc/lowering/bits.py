@@ -18,7 +18,7 @@ class StepBits(StepFlags):
     def move(self) -> None:
         """Append all resets, then all sets."""
         # transitions of the last scan are forgotten where the chain is to start anew now
-        late = self.profile.order is ScanOrder.ACTIONS_FIRST
+        late = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
         free = [negation(self.init)] if self.init is not None and late else []
         resets: list[Statement] = []
         sets: list[Statement] = []
@@ -32,5 +32,8 @@ class StepBits(StepFlags):
             resets.append(when(self.init, *(assignment(flag, FALSE) for flag in self.flags)))
             initial = [self.flags[s.index] for s in self.net.steps if self.net.initial & s.bit]
             sets.append(when(self.init, *(assignment(flag, TRUE) for flag in initial)))
+        if self.modes.selecting is not None:
+            chosen = [assignment(flag, self.modes.is_selected(step)) for step, flag in enumerate(self.flags)]
+            sets.append(when(self.modes.selecting, *chosen))
         self.code.add(self.texts.resets, resets)
         self.code.add(self.texts.sets, sets)

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
+from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import BOOL, Code
-from plcopen_sfc.lowering.control import ActionControl, add_actions
-from plcopen_sfc.lowering.logic import FALSE
+from plcopen_sfc.lowering.control import ActionControl
+from plcopen_sfc.lowering.executing import add_actions
+from plcopen_sfc.lowering.flags import FlagCode
+from plcopen_sfc.lowering.logic import FALSE, TRUE, conjunction, is_constant
 from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.modes import Modes
 from plcopen_sfc.lowering.references import resolve_steps
 from plcopen_sfc.lowering.restart import declare_restart
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.step_code import add_step_code
+from plcopen_sfc.lowering.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.times import StepTimes
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.semantics.profile import ScanOrder
@@ -24,7 +28,8 @@ from plcopen_sfc.semantics.profile import ScanOrder
 class Chain(ABC):
     """Lowers one chart into `code`.
 
-    A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`).
+    A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`). `init`:
+    what sets the chain back, whatever was chosen, unless it `forgets` that. `blocking`: no transition fires meanwhile.
     """
 
     def __init__(
@@ -37,15 +42,26 @@ class Chain(ABC):
     ) -> None:
         self.code, self.memory, self.rules = code, memory, rules
         self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
-        self.init = declare_restart(source, code, rules, surroundings)
+        self.surroundings = surroundings
+        init = declare_restart(source, code, rules, surroundings)
         for helper in source.helpers:
             known = Elementary.__members__.get(helper.type_name or "BOOL")
             kind = ElementaryType(name=known) if known else DerivedType(name=helper.type_name or "")
             code.declare_as(helper.name, kind if helper.type_name else BOOL)
+        self.sfc_flags = FlagCode(source, code, memory, rules.texts, init)
+        self.init: Expression | None = self.sfc_flags.restart
+        self.blocking = self.sfc_flags.blocking
+        self.modes = Modes(source, code, memory, rules, self.init)
+        self.forgets = False
         self.declare_states(source)
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
         self.times = StepTimes(code, self.active, names.__getitem__)
-        self.source = resolve_steps(source, self.active, self.times, rules.profile)
+        for watch in source.watches:
+            self.times.elapsed(watch.step)
+        self.source = resolve_steps(source, self.active, self.times, rules.profile, self._may_fire)
+
+    def _may_fire(self, condition: Expression, waited: Expression) -> Expression:
+        return self.modes.may_fire(self.sfc_flags.may_fire(condition, waited))
 
     @abstractmethod
     def declare_states(self, source: ChartSource) -> None:
@@ -67,6 +83,22 @@ class Chain(ABC):
     def reentered(self) -> Mapping[int, Expression]:
         """For steps that can be left and entered at once: when they are."""
 
+    @abstractmethod
+    def select(self) -> None:
+        """Append what makes a selected step the only active one, where that is not a part of moving."""
+
+    def chosen(self) -> Sequence[n.Name]:
+        """What keeps, from one scan to the next, which transitions fire."""
+        return ()
+
+    def any_fires(self) -> Expression:
+        """Whether any transition fires. Raises `LoweringError` where nothing tells."""
+        raise LoweringError(
+            "SFCTrans cannot be told here: nothing in the code knows of all transitions",
+            location=Location(path=self.source.pou.name),
+            hint="Flip-flops and step bits can.",
+        )
+
     def tells(self) -> dict[str, Expression]:
         """What tells, between two scans, that a step is active, by its path; empty where the code is not that far."""
         return {step.path: self.active(step.index) for step in self.net.steps}
@@ -74,12 +106,19 @@ class Chain(ABC):
     def exact(self) -> None:
         """One scan, as the chart has it."""
         self.code.add(self.texts.logic, self.source.logic)
+        self.select()
         times = self.times.calls()
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            self.sfc_flags.begin(self.times)
+            self.forgets = self.sfc_flags.forget(self.chosen())
             self.move()  # what was chosen in the last scan
+            place = len(self.code.networks)
             self.code.add(self.texts.times, times)
             self.add_actions()
+            self.sfc_flags.end(place, self.times)
+            self.sfc_flags.before_transitions()
             self.choose()
+            self.sfc_flags.report_transition(self.any_fires)
         else:
             self.code.add(self.texts.times, times)
             self.choose()
@@ -96,12 +135,18 @@ class Chain(ABC):
 
     def add_actions(self) -> None:
         """Append what steps execute, then the actions."""
-        add_step_code(self.source, self.code, self.memory, self.active, self.texts)
+        self.sfc_flags.report_step(self.active)
+        add_changes(self.source, self.code, self.memory, self.active, self.texts)
+        self.sfc_flags.watch(self.source.watches, self.active, self.times)
+        add_main_actions(self.source, self.code, self.memory, self.active, self.texts)
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
         control = ActionControl(self.memory, self.active, ending)
-        add_actions(self.source, self.code, control, self.rules)
+        add_actions(self.source, self.code, control, self.memory, self.rules)
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
         """What must be executed before the condition of a transition is evaluated, where it is."""
         preparation = self.source.preparations[transition]
-        return [n.If((n.Branch(enabled, preparation),))] if preparation else []
+        asked = conjunction([enabled, self.sfc_flags.is_asked()])
+        if not preparation or is_constant(asked, TRUE):
+            return list(preparation)
+        return [n.If((n.Branch(asked, preparation),))]

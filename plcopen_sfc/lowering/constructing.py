@@ -5,15 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import print_node, transform
+from plcopen_sfc.languages.st.nodes import Expression, Name, Node, Quoting
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.bits import StepBits
 from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
+from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
+from plcopen_sfc.lowering.grafcet.scan import add_grafcet
 from plcopen_sfc.lowering.graph.reading import read_sequencer
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.graph.source import GraphSource
@@ -23,13 +28,16 @@ from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.regions import RegionChain, no_regions
 from plcopen_sfc.lowering.restart import names_in_conditions
-from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.rules import LoweringRules, States
+from plcopen_sfc.lowering.s7_memory import OperandMemory
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.surroundings import names_of
+from plcopen_sfc.lowering.targets import has_one_sheet, tool_of
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
@@ -69,7 +77,7 @@ class Constructed:
 
     `step_flags` is what tells in its code that a step is active, by the path of the step; `situation` what does between
     two scans, where that is not the same. `at_rest` and `left_out` say when it does what the chart does: while inputs
-    that were added have these values, and the variable is FALSE.
+    that were added have these values, and the variable is FALSE. `data_types` are what the project needs besides.
     """
 
     pou: Pou
@@ -79,6 +87,7 @@ class Constructed:
     situation: dict[str, str]
     at_rest: dict[str, bool]
     left_out: str | None
+    data_types: tuple[DataTypeDeclaration, ...]
 
 
 def construct(
@@ -96,21 +105,32 @@ def construct(
 
     Raises `LoweringError` for what cannot be said in the target.
     """
+    surroundings = names_of(project) if project is not None else set()
     source: ChartSource | GraphSource
     if rules.profile.graph_parameters:
         source = read_sequencer(pou, chart, dialect, rules)
         chosen, why = _choice_for_sequencer(construction)
         pou = without_step_data(pou)
+    elif is_grafcet(chart, rules.profile):
+        source = read_grafcet(pou, dialect, rules.profile, surroundings)
+        chosen, why = _choice(source, construction)
     else:
-        source = read_chart(pou, chart, dialect, rules.profile)
+        source = read_chart(pou, chart, dialect, rules.profile, surroundings)
         chosen, why = _choice(source, construction)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
         raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}")
-    surroundings = names_of(project) if project is not None else set()
+    if rules.states is not States.NUMBERS and chosen not in (Construction.CASE, Construction.REGIONS):
+        raise LoweringError(
+            f"{chosen} has no states that could be written as {rules.states}",
+            location=Location(path=pou.name),
+            hint=f"It was taken for this reason: {why}.",
+        )
     code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
-    memory: Memory = BitMemory(code) if language is Language.ST else BlockMemory(code)
+    code.tool = tool_of(rules.target, dialect)
+    code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
+    memory = _memory(code, language)
     makers: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
         Construction.FLIPFLOP: FlipFlopChain,
         Construction.CASE: CaseChain,
@@ -119,27 +139,60 @@ def construct(
     }
     maker: Sequencer | Chain
     if isinstance(source, GraphSource):
+        _refuse_modes(pou, rules)
         maker = Sequencer(source, code, memory, rules, surroundings)
     else:
+        if source.grafcet is not None:
+            makers[Construction.FLIPFLOP] = GrafcetFlipFlops
         maker = makers[chosen](source, code, memory, rules, surroundings)
-    if style is Style.EXACT:
+    if isinstance(maker, Chain) and maker.source.grafcet is not None:
+        add_grafcet(maker, exact=style is Style.EXACT, drawn=language is not Language.ST)
+    elif style is Style.EXACT:
         maker.exact()
     elif isinstance(maker, FlipFlopChain | CaseChain):
         maker.classic()
     else:
         raise LoweringError(f"{chosen} has no classic style")
-    tells = {path: print_node(expression, dialect) for path, expression in maker.tells().items()}
-    situation = {step.path: print_node(maker.active(step.index), dialect) for step in source.net.steps}
+    tells = {path: _told(expression, dialect) for path, expression in maker.tells().items()}
+    situation = {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps}
     left_out = code.left_out.identifier if code.left_out is not None else None
-    return Constructed(_pou(pou, code, dialect, language), chosen, why, tells, situation, code.at_rest, left_out)
+    made = _pou(pou, code, dialect, language)
+    return Constructed(made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types))
+
+
+def _refuse_modes(pou: Pou, rules: LoweringRules) -> None:
+    if rules.modes:
+        raise LoweringError(
+            "sequencers of S7-GRAPH have operating modes of their own",
+            location=Location(path=pou.name),
+            hint="Declare SW_AUTO, SW_MAN, S_SEL .. in the interface of the block.",
+        )
+
+
+def _told(expression: Expression, dialect: Dialect) -> str:
+    """What tells of a step, by the bare names of variables of the POU: in a file of another dialect they are the same."""
+
+    def bare(node: Node) -> Node:
+        return Name(node.identifier) if isinstance(node, Name) and node.quoting is Quoting.LOCAL else node
+
+    return print_node(transform(expression, bare), dialect)
+
+
+def _memory(code: Code, language: Language) -> Memory:
+    if language is Language.ST:
+        return BitMemory(code)
+    return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 
 
 def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
+    if source.grafcet is not None:
+        return Construction.BITS, "a GRAFCET: its steps become active together"
     several = one_step_at_a_time(source)
     if not several:
-        return Construction.CASE, "exactly one step is active at a time"
+        ends = any(not transition.targets for transition in source.net.transitions)
+        return Construction.CASE, f"{'at most' if ends else 'exactly'} one step is active at a time"
     objection = no_regions(source)
     if not objection:
         return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
@@ -157,6 +210,9 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     interface.declaration = None
     if code.inputs:
         interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=code.inputs))
+    if code.constants:
+        kind = SectionKind.CONSTANT if dialect is Dialect.SCL else SectionKind.LOCAL
+        interface.sections.append(VariableSection(kind=kind, constant=True, variables=code.constants))
     if code.variables:
         interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=code.variables))
     declared = interface.variables()

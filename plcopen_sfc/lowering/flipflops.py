@@ -12,9 +12,10 @@ from collections.abc import Sequence
 
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.logic import conjunction, disjunction, negation
+from plcopen_sfc.lowering.rules import OperatingMode
 from plcopen_sfc.lowering.steps import StepFlags
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.semantics.net import NetStep
+from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
 
@@ -30,7 +31,7 @@ class FlipFlopChain(StepFlags):
             if self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             reset: list[Expression] = [self.fired[i] for i in leaving if i not in loops]
-            guarded = self.profile.order is ScanOrder.ACTIONS_FIRST
+            guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
             self._add_step(step, set_, reset, guarded=guarded)
 
     def classic(self) -> None:
@@ -42,13 +43,23 @@ class FlipFlopChain(StepFlags):
         for step in self.net.steps:
             entering = [self.net.transitions[i] for i in self.net.entering[step.index]]
             before = [statement for t in entering for statement in self.prepared(t.index, self.enabled(t))]
-            set_ = [conjunction([self.enabled(t), self.source.conditions[t.index]]) for t in entering]
+            set_ = [
+                conjunction([self.enabled(t), self.source.conditions[t.index], *self._one_at_a_time(t, step)])
+                for t in entering
+            ]
             if self.rules.init is None and self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
-            self._add_step(step, set_, [self.active(i) for i in sorted(following)], before=before)
+            self._add_step(step, set_, [self.active(i) for i in sorted(following)], classic=True, before=before)
         self.add_actions()
         self.memory.finish(self.texts.first_scan)
+
+    def _one_at_a_time(self, transition: NetTransition, step: NetStep) -> list[Expression]:
+        """That the steps before those of the transition are left: else a push would lead through the whole chain."""
+        if not self.rules.modes & {OperatingMode.SINGLE_STEP, OperatingMode.ADVANCE}:
+            return []
+        before = {s for i in transition.sources for t in self.net.entering[i] for s in self.net.transitions[t].sources}
+        return [negation(self.active(i)) for i in sorted(before - {step.index, *transition.sources})]
 
     def _add_step(
         self,
@@ -57,9 +68,18 @@ class FlipFlopChain(StepFlags):
         reset: list[Expression],
         *,
         guarded: bool = False,
+        classic: bool = False,
         before: Sequence[Statement] = (),
     ) -> None:
         initial = bool(self.net.initial & step.bit)
+        selecting = self.modes.selecting
+        if selecting is not None:
+            is_selected = self.modes.is_selected(step.index)
+            set_ = [*set_, conjunction([selecting, is_selected])]
+            others = conjunction([selecting, negation(is_selected)])
+            if guarded or classic:  # in this scan no transition fires, but what resets does not know
+                reset = [conjunction([disjunction(reset), negation(selecting)])]
+            reset = [*reset, others]
         if self.init is not None:
             set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
             if initial and reset and guarded:  # transitions of the last scan, when nobody wanted to start anew yet

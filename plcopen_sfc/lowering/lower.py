@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.fault_search import find_faults
 from plcopen_sfc.lowering.faults import Fault
+from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve
@@ -142,11 +144,11 @@ def lower(
         language=spoken,
         project=found.project,
     )
-    project = _with(found, made.pou)
+    project = _with(found, made.pou, made.data_types)
     code = Subject(project, made.pou, found.name)
     proof: Verdict | None = None
     if verify:
-        proof = equivalent(
+        proof = prove(
             found,
             code,
             semantics,
@@ -205,10 +207,11 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
         raise LoweringError(f"{name!r} is nothing a chart can be lowered to", hint=hint) from None
 
 
-def _with(subject: Subject, pou: Pou) -> Project:
+def _with(subject: Subject, pou: Pou, data_types: Sequence[DataTypeDeclaration]) -> Project:
     """A copy of the project with `pou` instead of the one of the same name, and with new data types."""
     project = subject.project.model_copy(deep=True)
     names = [each.name for each in project.pous]
     if subject.pou.name in names:
         project.pous[names.index(subject.pou.name)] = pou
+    project.data_types += data_types
     return project

@@ -5,22 +5,32 @@ Every method appends statements to `into` and gives the expression that has the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, negation
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, disjunction, negation, when
 from plcopen_sfc.model.types import DerivedType
 
 
 class Memory(Protocol):
-    """Flip-flops, edges and timers."""
+    """Flip-flops, edges and timers.
+
+    `ends`: what makes all of them what they were at the start, but for those with a `flag` and edges that are `kept`.
+    """
+
+    ends: list[Statement]
 
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
     ) -> Expression:
         """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
+
+    def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
+        """Statements that are executed under a condition, which none of them changes unless it is `wanted` by name."""
 
     def starting(self) -> Expression:
         """What sets a flip-flop whose `flag` is TRUE at the start; FALSE where that is enough."""
@@ -31,7 +41,7 @@ class Memory(Protocol):
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """The value as a variable, to be used several times."""
 
-    def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """TRUE in the scan in which `value` becomes TRUE."""
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
@@ -45,6 +55,7 @@ class BlockMemory:
     """Instances of RS, R_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
 
     def __init__(self, code: Code) -> None:
+        self.ends: list[Statement] = []
         self._code = code
         self._pulse: n.Name | None = None
 
@@ -53,12 +64,25 @@ class BlockMemory:
     ) -> Expression:
         """An RS, whose inputs are ``S`` and ``R1``."""
         block = self._code.declare(wanted, DerivedType(name="RS"))
-        into.append(call(block, S=set_, R1=reset))
+        into.append(call(block, **self._inputs(set_, reset)))
         value = n.Member(block, n.Name("Q1"))
         if flag is None:
+            self.ends.append(call(block, **self._inputs(FALSE, TRUE)))
             return value
         into.append(assignment(flag, value))
         return flag
+
+    def _inputs(self, set_: Expression, reset: Expression) -> dict[str, Expression]:
+        """The inputs of an RS, which CODESYS calls ``SET`` and ``RESET1``."""
+        names = ("SET", "RESET1") if self._code.tool is Tool.CODESYS else ("S", "R1")
+        return dict(zip(names, (set_, reset), strict=True))
+
+    def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
+        """One by one, as networks have them."""
+        found: list[Statement] = []
+        if wanted and len(statements) > 1 and not isinstance(condition, n.Name):
+            condition = self.named(wanted, condition, found)
+        return [*found, *_apart(condition, statements)]
 
     def starting(self) -> Expression:
         """A pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
@@ -75,25 +99,32 @@ class BlockMemory:
         """An assignment."""
         return _variable(self._code, wanted, value, into)
 
-    def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """An R_TRIG."""
         block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
         into.append(call(block, CLK=value))
+        if not kept:
+            self.ends.append(call(block, CLK=FALSE))
         return n.Member(block, n.Name("Q"))
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """A variable for the last value: an F_TRIG sees an edge in the first scan if its input is FALSE."""
-        return _edge(self._code, wanted, value, into, rising=False)
+        pulse, end = _edge(self._code, wanted, value, into, rising=False)
+        self.ends.append(end)
+        return pulse
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
         """A TON."""
-        return _timer(self._code, wanted, value, time, into)
+        over, end = _timer(self._code, wanted, value, time, into)
+        self.ends.append(end)
+        return over
 
 
 class BitMemory:
     """Boolean variables, which every dialect of structured text knows, and TON."""
 
     def __init__(self, code: Code) -> None:
+        self.ends: list[Statement] = []
         self._code = code
 
     def latch(
@@ -102,7 +133,13 @@ class BitMemory:
         """``flag := (set OR flag) AND NOT reset``."""
         value = flag or self._code.declare(wanted)
         into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
+        if flag is None:
+            self.ends.append(assignment(value, FALSE))
         return value
+
+    def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:  # noqa: ARG002
+        """All in one IF."""
+        return [when(condition, *statements)] if statements else []
 
     def starting(self) -> Expression:
         """The flag is the memory itself."""
@@ -115,34 +152,60 @@ class BitMemory:
         """An assignment."""
         return _variable(self._code, wanted, value, into)
 
-    def rising(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """The value and not that of the last scan."""
-        return _edge(self._code, wanted, value, into, rising=True)
+        pulse, end = _edge(self._code, wanted, value, into, rising=True)
+        if not kept:
+            self.ends.append(end)
+        return pulse
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """The value of the last scan and not that of this one."""
-        return _edge(self._code, wanted, value, into, rising=False)
+        pulse, end = _edge(self._code, wanted, value, into, rising=False)
+        self.ends.append(end)
+        return pulse
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
         """A TON, called in every scan: it would not notice otherwise that its input went FALSE."""
-        return _timer(self._code, wanted, value, time, into)
+        over, end = _timer(self._code, wanted, value, time, into)
+        self.ends.append(end)
+        return over
 
 
-def _edge(code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool) -> Expression:
+def _edge(
+    code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool
+) -> tuple[Expression, Statement]:
+    """An edge, and what makes it forget."""
     pulse, before = code.declare(wanted), code.declare(f"{wanted}_old")
     now, then = (value, negation(before)) if rising else (negation(value), before)
     into.append(assignment(pulse, conjunction([now, then])))
     into.append(assignment(before, value))
-    return pulse
+    return pulse, assignment(before, FALSE)
 
 
-def _timer(code: Code, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
+def _timer(
+    code: Code, wanted: str, value: Expression, time: Expression, into: list[Statement]
+) -> tuple[Expression, Statement]:
+    """Whether a timer has run down, and what sets it back."""
     timer = code.declare(wanted, DerivedType(name="TON"))
     into.append(call(timer, IN=value, PT=time))
-    return n.Member(timer, n.Name("Q"))
+    return n.Member(timer, n.Name("Q")), call(timer, IN=FALSE, PT=time)
 
 
 def _variable(code: Code, wanted: str, value: Expression, into: list[Statement]) -> Expression:
     flag = code.declare(wanted)
     into.append(assignment(flag, value))
     return flag
+
+
+def _apart(condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
+    """Each statement under all its conditions: a network has no place for several, or for one in another one."""
+    found: list[Statement] = []
+    for statement in statements:
+        if isinstance(statement, n.If) and len(statement.branches) == 1 and statement.otherwise is None:
+            inner = statement.branches[0]
+            if len(inner.statements) == 1:
+                found += _apart(conjunction([condition, inner.condition]), inner.statements)
+                continue
+        found.append(when(condition, statement))
+    return found

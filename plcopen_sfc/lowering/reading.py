@@ -2,26 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
-from plcopen_sfc.lowering.logic import TRUE
-from plcopen_sfc.lowering.source import ActionSource, ChartSource, StepCode, Use
+from plcopen_sfc.lowering.logic import TRUE, conjunction, negation
+from plcopen_sfc.lowering.source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.conditions import Expression as TextCondition
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
-from plcopen_sfc.semantics.profile import Evolution, Profile
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 
 
-def read_chart(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> ChartSource:
-    """Read a chart of `pou`. Raises `LoweringError` for what has no meaning that could be lowered."""
-    return _Reader(pou, chart, dialect, profile).source()
+def read_chart(
+    pou: Pou,
+    chart: SfcNetwork,
+    dialect: Dialect,
+    profile: Profile,
+    surroundings: Collection[str] = (),
+    *,
+    grafcet: bool = False,
+) -> ChartSource:
+    """Read a chart of `pou`. `surroundings`: the names of its project in lower case.
+
+    `grafcet`: what only IEC 60848 has is read by somebody else.
+
+    Raises `LoweringError` for what has no meaning that could be lowered.
+    """
+    return _Reader(pou, chart, dialect, profile, surroundings, grafcet=grafcet).source()
 
 
 class _Owner(NamedTuple):
@@ -34,9 +50,22 @@ class _Owner(NamedTuple):
 
 
 class _Reader(TextReader):
-    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> None:
+    def __init__(
+        self,
+        pou: Pou,
+        chart: SfcNetwork,
+        dialect: Dialect,
+        profile: Profile,
+        surroundings: Collection[str],
+        *,
+        grafcet: bool,
+    ) -> None:
         super().__init__(pou, chart, dialect)
+        self._grafcet = grafcet
         self._profile = profile
+        own = {v.name.casefold() for v in pou.interface.variables()} if pou.interface else set()
+        self._declared = own.union(surroundings)
+        self._flags = flags_in_use(chart, profile, lambda name: name.casefold() in self._declared)
         self._net = Net.of(chart)
 
     def source(self) -> ChartSource:
@@ -45,17 +74,17 @@ class _Reader(TextReader):
             self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path)
         if self._profile.evolution is Evolution.UNTIL_STABLE:
             self.refuse("the search for stability is not lowered yet", "")
-        if self._net.hierarchy or self._profile.graph_parameters:
+        if self._profile.graph_parameters or (self._net.hierarchy and not self._grafcet):
             self.refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
-        if flags := self._flags():
-            self.refuse(f"SFC flags are not lowered yet, and the chart uses {', '.join(flags)}", "")
+        if self._flags and self._profile.order is not ScanOrder.ACTIONS_FIRST:
+            self.refuse("SFC flags are lowered only where actions come before transitions", "")
         if self.chart.permanent_pre or self.chart.permanent_post:
             self.refuse("permanent operations are not lowered yet", "")
         logic = self.logic()
         conditions = [self._transition(transition) for transition in self._net.transitions]
         actions = tuple(self._actions())
         code = tuple(self._step_code())
-        return ChartSource(
+        source = ChartSource(
             self.pou,
             self.dialect,
             self._net,
@@ -66,15 +95,18 @@ class _Reader(TextReader):
             actions,
             code,
             dict(self._minimum_times()),
+            tuple(self._watches()),
+            self._flags,
         )
+        return replace(source, undeclared_flags=self._undeclared(source.names()))
 
-    def _flags(self) -> list[str]:
-        """The SFC flags of CODESYS that the chart uses: its settings say so, or the POU declares them."""
-        declared = {v.name.casefold() for v in self.pou.interface.variables()} if self.pou.interface else set()
+    def _undeclared(self, names: set[str]) -> frozenset[SfcFlag]:
+        """The flags that are used or named, and that only the tool declares."""
         settings = self.chart.settings
-        uses = {flag for flag, use in settings.flags.items() if use.use} if settings is not None else set()
-        uses |= {flag for flag in self._profile.flags if flag.variable.casefold() in declared}
-        return sorted(flag.variable for flag in uses & self._profile.flags)
+        stated = settings.flags if settings is not None else {}
+        named = {name.casefold() for name in names}
+        implicit = {flag for flag, use in stated.items() if use.declare and flag.variable.casefold() in named}
+        return frozenset(f for f in implicit | self._flags if f.variable.casefold() not in self._declared)
 
     # -- conditions
 
@@ -163,3 +195,38 @@ class _Reader(TextReader):
             for step in self._net.steps:
                 if step.step.min_time:
                     yield step.index, self.expression(step.step.min_time, f"step {step.path}")
+
+    def _watches(self) -> Iterator[Watch]:
+        if self._profile.maximum_times and SfcFlag.ERROR in self._flags:
+            for step in self._net.steps:
+                if step.step.max_time:
+                    time = self.expression(step.step.max_time, f"step {step.path}")
+                    reasons = tuple(self._reasons(step.index)) if SfcFlag.ERROR_ANALYZATION in self._flags else ()
+                    yield Watch(step.index, time, reasons)
+
+    def _reasons(self, step: int) -> Iterator[Reason]:
+        """The operands that can keep the transitions behind a step from being TRUE."""
+        for index in self._net.leaving[step]:
+            condition = self._net.transitions[index].transition.condition
+            if isinstance(condition, TextCondition):
+                tree = self.expression(condition.text, f"transition {self._net.transitions[index].path}")
+                yield from _reasons(tree, condition.text, not condition.negated, ())
+
+
+def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[Reason]:
+    """What can keep `node` from being `wanted`, if all that is `given` is TRUE."""
+    match node:
+        case n.Parenthesized():
+            yield from _reasons(node.inner, text, wanted, given)
+            return
+        case n.Unary(operator=n.Operator.NOT):
+            yield from _reasons(node.operand, text, not wanted, given)
+            return
+        case n.Operation(operator=n.Operator.AND | n.Operator.AND_THEN | n.Operator.OR | n.Operator.OR_ELSE):
+            if (node.operator in (n.Operator.AND, n.Operator.AND_THEN)) is not wanted:  # one operand would do
+                given = (*given, negation(node) if wanted else node)
+            for operand in node.operands:
+                yield from _reasons(operand, text, wanted, given)
+            return
+    start, end = node.span or (0, len(text))
+    yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]))

@@ -28,6 +28,7 @@ from plcopen_sfc.lowering.logic import (
     negation,
     when,
 )
+from plcopen_sfc.lowering.rules import States
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.states import StateNames
 from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
@@ -102,6 +103,20 @@ class RegionChain(Chain):
         for machine in self.machines:
             lines = self._guarded(machine, self._case(machine))
             self.code.networks.append(TextNetwork(self._title(machine), "\n".join(lines)))
+
+    def select(self) -> None:
+        """Append what makes the number of the selected step the state. Raises `LoweringError` for several regions."""
+        selecting, selected = self.modes.selecting, self.modes.selected
+        if selecting is None or selected is None:
+            return
+        if len(self.machines) > 1 or self.rules.states is States.ENUMERATION:
+            raise LoweringError(
+                "steps are selected by their numbers where one of them is active at a time and has a number",
+                location=Location(path=self.source.pou.name),
+                hint="Step bits and flip-flops have no such limits.",
+            )
+        state = self._next[self.machines[0].region.index]
+        self.code.add(self.texts.selection, [when(selecting, assignment(state, selected))])
 
     def move(self) -> None:
         """Append what makes the states those that they are to be, where that had to wait."""

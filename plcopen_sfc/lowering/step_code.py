@@ -6,26 +6,35 @@ from collections.abc import Callable
 
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import when
 from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
 
 
-def add_step_code(
+def add_changes(
     source: ChartSource, code: Code, memory: Memory, active: Callable[[int], Expression], texts: Texts
 ) -> None:
-    """Append the exit actions of all steps, then their entry actions, then their main actions."""
+    """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
     edges: list[Statement] = []
     exits: list[Statement] = []
     entries: list[Statement] = []
-    mains: list[Statement] = []
     for step in source.step_code:
         name = source.net.steps[step.step].step.name
         if step.exit:
-            exits.append(when(memory.falling(f"{name}_exit", active(step.step), edges), *step.exit))
+            left = memory.falling(f"{name}_exit", active(step.step), edges)
+            exits += memory.conditional(f"{name}_left", left, step.exit)
         if step.entry:
-            entries.append(when(memory.rising(f"{name}_entry", active(step.step), edges), *step.entry))
+            entered = memory.rising(f"{name}_entry", active(step.step), edges)
+            entries += memory.conditional(f"{name}_entered", entered, step.entry)
+    code.add(texts.step_actions, [*edges, *exits, *entries])
+
+
+def add_main_actions(
+    source: ChartSource, code: Code, memory: Memory, active: Callable[[int], Expression], texts: Texts
+) -> None:
+    """Append what the active steps execute in every scan."""
+    mains: list[Statement] = []
+    for step in source.step_code:
         if step.main:
-            mains.append(when(active(step.step), *step.main))
-    code.add(texts.step_actions, [*edges, *exits, *entries, *mains])
+            mains += memory.conditional(f"{source.net.steps[step.step].step.name}_main", active(step.step), step.main)
+    code.add(texts.main_actions, mains)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
+from plcopen_sfc.lowering.code import CodeNetwork
 from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetTransition, Rivals
 
 
@@ -37,18 +39,32 @@ class StepFlags(Chain):
         """All its steps are active."""
         return conjunction(self.flags[i] for i in transition.sources)
 
+    def select(self) -> None:
+        """Nothing: moving does it."""
+
     def choose(self) -> None:
         """Append a bit for each transition: enabled, its condition TRUE, and no rival before it has fired."""
-        statements: list[Statement] = []
+        parts: list[CodeNetwork] = []
         for transition in self.net.transitions:
+            statements: list[Statement] = []
             rivals = transition.rivals if self.profile.rivals is Rivals.PRIORITY else ()
             enabled = [self.enabled(transition)]
             free = [negation(self.fired[i]) for i in rivals]
-            free += [negation(self.init)] if self.init is not None else []
+            free += [negation(each) for each in self.blocking]
             statements += self.prepared(transition.index, conjunction([*enabled, *free]))
             condition = self.source.conditions[transition.index]
             statements.append(assignment(self.fired[transition.index], conjunction([*enabled, condition, *free])))
-        self.code.add(self.texts.transitions, statements)
+            title = self.texts.transition_title(transition.path)
+            parts.append(CodeNetwork(title, tuple(statements), plain(transition.transition.comment)))
+        self.code.add_each(self.texts.transitions, parts)
+
+    def chosen(self) -> Sequence[n.Name]:
+        """The bits of the transitions."""
+        return self.fired
+
+    def any_fires(self) -> Expression:
+        """Any of the bits of the transitions."""
+        return disjunction(self.fired)
 
     def reentered(self) -> Mapping[int, Expression]:
         """Steps that are left and entered in one scan, by the bits of the transitions.

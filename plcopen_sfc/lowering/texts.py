@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.semantics.net import Net, NetTransition
@@ -40,6 +40,25 @@ class Texts:
     stop = "holds the chain at its initial step"
     restart = "Restart"
     restart_comment = "the chain starts anew"
+    modes = "Operating modes"
+    enable = "Enable"
+    single_step = "SingleStep"
+    without_conditions = "WithoutConditions"
+    advance = "Advance"
+    select = "Select"
+    selected = "SelectedStep"
+    selecting = "Selecting"
+    selection = "Selected step"
+    free = "MayFire"
+    forced = "Forced"
+    comments: Mapping[str, str] = {
+        "Enable": "transitions may fire",
+        "SingleStep": "transitions fire by a push of Advance only",
+        "WithoutConditions": "a push of Advance leads on whatever the conditions are",
+        "Advance": "leads one step on",
+        "Select": "makes the selected step the only active one",
+        "SelectedStep": "number of the step to be selected",
+    }
     transitions = "Transitions"
     logic = "Logic drawn in the chart"
     times = "Step times"
@@ -63,6 +82,8 @@ class Texts:
     next_step = "next_step"
     next_step_comment = "the step that will be active"
     moves = "Steps that become active"
+    control = "Which actions are active"
+    ended = "Actions that have ended"
     step_constant = "STEP"
     waiting_constant = "PARALLEL"
     no_step = "NO_STEP"
@@ -175,6 +196,25 @@ class GermanTexts(Texts):
     stop = "hält die Kette im Initialschritt"
     restart = "Grundstellung"
     restart_comment = "die Kette beginnt neu"
+    modes = "Betriebsarten"
+    enable = "Freigabe"
+    single_step = "Einzelschritt"
+    without_conditions = "OhneBedingungen"
+    advance = "Weiterschalten"
+    select = "Anwahl"
+    selected = "Schrittanwahl"
+    selecting = "Anwahlimpuls"
+    selection = "Angewählter Schritt"
+    free = "Schaltfreigabe"
+    forced = "Zwangsweiterschaltung"
+    comments: Mapping[str, str] = {
+        "Freigabe": "Transitionen dürfen schalten",
+        "Einzelschritt": "Transitionen schalten nur mit Weiterschalten",
+        "OhneBedingungen": "Weiterschalten wirkt ohne Rücksicht auf Bedingungen",
+        "Weiterschalten": "schaltet um einen Schritt weiter",
+        "Anwahl": "macht den angewählten Schritt zum einzigen aktiven",
+        "Schrittanwahl": "Nummer des Schritts, der angewählt wird",
+    }
     transitions = "Transitionen"
     logic = "Logik im Ablauf"
     times = "Schrittzeiten"
@@ -198,6 +238,8 @@ class GermanTexts(Texts):
     next_step = "neuer_schritt"
     next_step_comment = "der Schritt, der aktiv wird"
     moves = "Schritte, die aktiv werden"
+    control = "Welche Aktionen aktiv sind"
+    ended = "Beendete Aktionen"
     step_constant = "SCHRITT"
     no_step = "KEIN_SCHRITT"
     no_step_comment = "kein Schritt"

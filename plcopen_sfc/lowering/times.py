@@ -48,6 +48,10 @@ class StepTimes:
         """The calls of all timers. They stand where steps have just changed, and where times are read."""
         return [call(timer, IN=self._active(i), PT=self._limits[i]) for i, timer in self._timers.items()]
 
+    def ends(self) -> list[Statement]:
+        """The calls that set all timers back."""
+        return [call(timer, IN=FALSE, PT=self._limits[i]) for i, timer in self._timers.items()]
+
     def restarts(self, step: int, reentered: Expression) -> Sequence[Statement]:
         """Lets the time of a step begin anew when it is left and entered at once."""
         timer = self._timers.get(step)

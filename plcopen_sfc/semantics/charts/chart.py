@@ -180,10 +180,10 @@ class ChartProgram:
         if self._refused is not None:
             fail(self._refused)
         now = self._clock.now
-        if self._has_flags and not self._obey(frame, now):
-            return
         if self._logic is not None:
             self._logic(frame)
+        if self._has_flags and not self._obey(frame, now):
+            return
         if self._transitions_first:
             fired = self._transitions_then_actions(frame, now)
         else:
@@ -258,8 +258,6 @@ class ChartProgram:
         """The transitions that are cleared in one evolution."""
         moves = plan.moves
         if self._has_flags:
-            if self._flags.is_on(SfcFlag.RESET, frame):
-                return NOTHING
             tip = self._flags.tip(frame)
             if tip is Tip.LOCKED:
                 return NOTHING
@@ -310,6 +308,9 @@ class ChartProgram:
         if self._profile.pause_stops_time:
             self._stop_time(frame, now, stopped=order is Order.STOP)
         if order is Order.STOP:
+            if not v[self._started]:
+                self._steps.change(frame, v[self._shown], self.net.initial, self.net.initial, now)
+                v[self._shown] = self.net.initial
             return False
         if order is Order.RUN:
             if new:

@@ -30,6 +30,10 @@ _NEED_ERROR = frozenset(
 """Flags that only work together with SFCError."""
 
 
+_REPORTS = _TEXTS | {SfcFlag.ERROR, SfcFlag.TRANS}
+"""Flags that the chart writes."""
+
+
 class Order(Enum):
     """What the flags want in a scan: go on, stand still, or go back to the initial step."""
 
@@ -58,9 +62,7 @@ class Flags:
         self._scope = scope
         self._get: dict[SfcFlag, Callable[[Frame], Any]] = {}
         self._set: dict[SfcFlag, Callable[[Frame, Any], None]] = {}
-        self.used = frozenset(flag for flag in profile.flags if _is_used(flag, chart, scope))
-        if SfcFlag.ERROR not in self.used:
-            self.used -= _NEED_ERROR
+        self.used = flags_in_use(chart, profile, lambda name: scope.type_of(name) is not None)
         self._table: int | None = None
         if SfcFlag.ERROR_ANALYZATION_TABLE in self.used:
             self._table = _declare_table(scope)
@@ -69,7 +71,7 @@ class Flags:
             if scope.type_of(flag.variable) is None:
                 scope.declare(flag.variable, _type(flag))
         self._quitted = self._reserve(path, SfcFlag.QUIT_ERROR)
-        self._reset = self._reserve(path, SfcFlag.INIT)
+        self._reset = self._reserve(path, SfcFlag.RESET)
         self._tipped = self._reserve(path, SfcFlag.TIP)
 
     def _reserve(self, path: str, flag: SfcFlag) -> int:
@@ -79,6 +81,7 @@ class Flags:
         """Find the variables."""
         for flag in self.used:
             self._get[flag] = self._scope.getter(flag.variable)
+        for flag in self.used & _REPORTS:  # all others stay inputs, where they are
             self._set[flag] = self._scope.setter(flag.variable)
 
     def is_on(self, flag: SfcFlag, frame: Frame) -> bool:
@@ -95,38 +98,41 @@ class Flags:
     def order(self, frame: Frame) -> tuple[Order, bool]:
         """What is wanted in this scan, and whether it was not wanted in the one before.
 
-        Going on after SFCQuitError is new too: the times of active steps start anew.
+        Whatever SFCInit finds it sets back, so that is new in every scan. Going on after SFCQuitError is new too: the
+        times of active steps start anew.
         """
         v = frame.v
-        wanted = Order.RUN
+        reset = self.is_on(SfcFlag.RESET, frame)
+        new = reset and not v[self._reset]
+        v[self._reset] = reset
         if self.is_on(SfcFlag.INIT, frame):
-            wanted = Order.INIT
-        elif self.is_on(SfcFlag.RESET, frame):
-            wanted = Order.RESET
-        new = wanted is not Order.RUN and not v[self._reset]
-        v[self._reset] = wanted is not Order.RUN
-        if wanted is not Order.RUN:
+            self._clear(frame)
+            return Order.INIT, True
+        if reset:
             if new:
                 self._clear(frame)
-            return wanted, new
+            return Order.RESET, new
         if self.is_on(SfcFlag.QUIT_ERROR, frame):
-            if not v[self._quitted]:
-                self._forget_error(frame)
+            self._forget_error(frame)
             v[self._quitted] = True
+            return Order.STOP, False
+        if self.is_on(SfcFlag.PAUSE, frame):
             return Order.STOP, False
         new = v[self._quitted]
         v[self._quitted] = False
-        return (Order.STOP if self.is_on(SfcFlag.PAUSE, frame) else Order.RUN), new
+        return Order.RUN, new
 
     def tip(self, frame: Frame) -> Tip:
-        """How transitions are cleared. One rising edge of SFCTip is one step."""
-        if SfcFlag.TIP not in self.used:
-            return Tip.LOCKED if self.is_on(SfcFlag.TIP_MODE, frame) else Tip.NONE
-        v = frame.v
-        tip = self.is_on(SfcFlag.TIP, frame)
-        rising = tip and not v[self._tipped]
-        v[self._tipped] = tip
-        if rising:
+        """How transitions are cleared. One rising edge of SFCTip is one step; there is none while SFCReset is TRUE."""
+        pushed = False
+        if SfcFlag.TIP in self.used:
+            v = frame.v
+            tip = self.is_on(SfcFlag.TIP, frame)
+            pushed = tip and not v[self._tipped]
+            v[self._tipped] = tip
+        if self.is_on(SfcFlag.RESET, frame):
+            return Tip.LOCKED
+        if pushed:
             return Tip.FORCED
         return Tip.LOCKED if self.is_on(SfcFlag.TIP_MODE, frame) else Tip.NONE
 
@@ -161,14 +167,21 @@ class Flags:
         self._forget_error(frame)
         self.put(SfcFlag.TRANS, frame, False)
         self.put(SfcFlag.CURRENT_STEP, frame, "")
+        frame.v[self._quitted] = False
 
 
-def _is_used(flag: SfcFlag, chart: SfcNetwork, scope: Scope) -> bool:
+def flags_in_use(chart: SfcNetwork, profile: Profile, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
+    """The flags that a chart uses; `declared` tells whether the POU or its project declare a variable."""
+    used = frozenset(flag for flag in profile.flags if _is_used(flag, chart, declared))
+    return used if SfcFlag.ERROR in used else used - _NEED_ERROR
+
+
+def _is_used(flag: SfcFlag, chart: SfcNetwork, declared: Callable[[str], bool]) -> bool:
     settings = chart.settings
     stated = settings.flags.get(flag) if settings is not None else None
     if stated is not None and (stated.use or not (settings is not None and settings.use_defaults)):
         return stated.use
-    return scope.type_of(flag.variable) is not None
+    return declared(flag.variable)
 
 
 def _declare_table(scope: Scope) -> int:

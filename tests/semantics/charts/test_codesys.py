@@ -6,7 +6,22 @@ from typing import Any
 
 import pytest
 
-from plcopen_sfc.model import ActionAssociation, Dialect, FlagUse, Qualifier, SfcFlag, SfcNetwork, SfcSettings, StBody
+from plcopen_sfc.model import (
+    Action,
+    ActionAssociation,
+    Dialect,
+    FlagUse,
+    Pou,
+    PouKind,
+    Project,
+    Qualifier,
+    SfcBody,
+    SfcFlag,
+    SfcNetwork,
+    SfcSettings,
+    StBody,
+)
+from plcopen_sfc.semantics.simulation import simulate
 from tests.semantics.charts.rig import MS, Rig, chain
 
 COUNT = "n:INT"
@@ -301,3 +316,36 @@ def test_iec_steps_of_codesys_23_are_structures() -> None:
     chart.step("B").actions = [ActionAssociation(id=1, target="c3")]
     bench = rig(chart, profile="codesys23").scan(2)
     assert (bench["A.x"], bench["A.t"]) == (True, 10 * MS)
+
+
+def test_init_after_reset_ends_what_the_initial_step_does() -> None:
+    chart = chain("A", "B", conditions="c1 c2")
+    chart.step("A").actions = [ActionAssociation(id=1, target="Q")]
+    bench = rig(chart, "Q SFCInit SFCReset").scan(c1=True).scan(c1=False)
+    assert bench.scan(SFCReset=True)["Q"] is True
+    assert bench.scan(SFCInit=True)["Q"] is False
+
+
+def test_a_chart_that_is_stopped_from_the_start_stands_at_its_initial_step() -> None:
+    bench = rig(chain("A", "B", conditions="c1 c2"), "SFCPause").scan(SFCPause=True, c1=True)
+    assert (bench.active, bench["A.x"]) == ("A", True)
+    assert bench.scan(SFCPause=False).scan().active == "B"
+
+
+def test_times_start_anew_after_an_error_was_quitted_in_a_pause() -> None:
+    bench = rig(timed(), "SFCError SFCQuitError SFCPause").scan(5)
+    assert bench["SFCError"] is True
+    bench.scan(SFCQuitError=True).scan(3, SFCQuitError=False, SFCPause=True)
+    assert bench.scan(SFCPause=False)["SFCError"] is False
+
+
+def test_a_push_of_tip_during_a_reset_is_lost() -> None:
+    bench = rig(chain("A", "B"), "SFCTip SFCReset").scan(SFCReset=True).scan(SFCTip=True)
+    assert bench.scan(SFCReset=False).scan(2).active == "A"
+
+
+def test_the_chart_of_an_action_runs_as_the_body_of_its_block() -> None:
+    action = Action(name="Fill", body=SfcBody(chart=chain("A", "B", conditions="TRUE FALSE")))
+    project = Project(pous=[Pou(name="Main", kind=PouKind.PROGRAM, actions=[action])], dialect=Dialect.CODESYS)
+    trace = simulate(project, pou="Main.Fill", scans=3)
+    assert [trace.active(scan) for scan in range(3)] == [("A",), ("B",), ("B",)]

@@ -1,0 +1,210 @@
+"""The SFC flags of CODESYS in code: what sets a chart back, stops and steps it, watches its times, and reports on it.
+
+See `plcopen_sfc.semantics.charts.flags` for what each of them does, and in which order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.literals import string_literal
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code import BOOL, Code
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
+from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.source import ChartSource, Watch
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.lowering.times import StepTimes
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.types import StringType
+
+_STRING = StringType()
+_TEXTS = (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION, SfcFlag.CURRENT_STEP)
+_EMPTY = n.Literal("''")
+
+
+class FlagCode:
+    """The flags of one chart, which has none of this code where it uses none of them.
+
+    `init`: what starts the chain anew besides. A flag that nobody has declared becomes a local variable, as the tool
+    declares it.
+    """
+
+    def __init__(self, source: ChartSource, code: Code, memory: Memory, texts: Texts, init: Expression | None) -> None:
+        if SfcFlag.ERROR_ANALYZATION_TABLE in source.flags:
+            raise LoweringError(
+                "SFCErrorAnalyzationTable is not lowered: its type is part of a library of CODESYS",
+                location=Location(path=source.pou.name),
+            )
+        self._source, self._code, self._memory, self._texts = source, code, memory, texts
+        self._init = init
+        for flag in sorted(source.undeclared_flags):
+            code.declare_as(flag.variable, _STRING if flag in _TEXTS else BOOL)
+        self._flags = {flag: code.naming.local(flag.variable) for flag in source.flags}
+        self._edges: list[Statement] = []
+        self._back = self._going_back()
+        self._tip = self._pushed()
+
+    def _going_back(self) -> Expression:
+        """TRUE in a scan in which the flags set the chart back; FALSE if they never do."""
+        init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
+        causes: list[Expression] = [init] if init is not None else []
+        if reset is not None:
+            causes.append(self._memory.rising(f"{reset.identifier}_edge", reset, self._edges, kept=True))
+        back = disjunction(causes)
+        if len(causes) > 1:
+            return self._memory.named(self._texts.restart, back, self._edges)
+        return back
+
+    @property
+    def restart(self) -> Expression | None:
+        """What sets the chart back to its initial steps: the flags, or `init`; None if nothing does."""
+        causes = [each for each in (self._init, self._back) if each is not None and each != FALSE]
+        return disjunction(causes) if causes else None
+
+    @property
+    def blocking(self) -> list[Expression]:
+        """What keeps all transitions from firing while one of them is TRUE."""
+        return [each for each in (self._init, self._flags.get(SfcFlag.RESET)) if each is not None]
+
+    # -- before anything else in a scan
+
+    def begin(self, times: StepTimes) -> None:
+        """Append what tells whether the chart goes back, and what stops it."""
+        self._code.add(self._texts.init, self._edges)
+        init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
+        stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
+        quit_ = self._flags.get(SfcFlag.QUIT_ERROR)
+        if quit_ is not None:
+            done = [*self._forgotten_error(), *times.ends(), n.Return()]
+            self._conditional(self._texts.quit_error, conjunction([quit_, *stronger]), done)
+        pause = self._flags.get(SfcFlag.PAUSE)
+        if pause is not None:
+            self._conditional(self._texts.pause, conjunction([pause, *stronger]), [n.Return()])
+
+    # -- when the chart has gone back
+
+    def forget(self, chosen: Sequence[n.Name]) -> bool:
+        """Append what forgets the transitions that were chosen in the last scan. False: there is nothing to forget."""
+        restart = self.restart
+        if self._back == FALSE or restart is None or not chosen:
+            return False
+        forgotten = [assignment(each, FALSE) for each in chosen]
+        self._conditional(self._texts.init, restart, forgotten)
+        return True
+
+    def end(self, place: int, times: StepTimes) -> None:
+        """Put in what ends all that times and actions remember, and what ends the scan of SFCInit.
+
+        To be called when all actions have been lowered; `place` is the one before them.
+        """
+        if self._back == FALSE:
+            return
+        init = self._flags.get(SfcFlag.INIT)
+        done = [*times.ends(), *self._memory.ends, *self._forgotten_error()]
+        if init is not None:  # else the initial step is executed now, and does all this
+            targets = [action.target for action in self._source.actions if action.target is not None]
+            done += [assignment(target, FALSE) for target in targets]
+            done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
+        statements = self._memory.conditional("", self._back, done)
+        if init is not None:
+            statements += self._memory.conditional("", init, [n.Return()])
+        self._code.add(self._texts.actions_end, statements, place=place)
+
+    # -- transitions
+
+    def may_fire(self, condition: Expression, waited: Expression) -> Expression:
+        """The condition of a transition, `waited` for minimum times, under SFCTipMode and SFCTip."""
+        mode = self._flags.get(SfcFlag.TIP_MODE)
+        usual = conjunction([condition, negation(mode)]) if mode is not None else condition
+        return conjunction([waited, disjunction([usual, self._tip]) if self._tip != FALSE else usual])
+
+    def is_asked(self) -> Expression:
+        """Whether the conditions of transitions that are not blocked are evaluated at all."""
+        mode = self._flags.get(SfcFlag.TIP_MODE)
+        usual = negation(mode) if mode is not None else TRUE
+        return conjunction([usual, negation(self._tip)])
+
+    def before_transitions(self) -> None:
+        """Append the push of SFCTip."""
+        self._code.add(self._texts.tip, self._tip_edge)
+
+    def _pushed(self) -> Expression:
+        self._tip_edge: list[Statement] = []
+        tip = self._flags.get(SfcFlag.TIP)
+        if tip is None:
+            return FALSE
+        return self._memory.rising(f"{tip.identifier}_edge", tip, self._tip_edge, kept=True)
+
+    # -- reports
+
+    def report_step(self, active: Callable[[int], Expression]) -> None:
+        """Append the name of the active step, of parallel ones the last in the chart."""
+        if SfcFlag.CURRENT_STEP not in self._flags:
+            return
+        statements = self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
+        for step in self._source.net.steps:
+            named = self._assigned(SfcFlag.CURRENT_STEP, self._text(step.step.name))
+            statements += self._memory.conditional("", active(step.index), named)
+        self._code.add(self._texts.current_step, statements)
+
+    def report_transition(self, fired: Callable[[], Expression]) -> None:
+        """Append whether any transition has been cleared."""
+        if SfcFlag.TRANS in self._flags:
+            self._code.add(self._texts.transitions, self._assigned(SfcFlag.TRANS, fired()))
+
+    def watch(self, watches: Iterable[Watch], active: Callable[[int], Expression], times: StepTimes) -> None:
+        """Append what reports the first step that is active longer than it may."""
+        error, limit = (self._flags.get(flag) for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT))
+        if error is None:
+            return
+        for watch in watches:
+            step = self._source.net.steps[watch.step]
+            longer = n.Operation(Operator.GREATER, (times.elapsed(watch.step), watch.time))
+            allowed = [negation(error), *([limit] if limit is not None else [])]
+            late = conjunction([active(watch.step), *allowed, longer])
+            report = [
+                *self._assigned(SfcFlag.ERROR, TRUE),
+                *self._assigned(SfcFlag.ERROR_STEP, self._text(step.step.name)),
+                *self._assigned(SfcFlag.ERROR_POU, self._text(self._source.pou.name)),
+                *self._analysis(watch),
+            ]
+            statements = self._memory.conditional(f"{self._texts.flag_name(step.step)}_late", late, report)
+            self._code.add(self._texts.maximum_time(step.path), statements)
+
+    def _analysis(self, watch: Watch) -> list[Statement]:
+        """The operands that keep the step active, divided by vertical bars."""
+        analyzation = self._flags.get(SfcFlag.ERROR_ANALYZATION)
+        if analyzation is None:
+            return []
+        found: list[Statement] = [assignment(analyzation, _EMPTY)]
+        empty = n.Operation(Operator.EQUAL, (analyzation, _EMPTY))
+        for reason in watch.reasons:
+            bar = _function("SEL", empty, self._text("|"), _EMPTY)
+            longer = _function("CONCAT", _function("CONCAT", analyzation, bar), self._text(reason.text))
+            found += self._memory.conditional("", reason.stands, [assignment(analyzation, longer)])
+        return found
+
+    # -- parts
+
+    def _conditional(self, title: str, condition: Expression, statements: Sequence[Statement]) -> None:
+        self._code.add(title, self._memory.conditional("", condition, statements))
+
+    def _forgotten_error(self) -> list[Statement]:
+        found = self._assigned(SfcFlag.ERROR, FALSE)
+        for flag in (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION):
+            found += self._assigned(flag, _EMPTY)
+        return found
+
+    def _assigned(self, flag: SfcFlag, value: Expression) -> list[Statement]:
+        name = self._flags.get(flag)
+        return [assignment(name, value)] if name is not None else []
+
+    def _text(self, text: str) -> Expression:
+        return n.Literal(string_literal(text, self._source.dialect))
+
+
+def _function(name: str, *operands: Expression) -> Expression:
+    return n.Call(n.Name(name), tuple(n.Argument(each) for each in operands))

@@ -1,0 +1,52 @@
+"""Comparing lowered code with its chart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.subjects import Subject
+
+_AT_REST = 20_000
+_OPERATED = 1_000
+
+
+def prove(
+    chart: Subject,
+    code: Subject,
+    profile: Profile,
+    *,
+    fixed: Mapping[str, bool],
+    left_out: str | None,
+    step_flags: Mapping[str, str] | None,
+) -> Verdict:
+    """What comparing `code` with `chart` comes to; arguments as in `equivalent`.
+
+    The parameters of an S7-GRAPH block multiply its states: whether each of a dozen commands has just risen. So there
+    is a proof only for parameters at rest, and what they do is tested on random runs.
+    """
+    operating = _operating(chart, profile)
+    if not operating:
+        return equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
+    at_rest = equivalent(
+        chart, code, profile, fixed={**operating, **fixed}, left_out=left_out, step_flags=step_flags, cap=_AT_REST
+    )
+    if at_rest.outcome is Outcome.DIFFERENT:
+        return at_rest
+    found = equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags, cap=_OPERATED)
+    if at_rest.proven and found.outcome is Outcome.TESTED:
+        known = f"while {', '.join(operating)} are FALSE it is proven: {at_rest.states} states"
+        return replace(found, reason=f"{found.reason}; {known}")
+    return found
+
+
+def _operating(chart: Subject, profile: Profile) -> dict[str, int]:
+    """The inputs of a block that operate its sequencer, and their values at rest."""
+    interface = chart.pou.interface
+    if not profile.graph_parameters or interface is None:
+        return {}
+    return {v.name: 0 for v in interface.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}

@@ -1,0 +1,155 @@
+"""The SFC flags of CODESYS do in lowered code what they do in a chart."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.semantics.profile import PROFILES
+from tests.lowering.charts import act, boolean, pou_with, training_chain
+from tests.lowering.test_exact import FORMS, verdict
+
+STRING = m.StringType()
+
+
+def chain_with(*flags: str, outputs: tuple[str, ...] = (), texts: tuple[str, ...] = ()) -> m.Pou:
+    """The training chain with flags as inputs, and others as outputs: Boolean ones and texts."""
+    pou = training_chain()
+    assert pou.interface is not None
+    pou.interface.sections[0].variables += [boolean(flag) for flag in flags]
+    pou.interface.sections[1].variables += [boolean(flag) for flag in outputs]
+    pou.interface.sections[1].variables += [m.Variable(name=flag, type=STRING) for flag in texts]
+    return pou
+
+
+def with_memories(pou: m.Pou) -> m.Pou:
+    """The same with actions that remember something in every way."""
+    chart = pou.sfc
+    assert chart is not None
+    assert pou.interface is not None
+    timed = {m.Qualifier.SD, m.Qualifier.DS, m.Qualifier.L}
+    for number, qualifier in enumerate([m.Qualifier.SD, m.Qualifier.DS, m.Qualifier.L, m.Qualifier.P], 1):
+        act(chart, chart.steps[1], f"M{number}", qualifier, duration="T#20ms" if qualifier in timed else None)
+        pou.interface.sections[1].variables.append(boolean(f"M{number}"))
+    return pou
+
+
+def lowered_text(pou: m.Pou, construction: Construction = Construction.BITS) -> str:
+    chart = pou.sfc
+    assert chart is not None
+    rules = LoweringRules(PROFILES["codesys"], Texts())
+    made = construct(pou, chart, Dialect.CODESYS, rules, construction=construction, style=Style.EXACT)
+    body = made.pou.body
+    assert isinstance(body, m.StBody)
+    return body.text
+
+
+@pytest.mark.parametrize(
+    "flags", [("SFCInit",), ("SFCReset",), ("SFCInit", "SFCReset"), ("SFCPause",), ("SFCInit", "SFCPause")]
+)
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_what_sets_a_chart_back_and_stops_it(
+    flags: tuple[str, ...], construction: Construction, language: Language
+) -> None:
+    found = verdict(chain_with(*flags), construction, language, "codesys")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("flag", ["SFCInit", "SFCReset"])
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_what_actions_remember_ends(flag: str, construction: Construction, language: Language) -> None:
+    found = verdict(with_memories(chain_with(flag)), construction, language, "codesys")
+    assert found.equal, str(found)
+
+
+@pytest.mark.parametrize("flags", [("SFCTip", "SFCTipMode"), ("SFCTip",), ("SFCTipMode",), ("SFCTip", "SFCReset")])
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_step_by_step(flags: tuple[str, ...], construction: Construction, language: Language) -> None:
+    pou = chain_with(*flags)
+    chart = pou.sfc
+    assert chart is not None
+    chart.steps[1].min_time = "T#20ms"
+    found = verdict(pou, construction, language, "codesys")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_reports(construction: Construction, language: Language) -> None:
+    pou = chain_with("SFCInit", "SFCPause", outputs=("SFCTrans",), texts=("SFCCurrentStep",))
+    found = verdict(pou, construction, language, "codesys")
+    assert found.outcome is Outcome.PROVEN, str(found)
+    assert {"SFCTrans", "SFCCurrentStep"} <= set(found.compared)
+
+
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_maximum_times(construction: Construction, language: Language) -> None:
+    texts = ["SFCErrorStep", "SFCErrorPOU", *(["SFCErrorAnalyzation"] if language is Language.ST else [])]
+    pou = chain_with("SFCEnableLimit", "SFCQuitError", outputs=("SFCError",), texts=tuple(texts))
+    chart = pou.sfc
+    assert chart is not None
+    chart.steps[1].max_time = "T#10ms"
+    chart.steps[2].max_time = "T#10ms"
+    chart.steps[2].min_time = "T#5ms"
+    chart.transitions[1].condition = m.Expression(text="B2 AND (B3 OR NOT B4)")
+    found = verdict(pou, construction, language, "codesys")
+    assert found.equal, str(found)
+    assert {"SFCError", *texts} <= set(found.compared)
+
+
+def test_parallel_steps_under_flags() -> None:
+    chart = m.SfcNetwork()
+    a, b, c, d = (chart.add_step(name, initial=name == "A") for name in "ABCD")
+    chart.add_transition(a, [b, c], "c1")
+    chart.add_transition(b, d, "c2")
+    chart.add_transition([d, c], a, "c3")
+    act(chart, b, "Q", m.Qualifier.S)
+    act(chart, d, "P", m.Qualifier.P)
+    b.max_time = "T#10ms"
+    pou = pou_with(chart)
+    assert pou.interface is not None
+    pou.interface.sections[0].variables += [boolean(flag) for flag in ("SFCInit", "SFCReset", "SFCPause")]
+    pou.interface.sections[1].variables += [boolean("SFCError"), m.Variable(name="SFCCurrentStep", type=STRING)]
+    for construction, language in [*FORMS, (Construction.REGIONS, Language.ST)]:
+        if construction is not Construction.CASE:
+            found = verdict(pou, construction, language, "codesys")
+            assert found.equal, f"{construction} {language}: {found}"
+
+
+def test_a_chart_without_flags_has_no_code_for_them() -> None:
+    plain = lowered_text(training_chain())
+    assert "SFC" not in plain
+    unused = training_chain()
+    assert unused.sfc is not None
+    unused.sfc.settings = m.SfcSettings(flags={flag: m.FlagUse(use=False) for flag in m.SfcFlag})
+    assert lowered_text(unused) == plain
+
+
+def test_flags_without_effect_cost_nothing() -> None:
+    pou = training_chain()
+    plain = lowered_text(pou)
+    alone = chain_with("SFCEnableLimit", "SFCQuitError", texts=("SFCErrorStep",))
+    assert lowered_text(alone) == plain, "they need SFCError"
+
+
+def test_flags_that_only_the_tool_declares_are_declared() -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.settings = m.SfcSettings(flags={m.SfcFlag.INIT: m.FlagUse(use=True)})
+    rules = LoweringRules(PROFILES["codesys"], Texts())
+    made = construct(pou, chart, Dialect.CODESYS, rules, construction=Construction.BITS, style=Style.EXACT)
+    assert made.pou.interface is not None
+    local = [s for s in made.pou.interface.sections if s.kind is m.SectionKind.LOCAL]
+    assert "SFCInit" in [variable.name for section in local for variable in section.variables]
+
+
+def test_what_a_library_of_codesys_declares_is_refused() -> None:
+    pou = chain_with(outputs=("SFCError", "SFCErrorAnalyzationTable"))
+    with pytest.raises(LoweringError, match="SFCErrorAnalyzationTable"):
+        lowered_text(pou)
