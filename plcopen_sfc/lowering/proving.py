@@ -11,7 +11,7 @@ from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
-_AT_REST = 20_000
+_AT_REST = 5_000
 _OPERATED = 1_000
 
 
@@ -33,7 +33,14 @@ def prove(
     if not operating:
         return equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
     at_rest = equivalent(
-        chart, code, profile, fixed={**operating, **fixed}, left_out=left_out, step_flags=step_flags, cap=_AT_REST
+        chart,
+        code,
+        profile,
+        fixed={**operating, **fixed},
+        left_out=left_out,
+        step_flags=step_flags,
+        cap=_AT_REST,
+        runs=1,
     )
     if at_rest.outcome is Outcome.DIFFERENT:
         return at_rest
