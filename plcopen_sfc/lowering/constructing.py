@@ -170,7 +170,7 @@ def _refuse_modes(pou: Pou, rules: LoweringRules) -> None:
 
 
 def _told(expression: Expression, dialect: Dialect) -> str:
-    """What tells of a step, by the bare names of variables of the POU: in a file of another dialect they are the same."""
+    """What tells of a step, by bare names of variables, which are the same in files of other dialects."""
 
     def bare(node: Node) -> Node:
         return Name(node.identifier) if isinstance(node, Name) and node.quoting is Quoting.LOCAL else node
