@@ -25,7 +25,7 @@ def add_actions(source: ChartSource, code: Code, control: ActionControl, memory:
     """Append what drives and executes the actions, in the order in which the profile does."""
     actions = list(source.actions)
     if rules.profile.alphabetic_actions:
-        actions.sort(key=lambda action: action.name.casefold())
+        actions.sort(key=lambda action: "" if action.in_place else action.name.casefold())
     execution = _Execution(source, code, control, memory, rules)
     if execution.interfere(actions):
         execution.in_phases(actions)

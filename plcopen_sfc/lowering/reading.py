@@ -122,9 +122,9 @@ class _Reader(TextReader):
             yield _Owner(macro.step, macro.chart, macro.path, tuple(indexes(macro.steps)))
 
     def _actions(self) -> Iterator[ActionSource]:
-        """Associations with the same target are one action, every body in place is one of its own."""
+        """Associations with the same target are one action, every body in place is one of its own; as in the chart."""
         targets: dict[str, tuple[str, list[Use]]] = {}
-        bodies: list[ActionSource] = []
+        found: list[str | ActionSource] = []
         for owner in self._owners():
             for number, association in enumerate(owner.step.actions, 1):
                 if association.exclude:
@@ -132,17 +132,25 @@ class _Reader(TextReader):
                 path = f"step {owner.path} / action {association.target or number}"
                 use = self._use(owner, association, path)
                 if association.target is not None:
-                    targets.setdefault(association.target.casefold(), (association.target, []))[1].append(use)
+                    key = association.target.casefold()
+                    if key not in targets:
+                        targets[key] = association.target, []
+                        found.append(key)
+                    targets[key][1].append(use)
                 if association.body is not None:
                     statements = self.statements(association.body, path)
-                    bodies.append(ActionSource(f"{owner.step.name}_{number}", None, statements, (use,)))
-        for name, uses in targets.values():
+                    name = f"{owner.step.name}_{number}"
+                    found.append(ActionSource(name, None, statements, (use,), in_place=True))
+        for each in found:
+            if isinstance(each, ActionSource):
+                yield each
+                continue
+            name, uses = targets[each]
             action = self.pou.action(name)
             if action is None:
                 yield ActionSource(name, self.expression(name, f"action {name}"), (), tuple(uses))
             else:
                 yield ActionSource(name, None, self.statements(action.body, f"action {name}"), tuple(uses))
-        yield from bodies
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> Use:
         if association.event is not None or association.interlock or association.forcing is not None:

@@ -36,12 +36,16 @@ class Use:
 
 @dataclass(frozen=True)
 class ActionSource:
-    """An action: a Boolean variable (`target`), or code (`statements`), with all its uses in the order of the chart."""
+    """An action: a Boolean variable (`target`), or code (`statements`), with all its uses in the order of the chart.
+
+    `in_place`: its code stands at its only use, where it has no name.
+    """
 
     name: str
     target: n.Expression | None
     statements: tuple[n.Statement, ...]
     uses: tuple[Use, ...]
+    in_place: bool = False
 
     def changed(self, change: Change) -> ActionSource:
         """The same action with `change` applied to every text but its target."""

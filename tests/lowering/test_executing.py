@@ -76,6 +76,19 @@ def test_variables_that_bodies_share_with_actions(body: str, profile: str) -> No
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_code_in_place_is_executed_where_it_stands_in_the_chart(profile: str) -> None:
+    """Where actions go by their names it has none and is the first."""
+    pou = chain("S1>S2 S2>S1", {"A": "n := 2;"})
+    step = chart(pou).step("S1")
+    step.actions.append(
+        m.ActionAssociation(id=chart(pou).new_id(), qualifier=m.Qualifier.N, body=m.StBody(text="n := n + 1;"))
+    )
+    act(chart(pou), step, "A")
+    act(chart(pou), chart(pou).step("S2"), "q")
+    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
 def test_a_pulse_while_an_action_ends_is_executed_once(profile: str) -> None:
     pou = chain("S1>S2 S2>S1", {"A": "q := NOT q;", "B": "r := q;"})
     act(chart(pou), chart(pou).step("S1"), "A")
