@@ -37,7 +37,7 @@ from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
@@ -208,13 +208,10 @@ def _choice_for_sequencer(wanted: Construction) -> tuple[Construction, str]:
 def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:
     interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
     interface.declaration = None
-    if code.inputs:
-        interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=code.inputs))
-    if code.constants:
-        kind = SectionKind.CONSTANT if dialect is Dialect.SCL else SectionKind.LOCAL
-        interface.sections.append(VariableSection(kind=kind, constant=True, variables=code.constants))
-    if code.variables:
-        interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=code.variables))
+    _declare(interface, SectionKind.INPUT, code.inputs)
+    constants = SectionKind.CONSTANT if dialect is Dialect.SCL else SectionKind.LOCAL
+    _declare(interface, constants, code.constants, constant=True)
+    _declare(interface, SectionKind.LOCAL, code.variables)
     declared = interface.variables()
     body: Body
     if language is Language.ST:
@@ -227,3 +224,20 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     lowered.interface = interface
     lowered.bodies = [body, *(b for b in original.bodies if not isinstance(b, SfcBody))]
     return lowered
+
+
+def _declare(interface: Interface, kind: SectionKind, variables: list[Variable], *, constant: bool = False) -> None:
+    """Declare variables where others of their kind are: a block of TIA Portal has each section once."""
+    if not variables:
+        return
+    plain = VariableSection(kind=kind, constant=constant)
+    for section in interface.sections:
+        if all(getattr(section, name) == getattr(plain, name) for name in _ATTRIBUTES):
+            section.variables += variables
+            section.declaration = None
+            return
+    plain.variables = variables
+    interface.sections.append(plain)
+
+
+_ATTRIBUTES = ("kind", "name", "constant", "retain", "nonretain", "persistent", "nonpersistent")

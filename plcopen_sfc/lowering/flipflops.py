@@ -39,6 +39,8 @@ class FlipFlopChain(StepFlags):
 
         The input for starting anew also starts it first; without one the first scan does.
         """
+        unused = {name.identifier for name in self.fired}
+        self.code.variables = [variable for variable in self.code.variables if variable.name not in unused]
         self.begin_classic()
         for step in self.net.steps:
             entering = [self.net.transitions[i] for i in self.net.entering[step.index]]
