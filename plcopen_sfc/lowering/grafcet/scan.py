@@ -13,7 +13,9 @@ from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.emitting import paragraph
 from plcopen_sfc.lowering.grafcet.actions import ContinuousActions, StoredActions
+from plcopen_sfc.lowering.grafcet.case import GrafcetCase
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
+from plcopen_sfc.lowering.grafcet.evolving import Evolving, EvolvingFlags, EvolvingState
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
 from plcopen_sfc.lowering.grafcet.source import GrafcetSource
@@ -29,25 +31,29 @@ _INDENT = "    "
 
 
 class GrafcetScan:
-    """Lowers the chart of a chain with flags for the steps. Makes one scan with one evolution, or up to stability."""
+    """Lowers the chart of a chain. Makes one scan with one evolution, or up to stability."""
 
-    def __init__(self, chain: StepFlags) -> None:
+    def __init__(self, chain: StepFlags | GrafcetCase) -> None:
         self._chain = chain
         self._code, self._texts, self._net = chain.code, chain.texts, chain.net
         assert chain.source.grafcet is not None  # noqa: S101  # it was read so
-        self._terms = TermCode(chain.source.grafcet, self._code, self._texts, [flag.identifier for flag in chain.flags])
+        active = [chain.active(step.index) for step in self._net.steps]
+        self._terms = TermCode(chain.source.grafcet, self._code, self._texts, active)
         chain.source = chain.source.changed(lambda tree: transform(tree, self._terms.named))
         assert chain.source.grafcet is not None  # noqa: S101
         self._grafcet: GrafcetSource = chain.source.grafcet
         self._concurrency = Concurrency(chain.source, chain.profile)
-        self._stability = Stability(
-            chain.source, self._terms, chain.flags, [v.name for v in self._code.variables], self._concurrency
-        )
+        own = [variable.name for variable in self._code.variables]
+        self._stability = Stability(chain.source, self._terms, active, own, self._concurrency)
         self._stable = chain.profile.evolution is Evolution.UNTIL_STABLE and not self._stability.once
-        self._olds: dict[int, n.Name] = {}
+        self._evolving: Evolving = EvolvingFlags(chain) if isinstance(chain, StepFlags) else EvolvingState(chain)
         self._first: n.Name | None = None
-        self._stored = StoredActions(self._grafcet.stored, chain.memory, chain.active, self._before, self._fresh)
-        self._ruled = [Ruling(chart, chain.active, self._before, self._reentered) for chart in self._grafcet.ruled]
+        self._stored = StoredActions(
+            self._grafcet.stored, chain.memory, chain.active, self._evolving.before, self._fresh
+        )
+        self._ruled = [
+            Ruling(chart, chain.active, self._evolving.before, self._reentered) for chart in self._grafcet.ruled
+        ]
 
     @property
     def repeats(self) -> bool:
@@ -61,10 +67,11 @@ class GrafcetScan:
         code.add(texts.times, chain.times.calls())  # of steps whose time conditions read
         self._hold()
         continuous = ContinuousActions(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
+        moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
         evolution = self._recorded(lambda: self._evolve(continuous))
         self._start()
         if self._stable:
-            self._loop(evolution)
+            self._loop(evolution, moves)
         else:
             code.networks += evolution
         timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
@@ -79,33 +86,25 @@ class GrafcetScan:
 
     # -- steps
 
-    def _before(self, step: int) -> Expression:
-        """Whether a step was active before the present evolution."""
-        if step not in self._olds:
-            flag = self._chain.flags[step]
-            self._olds[step] = self._code.declare(f"{flag.identifier}_old")
-        return self._olds[step]
-
     def _fresh(self, step: int) -> Expression:
         """Whether the evolution before has activated a step; at the start that of the initial steps counts."""
+        starting = self._starting() if self._net.initial >> step & 1 else FALSE
         if self._stable:
-            return disjunction([negation(self._before(step)), self._reentered(step)])
-        return self._starting() if self._net.initial >> step & 1 else FALSE
+            return disjunction([negation(self._evolving.before(step)), self._reentered(step), starting])
+        return starting
 
     def _reentered(self, step: int) -> Expression:
         """Whether a transition has entered a step that was active before."""
         entering = (self._net.transitions[i] for i in self._net.entering[step])
-        return disjunction(self._chain.fired[t.index] for t in entering if self._concurrency.enters_active(t, step))
+        again = [t.index for t in entering if self._concurrency.enters_active(t, step)]
+        return disjunction(self._evolving.fired(i) for i in again)
 
     def _again(self, step: int) -> Expression:
         """Whether transitions have left and entered a step at once."""
         leaving, entering = leaving_and_entering(self._net, step)
-        fired = self._chain.fired
+        fired = self._evolving.fired
         pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]
-        return disjunction(conjunction([fired[t.index], fired[u.index]]) for t, u in pairs)
-
-    def _remembered(self) -> list[Statement]:
-        return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
+        return disjunction(conjunction([fired(t.index), fired(u.index)]) for t, u in pairs)
 
     def _starting(self) -> Expression:
         """Whether it is the first scan."""
@@ -141,8 +140,8 @@ class GrafcetScan:
         forcing: list[Statement] = []
         if isinstance(chain, GrafcetFlipFlops):
             chain.ruled, chain.concurrency = self._ruled, self._concurrency
-        else:
-            forcing = [imposed(ruling, chain.flags, self._before) for ruling in self._ruled]
+        elif isinstance(chain, StepFlags):
+            forcing = [imposed(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
         code.add(texts.events, events)
         place = len(code.networks)
@@ -151,7 +150,7 @@ class GrafcetScan:
         code.add(texts.forcing, forcing)
         code.add(texts.stored, changes)
         code.add(texts.times, self._restarts(continuous))
-        code.add(texts.before, self._remembered(), place=place)  # known now
+        code.add(texts.before, self._evolving.remembered(), place=place)  # known now
 
     def _restarts(self, continuous: ContinuousActions) -> list[Statement]:
         """Let the times of steps begin anew that are left, also if they are entered again before the scan ends."""
@@ -176,11 +175,11 @@ class GrafcetScan:
         made, self._code.networks = self._code.networks, kept
         return made
 
-    def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork]) -> None:
+    def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
         """Repeat an evolution until no transition is cleared any more."""
         texts, dialect = self._texts, self._chain.source.dialect
         moving = self._code.declare(texts.moving, comment=texts.moving_comment)
-        goes_on = assignment(moving, disjunction(self._chain.fired))
+        goes_on = assignment(moving, moves)
         inside = [*evolution, CodeNetwork("", (goes_on,))]
         ends = negation(moving)
         ahead: list[Statement] = []
@@ -204,8 +203,10 @@ class GrafcetScan:
 def add_grafcet(chain: Chain, *, exact: bool, drawn: bool) -> None:
     """Lower a GRAFCET with a construction. `drawn`: as networks. Raises `LoweringError` for what cannot be said so."""
     path = Location(path=chain.source.pou.name)
-    if not isinstance(chain, StepFlags):
-        raise LoweringError("a GRAFCET is lowered to step bits or flip-flops only", location=path)
+    if not isinstance(chain, StepFlags | GrafcetCase):
+        raise LoweringError(
+            "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
+        )
     if not exact:
         raise LoweringError("a GRAFCET has no classic form", location=path)
     scan = GrafcetScan(chain)

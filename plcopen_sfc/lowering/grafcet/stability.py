@@ -26,15 +26,22 @@ from plcopen_sfc.semantics.net import NetTransition
 class Stability:
     """What is known of the evolutions of a chart, whose texts have the variables of steps and terms already.
 
-    `flags` are the variables of the steps, in the order of the net, `own` all variables of the lowered code.
+    `active` tells of each step, in the order of the net, whether it is; `own` are the variables of the lowered code.
     """
 
     def __init__(
-        self, source: ChartSource, terms: TermCode, flags: Iterable[n.Name], own: Iterable[str], seen: Concurrency
+        self,
+        source: ChartSource,
+        terms: TermCode,
+        active: Iterable[Expression],
+        own: Iterable[str],
+        seen: Concurrency,
     ) -> None:
         assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
         self._source, self._grafcet, self._terms, self._seen = source, source.grafcet, terms, seen
-        self._steps = {flag.identifier.casefold(): step for step, flag in enumerate(flags)}
+        self._steps = {expression: step for step, expression in enumerate(active)}
+        states = (node for each in self._steps for node in walk(each) if isinstance(node, n.Name))
+        self._states = {name.identifier.casefold() for name in states}
         self._edges = {terms.value_of(edge): edge for edge in source.grafcet.edges}
         self._delays = {terms.value_of(delay): delay for delay in source.grafcet.delays}
         self._own = {name.casefold() for name in own}
@@ -111,7 +118,7 @@ class Stability:
                 return True
             if isinstance(node, n.Name):
                 name = node.identifier.casefold()
-                known = name in self._steps or node in self._edges or self._is_timer(node)
+                known = name in self._states or node in self._edges or self._is_timer(node)
                 if name in self._written or (name in self._own and not known):
                     return True
         return False
@@ -137,11 +144,16 @@ class Stability:
     def _steps_in(self, tree: Expression) -> int:
         bits = 0
         for node in walk(tree):
-            if isinstance(node, n.Name) and node.identifier.casefold() in self._steps:
-                bits |= 1 << self._steps[node.identifier.casefold()]
+            if isinstance(node, n.Name | n.Operation):
+                bits |= self._step_bits(node)
             term = self._term(node)
             bits |= self._steps_in(term.operand) if term is not None else 0
         return bits
+
+    def _step_bits(self, node: n.Name | n.Operation) -> int:
+        """The step whose activity a node tells, or the opposite of it (``step_number <> 2``), as a bit."""
+        step = self._steps.get(node, self._steps.get(negation(node)))
+        return 0 if step is None else 1 << step
 
     def _only_falls(self, delay: Delay) -> bool:
         """Whether the term cannot become TRUE between two evolutions: its time has still to pass."""
@@ -161,9 +173,9 @@ class Stability:
 
         def fresh(node: Node) -> Node:
             delay = self._delays.get(node) if isinstance(node, n.Member) else None
-            if delay is None or not self._only_falls(delay) or not isinstance(delay.operand, n.Name):
+            if delay is None or not self._only_falls(delay):
                 return node
-            return FALSE if self._steps.get(delay.operand.identifier.casefold()) == step else node
+            return FALSE if self._steps.get(delay.operand) == step else node
 
         return simplified(transform(tree, fresh))
 
@@ -171,7 +183,7 @@ class Stability:
         """With other names for what may have changed since the evolution before."""
 
         def other(node: Node) -> Node:
-            if isinstance(node, n.Name) and (node.identifier.casefold() in self._steps or node in self._edges):
+            if isinstance(node, n.Name) and (node.identifier.casefold() in self._states or node in self._edges):
                 return n.Name(f"{node.identifier}_now", node.quoting)
             if isinstance(node, n.Member) and node in self._delays and self._steps_in(node):
                 return n.Name(f"{_path(node)}_now")

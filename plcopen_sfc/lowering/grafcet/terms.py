@@ -21,12 +21,13 @@ class TermCode:
     first evolution of all. `step_flags` are the variables that tell that a step is active.
     """
 
-    def __init__(self, grafcet: GrafcetSource, code: Code, texts: Texts, step_flags: Collection[str]) -> None:
+    def __init__(self, grafcet: GrafcetSource, code: Code, texts: Texts, active: Collection[Expression]) -> None:
         self._code = code
         self._texts = texts
         self._values: dict[str, Expression] = {}
         self._timers: dict[str, list[n.Name]] = {}
-        self._flags = {flag.casefold() for flag in step_flags}
+        self._active = set(active)
+        self._inactive = {negation(each) for each in active}
         self.times: list[Statement] = []
         self.edges: list[Statement] = []
         self.starts: list[Statement] = []
@@ -79,19 +80,20 @@ class TermCode:
 
     def _at_the_start(self, operand: Expression) -> Expression | None:
         """The value of an operand before the first evolution, when no step is active yet; None: that of then."""
-        hidden = {name.identifier.casefold() for name in self._values.values() if isinstance(name, n.Name)}
-        hidden |= self._flags
+        hidden = {*self._values.values(), *self._active}
+        found = False
 
         def without(node: Node) -> Node:
-            if isinstance(node, n.Name) and node.identifier.casefold() in hidden:
-                return FALSE
-            return FALSE if isinstance(node, n.Member) and node in self._values.values() else node
+            nonlocal found
+            if isinstance(node, n.Name | n.Member | n.Operation) and (node in hidden or node in self._inactive):
+                found = True
+                return FALSE if node in hidden else TRUE
+            return node
 
         start = simplified(transform(operand, without))
-        read = {node.identifier.casefold() for node in walk(operand) if isinstance(node, n.Name)}
-        if not read & (hidden | self._early) and not any(isinstance(node, n.Member | n.Call) for node in walk(operand)):
-            return None
-        return start
+        early = any(isinstance(node, n.Name) and node.identifier.casefold() in self._early for node in walk(operand))
+        called = any(isinstance(node, n.Call | n.Member) for node in walk(operand))
+        return start if found or early or called else None
 
 
 def _names(operand: Expression) -> list[str]:

@@ -1,0 +1,85 @@
+"""What an evolution changes, by the construction: what was before it, and whether a transition was cleared."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.grafcet.case import GrafcetCase
+from plcopen_sfc.lowering.logic import FALSE, assignment, disjunction, equal, negation
+from plcopen_sfc.lowering.steps import StepFlags
+
+
+class Evolving(Protocol):
+    """What the scan of a GRAFCET asks of a construction."""
+
+    def before(self, step: int) -> Expression:
+        """Whether a step was active before the present evolution."""
+
+    def remembered(self) -> list[Statement]:
+        """What keeps that: to be executed before anything changes. Complete when everything has been asked."""
+
+    def fired(self, transition: int) -> Expression:
+        """Whether a transition was cleared in this evolution."""
+
+    def moving(self) -> Expression:
+        """Whether any was."""
+
+
+class EvolvingFlags:
+    """Step flags and bits of transitions."""
+
+    def __init__(self, chain: StepFlags) -> None:
+        self._chain = chain
+        self._olds: dict[int, n.Name] = {}
+
+    def before(self, step: int) -> Expression:
+        """A copy of the flag."""
+        if step not in self._olds:
+            self._olds[step] = self._chain.code.declare(f"{self._chain.flags[step].identifier}_old")
+        return self._olds[step]
+
+    def remembered(self) -> list[Statement]:
+        """The flags that anyone asks for."""
+        return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
+
+    def fired(self, transition: int) -> Expression:
+        """Its bit."""
+        return self._chain.fired[transition]
+
+    def moving(self) -> Expression:
+        """Any of the bits."""
+        return disjunction(self._chain.fired)
+
+
+class EvolvingState:
+    """The state of a CASE, in which no transition leads back to its own step."""
+
+    def __init__(self, chain: GrafcetCase) -> None:
+        self._chain = chain
+        self._state = chain.machines[0].state
+        self._old: n.Name | None = None
+
+    def before(self, step: int) -> Expression:
+        """A comparison of a copy of the state."""
+        return equal(self._copy(), self._chain.names.step(step))
+
+    def remembered(self) -> list[Statement]:
+        """The state, if anyone asks for it."""
+        return [assignment(self._old, self._state)] if self._old is not None else []
+
+    def fired(self, transition: int) -> Expression:  # noqa: ARG002
+        """Nothing tells, and nobody asks where steps are not left and entered at once."""
+        return FALSE
+
+    def moving(self) -> Expression:
+        """The state is another one."""
+        return negation(equal(self._state, self._copy()))
+
+    def _copy(self) -> n.Name:
+        if self._old is None:
+            code = self._chain.code
+            kind = next(v.type for v in code.variables if v.name == self._state.identifier)
+            self._old = code.declare(f"{self._state.identifier}_old", kind)
+        return self._old
