@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.scan import add_grafcet
@@ -39,6 +40,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.profile import Profile
 
 
 class Construction(StrEnum):
@@ -113,7 +115,7 @@ def construct(
         pou = without_step_data(pou)
     elif is_grafcet(chart, rules.profile):
         source = read_grafcet(pou, dialect, rules.profile, surroundings)
-        chosen, why = _choice(source, construction)
+        chosen, why = _choice_for_grafcet(source, construction, rules.profile)
     else:
         source = read_chart(pou, chart, dialect, rules.profile, surroundings)
         chosen, why = _choice(source, construction)
@@ -143,7 +145,7 @@ def construct(
         maker = Sequencer(source, code, memory, rules, surroundings)
     else:
         if source.grafcet is not None:
-            makers[Construction.FLIPFLOP] = GrafcetFlipFlops
+            makers[Construction.FLIPFLOP], makers[Construction.CASE] = GrafcetFlipFlops, GrafcetCase
         maker = makers[chosen](source, code, memory, rules, surroundings)
     if isinstance(maker, Chain) and maker.source.grafcet is not None:
         add_grafcet(maker, exact=style is Style.EXACT, drawn=language is not Language.ST)
@@ -187,8 +189,6 @@ def _memory(code: Code, language: Language) -> Memory:
 def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
-    if source.grafcet is not None:
-        return Construction.BITS, "a GRAFCET: its steps become active together"
     several = one_step_at_a_time(source)
     if not several:
         ends = any(not transition.targets for transition in source.net.transitions)
@@ -197,6 +197,15 @@ def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, st
     if not objection:
         return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
     return Construction.BITS, f"no CASE can hold the chart: {objection}"
+
+
+def _choice_for_grafcet(source: ChartSource, wanted: Construction, profile: Profile) -> tuple[Construction, str]:
+    if wanted is not Construction.AUTO:
+        return wanted, "asked for"
+    objection = no_case(source, profile)
+    if objection:
+        return Construction.BITS, f"no CASE can hold the chart: {objection}"
+    return Construction.CASE, "one step is active at a time"
 
 
 def _choice_for_sequencer(wanted: Construction) -> tuple[Construction, str]:
