@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import transform
+from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node
 from plcopen_sfc.lowering.logic import conjunction, disjunction
 from plcopen_sfc.lowering.source import ChartSource
@@ -31,6 +31,8 @@ def resolve_steps(
     is nothing that would answer.
     """
     steps = _StepVariables(source, active, times.elapsed, profile)
+    for step in sorted(_asked_when_inactive(source, steps.timed)):
+        times.keep(step)
     resolved = source.changed(lambda tree: transform(tree, steps.resolved))
     waited: list[list[Expression]] = [[] for _ in source.net.transitions]
     for step, time in resolved.minimum_times.items():
@@ -41,6 +43,30 @@ def resolve_steps(
         may_fire(condition, conjunction(over)) for condition, over in zip(resolved.conditions, waited, strict=True)
     ]
     return replace(resolved, conditions=tuple(conditions))
+
+
+def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None]) -> set[int]:
+    """The steps whose time something asks for that is not executed or decided while they are active only."""
+    found: set[int] = set()
+
+    def ask(trees: Iterable[Node], while_active: Collection[int] = ()) -> None:
+        steps = (timed(node) for tree in trees for node in walk(tree))
+        found.update(step for step in steps if step is not None and step not in while_active)
+
+    for transition in source.net.transitions:
+        ask((source.conditions[transition.index], *source.preparations[transition.index]), transition.sources)
+    ask((*source.logic, *source.minimum_times.values()))
+    for action in source.actions:
+        ask(action.statements)
+        for use in action.uses:
+            ask([use.condition], () if use.inverted or len(use.steps) > 1 else use.steps)
+            ask([use.duration] if use.duration is not None else [])
+    for code in source.step_code:
+        ask((*code.entry, *code.main), [code.step])
+        ask(code.exit)
+    for watch in source.watches:
+        ask([watch.time, *(reason.stands for reason in watch.reasons)], [watch.step])
+    return found
 
 
 class _StepVariables:
@@ -54,6 +80,14 @@ class _StepVariables:
         self._flags = self._steps if simple else {}
         if profile.step_variables is StepVariables.GRAFCET:
             self._flags = {name: bits for name, bits in bits_by_number(source.net).items() if name not in declared}
+
+    def timed(self, node: Node) -> int | None:
+        """The step whose time a node is; None for anything else."""
+        match node:
+            case n.Member(n.Name(step), n.Name(quantity)) if quantity.casefold() == "t":
+                bits = self._steps.get(step.casefold(), 0)
+                return next(indexes(bits)) if bits and bits & (bits - 1) == 0 else None
+        return None
 
     def resolved(self, node: Node) -> Node:
         """What stands for a node."""

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import FALSE, call, when
-from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.lowering.logic import FALSE, assignment, call, when
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 
 FOREVER = n.Literal("T#24d")
 """Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
@@ -21,11 +21,20 @@ class StepTimes:
         self._code, self._active, self._name = code, active, name
         self._timers: dict[int, n.Name] = {}
         self._limits: dict[int, Expression] = {}
+        self._kept: dict[int, n.Name] = {}
+
+    def keep(self, step: int) -> None:
+        """Keep the time of a step when it is left, until it is active again (IEC 61131-3 ed. 3, 6.7.2)."""
+        kind = ElementaryType(name=Elementary.TIME)
+        self._limits[step] = FOREVER
+        self._timer(step)
+        self._kept[step] = self._code.declare(f"{self._name(step)}_T", kind, initial="T#0s")
 
     def elapsed(self, step: int) -> Expression:
-        """The time for which a step has been active."""
+        """The time for which a step has been active; of one that is not, zero, or what was kept."""
         self._limits[step] = FOREVER
-        return n.Member(self._timer(step), n.Name("ET"))
+        timer = self._timer(step)
+        return self._kept.get(step) or n.Member(timer, n.Name("ET"))
 
     def is_over(self, step: int, time: Expression) -> Expression:
         """Whether a step has been active for `time`, the same one in all calls."""
@@ -46,7 +55,13 @@ class StepTimes:
 
     def calls(self) -> list[Statement]:
         """The calls of all timers. They stand where steps have just changed, and where times are read."""
-        return [call(timer, IN=self._active(i), PT=self._limits[i]) for i, timer in self._timers.items()]
+        calls: list[Statement] = []
+        for step, timer in self._timers.items():
+            calls.append(call(timer, IN=self._active(step), PT=self._limits[step]))
+            if step in self._kept:
+                elapsed = assignment(self._kept[step], n.Member(timer, n.Name("ET")))
+                calls.append(when(self._active(step), elapsed))
+        return calls
 
     def ends(self) -> list[Statement]:
         """The calls that set all timers back."""

@@ -1,0 +1,55 @@
+"""Step times in texts: of a step that was left the time stays as it was, until it is active again."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.constructing import Construction, Language, construct
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.semantics.profile import PROFILES
+from tests.lowering.charts import act
+from tests.lowering.test_executing import chain, chart
+
+FORMS = [
+    (Construction.CASE, Language.ST),
+    (Construction.BITS, Language.ST),
+    (Construction.FLIPFLOP, Language.FBD),
+    (Construction.FLIPFLOP, Language.LD),
+]
+
+
+def proves(pou: m.Pou, profile: str) -> None:
+    for construction, language in FORMS:
+        rules = LoweringRules(PROFILES[profile], Texts())
+        made = construct(pou, chart(pou), Dialect.IEC, rules, construction=construction, language=language)
+        found = equivalent(pou, made.pou, profile, step_flags=made.step_flags, cap=600, runs=20, scans=60)
+        assert found.equal, f"{construction} {language}: {found}"
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_conditions_of_other_steps(profile: str) -> None:
+    pou = chain("S1>S2 S2>S1 S2>S3 S3>S1")
+    chart(pou).transitions[1].condition = m.Expression(text="S1.T >= T#30ms AND c2")
+    chart(pou).transitions[2].condition = m.Expression(text="S1.T < T#30ms AND c3")
+    proves(pou, profile)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_conditions_of_actions_and_what_actions_execute(profile: str) -> None:
+    pou = chain("S1>S2 S2>S1 S2>S2", {"A": "r := S1.T > T#20ms;"})
+    act(chart(pou), chart(pou).step("S2"), "q", condition="S1.T >= T#30ms OR S2.T >= T#20ms")
+    act(chart(pou), chart(pou).step("S1"), "A")
+    proves(pou, profile)
+
+
+def test_nothing_is_kept_for_a_condition_of_the_step_itself() -> None:
+    pou = chain("S1>S2 S2>S1")
+    chart(pou).transitions[0].condition = m.Expression(text="S1.T >= T#30ms")
+    rules = LoweringRules(PROFILES["iec"], Texts())
+    made = construct(pou, chart(pou), Dialect.IEC, rules)
+    assert made.pou.interface is not None
+    assert [v.name for v in made.pou.interface.sections[-1].variables] == ["step_number", "X1_time"]
