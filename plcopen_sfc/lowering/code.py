@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.types import (
     DataType,
     DataTypeDeclaration,
@@ -44,7 +45,8 @@ class Code:
     """What a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
     `data_types` are what the project gets besides. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
-    `tool`: whose, where that matters. `operands`: variables in which boxes of S7 keep their state, with these boxes.
+    `tool`: whose, where that matters. `culture` (``de-DE``): that of what is made for people, where the target keeps
+    texts by it. `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
     is FALSE.
     """
@@ -60,6 +62,7 @@ class Code:
     drawn: bool = False
     one_sheet: bool = False
     tool: Tool | None = None
+    culture: str = ""
     operands: dict[n.Name, str] = field(default_factory=dict)
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
@@ -68,13 +71,18 @@ class Code:
         if isinstance(kind, DerivedType):
             kind = self.naming.system_type(kind)
         value = SimpleValue(text=initial) if initial is not None else None
-        self.variables.append(Variable(name=name, type=kind, initial=value, comment=comment or None))
+        self.variables.append(Variable(name=name, type=kind, initial=value, comment=self.said(comment)))
         return self.naming.local(name)
+
+    def said(self, text: str) -> Text | None:
+        """A title or comment, if there is any."""
+        return MultilingualText(texts={self.culture: text}) if text and self.culture else text or None
 
     def declare_constant(self, wanted: str, kind: DataType, value: str, comment: str) -> n.Name:
         """Declare a local constant that is called `wanted`, if that is free, and give its name."""
         name = self.naming.fresh(wanted)
-        self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=comment))
+        said = self.said(comment)
+        self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=said))
         return self.naming.local(name)
 
     def declare_as(self, name: str, kind: DataType) -> None:
@@ -83,7 +91,7 @@ class Code:
 
     def declare_input(self, name: str, comment: str, kind: DataType = BOOL, *, at_rest: bool | None = None) -> n.Name:
         """Declare an input of this very name; `at_rest` is its value while it is not used."""
-        self.inputs.append(Variable(name=name, type=kind, comment=comment))
+        self.inputs.append(Variable(name=name, type=kind, comment=self.said(comment)))
         if at_rest is not None:
             self.at_rest[name] = at_rest
         return self.naming.local(name)

@@ -131,6 +131,7 @@ def construct(
         )
     code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
+    code.culture = rules.texts.culture if code.tool is Tool.S7 else ""
     code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
     memory = _memory(code, language)
     makers: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {

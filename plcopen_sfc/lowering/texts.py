@@ -36,6 +36,7 @@ def _numbered(step: Step, path: str) -> str:
 class Texts:
     """English texts."""
 
+    culture = "en-US"
     init = "Start the chain anew"
     stop = "holds the chain at its initial step"
     restart = "Restart"
@@ -192,6 +193,7 @@ class Texts:
 class GermanTexts(Texts):
     """German texts."""
 
+    culture = "de-DE"
     init = "Kette initialisieren"
     stop = "hält die Kette im Initialschritt"
     restart = "Grundstellung"
