@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -18,6 +19,9 @@ from plcopen_sfc.model.types import (
     SimpleValue,
     Variable,
 )
+
+if TYPE_CHECKING:
+    from plcopen_sfc.lowering.flag_places import FlagPlaces
 
 BOOL = ElementaryType(name=Elementary.BOOL)
 
@@ -48,7 +52,7 @@ class Code:
     `tool`: whose, where that matters. `culture` (``de-DE``): that of what is made for people, where the target keeps
     texts by it. `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
-    is FALSE.
+    is FALSE. `flags`: where step flags are; None: among the local variables.
     """
 
     naming: Naming
@@ -63,7 +67,9 @@ class Code:
     one_sheet: bool = False
     tool: Tool | None = None
     culture: str = ""
-    operands: dict[n.Name, str] = field(default_factory=dict)
+    operands: dict[n.Expression, str] = field(default_factory=dict)
+    flags: FlagPlaces | None = None
+    first_scan: n.Name | None = None
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and give its name."""
@@ -84,6 +90,23 @@ class Code:
         said = self.said(comment)
         self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=said))
         return self.naming.local(name)
+
+    def declare_flag(self, wanted: str, *, initial: bool, comment: str) -> n.Expression:
+        """Declare the flag of a step where flags are, and give what reads it."""
+        if self.flags is not None:
+            return self.flags.declare(wanted, self.naming, initial=initial, comment=comment)
+        return self.declare(wanted, initial="TRUE" if initial else None, comment=comment)
+
+    def first_scan_pulse(self) -> n.Name:
+        """A variable that is TRUE until the end of the first scan. What ends it is `Memory.finish`."""
+        if self.first_scan is None:
+            self.first_scan = self.declare("FirstScan", initial="TRUE")
+        return self.first_scan
+
+    def end_first_scan(self, title: str) -> None:
+        """Append the end of that pulse, if anything needs it."""
+        if self.first_scan is not None:
+            self.add(title, [n.Assignment(self.first_scan, n.Literal("FALSE"))])
 
     def declare_as(self, name: str, kind: DataType) -> None:
         """Declare a local variable of this very name."""

@@ -15,6 +15,7 @@ from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.flag_places import LOCAL, FlagPlaces
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
@@ -40,6 +41,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.net import Rivals
 from plcopen_sfc.semantics.profile import Profile
 
 
@@ -90,6 +92,7 @@ class Constructed:
     at_rest: dict[str, bool]
     left_out: str | None
     data_types: tuple[DataTypeDeclaration, ...]
+    flags: FlagPlaces | None = None
 
 
 def construct(
@@ -118,7 +121,7 @@ def construct(
         chosen, why = _choice_for_grafcet(source, construction, rules.profile)
     else:
         source = read_chart(pou, chart, dialect, rules.profile, surroundings)
-        chosen, why = _choice(source, construction)
+        chosen, why = _choice(source, construction, rules.profile)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
@@ -134,6 +137,13 @@ def construct(
     code.culture = rules.texts.culture if code.tool is Tool.S7 else ""
     code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
     memory = _memory(code, language)
+    if rules.flags != LOCAL:
+        if chosen not in (Construction.FLIPFLOP, Construction.BITS) or is_grafcet(chart, rules.profile):
+            raise LoweringError(
+                "only flip-flops and step bits have flags that could be put elsewhere, and not those of GRAFCET",
+                location=Location(path=pou.name),
+            )
+        code.flags = FlagPlaces(rules, pou.name, project or Project(dialect=dialect), code.tool)
     makers: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
         Construction.FLIPFLOP: FlipFlopChain,
         Construction.CASE: CaseChain,
@@ -142,7 +152,6 @@ def construct(
     }
     maker: Sequencer | Chain
     if isinstance(source, GraphSource):
-        _refuse_modes(pou, rules)
         maker = Sequencer(source, code, memory, rules, surroundings)
     else:
         if source.grafcet is not None:
@@ -160,16 +169,7 @@ def construct(
     situation = {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps}
     left_out = code.left_out.identifier if code.left_out is not None else None
     made = _pou(pou, code, dialect, language)
-    return Constructed(made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types))
-
-
-def _refuse_modes(pou: Pou, rules: LoweringRules) -> None:
-    if rules.modes:
-        raise LoweringError(
-            "sequencers of S7-GRAPH have operating modes of their own",
-            location=Location(path=pou.name),
-            hint="Declare SW_AUTO, SW_MAN, S_SEL .. in the interface of the block.",
-        )
+    return Constructed(made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types), code.flags)
 
 
 def _told(expression: Expression, dialect: Dialect) -> str:
@@ -187,9 +187,11 @@ def _memory(code: Code, language: Language) -> Memory:
     return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 
 
-def _choice(source: ChartSource, wanted: Construction) -> tuple[Construction, str]:
+def _choice(source: ChartSource, wanted: Construction, profile: Profile) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
+    if profile.rivals is not Rivals.PRIORITY and any(len(leaving) > 1 for leaving in source.net.leaving):
+        return Construction.BITS, f"no CASE can hold the chart: rivals fire together under the profile {profile.name}"
     several = one_step_at_a_time(source)
     if not several:
         ends = any(not transition.targets for transition in source.net.transitions)
@@ -222,6 +224,7 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     constants = SectionKind.CONSTANT if dialect is Dialect.SCL else SectionKind.LOCAL
     _declare(interface, constants, code.constants, constant=True)
     _declare(interface, SectionKind.LOCAL, code.variables)
+    _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])
     declared = interface.variables()
     body: Body
     if language is Language.ST:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
-from plcopen_sfc.languages.networks.numbering import apart
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -54,14 +53,16 @@ def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
 
 def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules) -> list[LogicNetwork]:
     found: list[LogicNetwork] = []
+    free = 1
     for network in code.networks:
         if isinstance(network, TextNetwork):
             raise LoweringError("structured text is no network", location=Location(path=f"network {network.title}"))
-        drawn = draw(network.statements, rules, divided=code.tool is not None)
+        drawn = draw(network.statements, rules, first_id=free, divided=code.tool is not None)
         if drawn.problems:
             raise LoweringError(
                 f"this cannot be drawn: {drawn.problems[0].message}", location=Location(path=f"network {network.title}")
             )
+        free = max((node.id + 1 for sheet in drawn.body.networks for node in sheet.nodes), default=free)
         for sheet in drawn.body.networks:
             if code.tool is Tool.S7:  # where ladders end with their coils
                 sheet.nodes = [node for node in sheet.nodes if not isinstance(node, RightPowerRail)]
@@ -70,4 +71,4 @@ def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRu
             found.append(sheet)
     if code.one_sheet:
         return [on_one_sheet(found, code.tool)]
-    return apart(found)[0]
+    return found

@@ -88,5 +88,6 @@ class FlipFlopChain(StepFlags):
                 reset = [conjunction([disjunction(reset), negation(self.init)])]
         flag = self.flags[step.index]
         statements: list[Statement] = [*before]
-        self.memory.latch(f"FF_{flag.identifier}", disjunction(set_), disjunction(reset), statements, flag)
+        name = f"FF_{self.texts.flag_name(step.step)}"
+        self.memory.latch(name, disjunction(set_), disjunction(reset), statements, flag)
         self.code.add(self.texts.step(step.step, step.path, initial=initial), statements, plain(step.step.comment))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict
+from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.fault_search import find_faults
@@ -134,17 +135,20 @@ def lower(
         frozenset(_chosen(OperatingMode, str(mode)) for mode in modes),
         target,
     )
-    made = construct(
-        found.pou,
-        chart,
-        found.project.dialect,
-        rules,
-        construction=chosen,
-        style=wanted_style,
-        language=spoken,
-        project=found.project,
-    )
+    with collector_paused():
+        made = construct(
+            found.pou,
+            chart,
+            found.project.dialect,
+            rules,
+            construction=chosen,
+            style=wanted_style,
+            language=spoken,
+            project=found.project,
+        )
     project = _with(found, made.pou, made.data_types)
+    if made.flags is not None:
+        made.flags.put_into(project)
     code = Subject(project, made.pou, found.name)
     proof: Verdict | None = None
     if verify:

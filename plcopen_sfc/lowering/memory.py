@@ -25,7 +25,7 @@ class Memory(Protocol):
     ends: list[Statement]
 
     def latch(
-        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
 
@@ -57,10 +57,9 @@ class BlockMemory:
     def __init__(self, code: Code) -> None:
         self.ends: list[Statement] = []
         self._code = code
-        self._pulse: n.Name | None = None
 
     def latch(
-        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """An RS, whose inputs are ``S`` and ``R1``."""
         block = self._code.declare(wanted, DerivedType(name="RS"))
@@ -86,14 +85,11 @@ class BlockMemory:
 
     def starting(self) -> Expression:
         """A pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
-        if self._pulse is None:
-            self._pulse = self._code.declare("FirstScan", initial="TRUE")
-        return self._pulse
+        return self._code.first_scan_pulse()
 
     def finish(self, title: str) -> None:
-        """The end of the pulse."""
-        if self._pulse is not None:
-            self._code.add(title, [assignment(self._pulse, FALSE)])
+        """The end of the first scan."""
+        self._code.end_first_scan(title)
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """An assignment."""
@@ -128,7 +124,7 @@ class BitMemory:
         self._code = code
 
     def latch(
-        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """``flag := (set OR flag) AND NOT reset``."""
         value = flag or self._code.declare(wanted)
@@ -146,7 +142,8 @@ class BitMemory:
         return FALSE
 
     def finish(self, title: str) -> None:
-        """Nothing."""
+        """The end of the first scan."""
+        self._code.end_first_scan(title)
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """An assignment."""

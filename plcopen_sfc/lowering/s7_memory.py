@@ -15,7 +15,7 @@ class OperandMemory(BlockMemory):
     """Boxes with an operand. In the statements the operand is called, as if it were an instance."""
 
     def latch(
-        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: n.Name | None = None
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """An ``Sr`` on the flag itself."""
         value = flag

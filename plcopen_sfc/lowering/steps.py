@@ -9,7 +9,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import CodeNetwork
-from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetTransition, Rivals
@@ -20,12 +20,17 @@ class StepFlags(Chain):
 
     def declare_states(self, source: ChartSource) -> None:
         """The flags, those of initial steps TRUE at the start."""
-        self.flags: list[n.Name] = []
+        self.flags: list[Expression] = []
         self.fired: list[n.Name] = []
         for step in source.net.steps:
-            initial = "TRUE" if source.net.initial & step.bit else None
+            initial = bool(source.net.initial & step.bit)
             comment = self.texts.flag_of(step.path)
-            self.flags.append(self.code.declare(self.texts.flag_name(step.step), initial=initial, comment=comment))
+            name = self.texts.flag_name(step.step)
+            self.flags.append(self.code.declare_flag(name, initial=initial, comment=comment))
+        if self.code.flags is not None and not self.code.flags.have_values:
+            values = [TRUE if source.net.initial & step.bit else FALSE for step in source.net.steps]
+            start = [assignment(flag, value) for flag, value in zip(self.flags, values, strict=True)]
+            self.code.add(self.texts.start, self.memory.conditional("", self.code.first_scan_pulse(), start))
         for transition in source.net.transitions:
             comment = self.texts.transition_of(transition.path)
             name = self.texts.transition_name(source.net, transition)

@@ -62,7 +62,7 @@ class Ruling:
         yield conjunction(negation(self._active(i)) for i in enclosing), dict.fromkeys(self.steps, FALSE)
 
 
-def imposed(ruling: Ruling, flags: Sequence[n.Name], before: StepValue) -> Statement:
+def imposed(ruling: Ruling, flags: Sequence[Expression], before: StepValue) -> Statement:
     """The assignment of the situation that a chart is ruled into, if it is."""
     branches = [
         n.Branch(when, tuple(assignment(flags[i], before(i) if value is None else value) for i, value in steps.items()))

@@ -1,0 +1,151 @@
+"""Step flags outside of the POU: with addresses that count on, or in a data block."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.semantics.simulation import simulate
+from tests.lowering.charts import boolean, pou_with, training_chain
+
+FORMS = [("flipflop", "FBD"), ("flipflop", "LD"), ("flipflop", "ST"), ("bits", "ST")]
+TARGETS = ["plcopen-2.01", "codesys", "simaticml", "scl", "iec-text"]
+
+
+def project(steps: int = 4) -> m.Project:
+    if steps == 4:
+        return m.Project(name="Anlage", pous=[training_chain()])
+    chart = m.SfcNetwork()
+    made = [chart.add_step(f"S{number}", initial=number == 1) for number in range(1, steps + 1)]
+    for number, step in enumerate(made):
+        chart.add_transition(step, made[(number + 1) % steps], "a")
+    return m.Project(pous=[pou_with(chart)])
+
+
+@pytest.mark.parametrize("flags", ["M20.6", "Steps"])
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_it_does_what_the_chart_does(construction: str, language: str, target: str, flags: str) -> None:
+    if language != "ST" and target in ("scl", "iec-text"):
+        pytest.skip("text has no networks")
+    lowered = lower(project(), construction, language=language, flags=flags, target=target)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    assert {f"S{n}.X" for n in range(1, 5)} <= set(lowered.proof.compared)
+    again = sfc.loads(sfc.dumps(lowered.project, format=target))
+    found = equivalent(project(), again, "iec")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.integers(0, 40), st.integers(0, 7), st.integers(1, 12), st.sampled_from(["simaticml", "codesys", None]))
+def test_addresses_count_on_with_a_carry(byte: int, bit: int, steps: int, target: str | None) -> None:
+    for spelled in (f"M{byte}.{bit}", f"%mx{byte}.{bit}"):
+        lowered = lower(project(steps), "bits", flags=spelled, target=target, verify=False).project
+        if target == "simaticml":
+            (table,) = lowered.tag_tables
+            found = [(tag.name, tag.address) for tag in table.tags]
+        else:
+            lists = lowered.global_variables if target else lowered.configurations[0].global_variables
+            found = [(variable.name, variable.address) for variable in lists[0].variables]
+        places = [byte * 8 + bit + number for number in range(steps)]
+        mark = "%M" if target == "simaticml" else "%MX"
+        assert found == [(f"X{n}", f"{mark}{place // 8}.{place % 8}") for n, place in enumerate(places, 1)]
+
+
+def test_tia_portal_gets_a_table_of_tags_with_comments() -> None:
+    lowered = lower(project(), "flipflop", flags="M20.0", target="simaticml", lang="de").project
+    (table,) = lowered.tag_tables
+    assert table.name == "Schrittmerker_Ablauf"
+    assert [tag.address for tag in table.tags] == ["%M20.0", "%M20.1", "%M20.2", "%M20.3"]
+    assert m.plain(table.tags[1].comment) == "Schritt S2 ist aktiv"
+    content = sfc.dumps(lowered, format="simaticml").decode("utf-8-sig")
+    assert "<LogicalAddress>%M20.3</LogicalAddress>" in content
+    assert 'Scope="GlobalVariable"' in content
+
+
+def test_flags_that_kept_their_values_are_set_back_in_the_first_scan() -> None:
+    """Memory bits of S7 have no start values, and some of them keep what they had."""
+    for construction, language in FORMS:
+        lowered = lower(project(), construction, language=language, flags="M20.0", target="simaticml").project
+        old = simulate(lowered, pou="Ablauf", scans=2, initial={"X3": True}, record=["Q1", "Q3", "X1", "X3"])
+        for scan in range(2):
+            assert old["X1"][scan] is True
+            assert old["X3"][scan] is False
+
+
+def test_a_data_block_has_the_flags_with_their_start_values() -> None:
+    lowered = lower(project(), "flipflop", flags="Steps", target="simaticml").project
+    (block,) = lowered.data_blocks
+    assert block.interface is not None
+    values = [
+        (v.name, v.initial.text if isinstance(v.initial, m.SimpleValue) else None) for v in block.interface.variables()
+    ]
+    assert values == [("X1", "TRUE"), ("X2", None), ("X3", None), ("X4", None)]
+
+
+def test_iec_declares_them_as_external() -> None:
+    lowered = lower(project(), "bits", flags="Steps", target="plcopen-2.01")
+    assert lowered.pou.interface is not None
+    (external,) = [s for s in lowered.pou.interface.sections if s.kind is m.SectionKind.EXTERNAL]
+    assert [variable.name for variable in external.variables] == ["X1", "X2", "X3", "X4"]
+    bare = sfc.dumps(lowered.project, format="plcopen-2.01")
+    assert b"<globalVars" in bare
+    assert b"<externalVars" in bare
+
+
+def test_names_of_the_project_are_kept_out_of_the_way() -> None:
+    original = project()
+    taken = m.VariableSection(kind=m.SectionKind.GLOBAL, name="GVL", variables=[boolean("X2")])
+    original.global_variables.append(taken)
+    lowered = lower(original, "bits", flags="M20.0", target="codesys").project
+    assert [variable.name for variable in lowered.global_variables[1].variables] == ["X1", "X2_2", "X3", "X4"]
+    with pytest.raises(LoweringError, match="something called Ablauf"):
+        lower(original, "bits", flags="Ablauf")
+
+
+@pytest.mark.parametrize(
+    ("address", "dialect", "clash"),
+    [
+        ("%M20.2", m.Dialect.SCL, True),
+        ("%MB20", m.Dialect.SCL, True),
+        ("%MW19", m.Dialect.SCL, True),
+        ("%MD17", m.Dialect.SCL, True),
+        ("%MD16", m.Dialect.SCL, False),
+        ("%MW10", m.Dialect.CODESYS, True),
+        ("%MW20", m.Dialect.CODESYS, False),
+        ("%MD5", m.Dialect.CODESYS, True),
+        ("%QW20", m.Dialect.SCL, False),
+    ],
+)
+def test_addresses_of_others_are_not_touched(address: str, dialect: m.Dialect, clash: bool) -> None:
+    original = m.Project(pous=[training_chain()], dialect=dialect)
+    if dialect is m.Dialect.SCL:
+        original.tag_tables.append(m.TagTable(name="Tags", tags=[m.Tag(name="Other", type="Bool", address=address)]))
+    else:
+        other = boolean("Other")
+        other.address = address
+        original.global_variables.append(m.VariableSection(kind=m.SectionKind.GLOBAL, name="G", variables=[other]))
+    if clash:
+        with pytest.raises(LoweringError, match="belongs to Other"):
+            lower(original, "bits", flags="M20.0", profile="iec", verify=False)
+    else:
+        lower(original, "bits", flags="M20.0", profile="iec", verify=False)
+
+
+@pytest.mark.parametrize("flags", ["20.0", "M20.8", "M20", "a b", "", "1x"])
+def test_what_is_no_place_is_refused(flags: str) -> None:
+    with pytest.raises(LoweringError, match="is no place for flags"):
+        lower(project(), "bits", flags=flags)
+
+
+@pytest.mark.parametrize("construction", ["case", "auto"])
+def test_a_case_has_no_flags(construction: str) -> None:
+    with pytest.raises(LoweringError, match="flags that could be put elsewhere"):
+        lower(project(), construction, flags="M20.0")
