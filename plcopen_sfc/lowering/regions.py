@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
@@ -31,7 +32,7 @@ from plcopen_sfc.lowering.logic import (
 from plcopen_sfc.lowering.rules import States
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.states import StateNames
-from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, Rivals
 from plcopen_sfc.semantics.profile import ScanOrder
 
 INDENT = "    "
@@ -39,13 +40,17 @@ INDENT = "    "
 
 def no_regions(source: ChartSource) -> str:
     """Why a chart is not built of regions that one CASE each can hold; empty if it is."""
-    found = find_regions(source.net)
+    found = _regions(source.net)
+    return found if isinstance(found, str) else ""
+
+
+def _regions(net: Net) -> Regions | str:
+    """The regions of a net, or why it has none that hold all of its steps."""
+    found = find_regions(net)
     if isinstance(found, Unstructured):
         return found.message
-    for step in source.net.steps:
-        if found.region_of[step.index] is None:
-            return f"step {step.path} can never become active"
-    return ""
+    never = next((step.path for step in net.steps if found.region_of[step.index] is None), None)
+    return found if never is None else f"step {never} can never become active"
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,7 @@ class RegionChain(Chain):
         self._regions = self.structure(source)
         self._region_of = [r or 0 for r in self._regions.region_of]
         self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
+        self._forked = {fork: block for block in self._regions.blocks for fork in block.forks}
         self.machines = tuple(self._machine(region) for region in self._regions.regions)
         self._next = {machine.region.index: machine.state for machine in self.machines}
         self._bits: dict[int, n.Name] = {}
@@ -143,11 +149,10 @@ class RegionChain(Chain):
 
     def structure(self, source: ChartSource) -> Regions:
         """The regions of the chart. Raises `LoweringError` where it is not built of them."""
-        found = find_regions(source.net)
-        objection = no_regions(source)
-        if objection or isinstance(found, Unstructured):
+        found = _regions(source.net)
+        if isinstance(found, str):
             raise LoweringError(
-                f"the chart is not built of parts that one CASE each could hold: {objection}",
+                f"the chart is not built of parts that one CASE each could hold: {found}",
                 location=Location(path=source.pou.name),
                 hint="Step bits can hold every chart.",
             )
@@ -187,11 +192,19 @@ class RegionChain(Chain):
         """Whether anything looks at the state of a region, or writes it, besides its own CASE."""
         if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
             return True
-        trees: list[n.Node] = []
+        return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
+
+    @cached_property
+    def _askers(self) -> dict[str, set[int]]:
+        """By the names that conditions ask for: the regions in whose CASE that is done."""
+        found: dict[str, set[int]] = {}
         for transition in self.net.transitions:
-            if self._region_of[transition.sources[0]] != machine.region.index:
-                trees += [self.source.conditions[transition.index], *self.source.preparations[transition.index]]
-        return any(node == machine.state for tree in trees for node in walk(tree))
+            region = self._region_of[transition.sources[0]]
+            for tree in (self.source.conditions[transition.index], *self.source.preparations[transition.index]):
+                for node in walk(tree):
+                    if isinstance(node, n.Name):
+                        found.setdefault(node.identifier, set()).add(region)
+        return found
 
     def _waits(self, machine: Machine) -> bool:
         return self._next[machine.region.index] != machine.state
@@ -288,7 +301,7 @@ class RegionChain(Chain):
         joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
         lines = [self.entered(i) for i in transition.targets]
         if len(transition.targets) > 1:
-            block = next(b for b in machine.blocks if transition.index in b.forks)
+            block = self._forked[transition.index]
             lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
         left = sorted(joined) if transition.targets else [machine.region.index]
         lines += [self._becoming(region, self.names.none) for region in left]

@@ -181,6 +181,8 @@ class ChartProgram:
             fail(self._refused)
         now = self._clock.now
         if self._logic is not None:
+            if not frame.v[self._started]:  # a wire from an initial step is TRUE from the first scan on
+                self._steps.change(frame, 0, self.net.initial, self.net.initial, now)
             self._logic(frame)
         if self._has_flags and not self._obey(frame, now):
             return
