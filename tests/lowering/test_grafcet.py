@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError, UnstableChartError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
@@ -203,6 +205,19 @@ def test_one_action_reads_the_output_of_another() -> None:
     check(chart, "c1 c2", "Q R")
 
 
+@pytest.mark.parametrize("qualifier", ["N", "S", "R", "P", "P1", "P0", "L", "D", "SD", "DS", "SL"])
+def test_qualifiers_of_iec_also_in_steps_that_are_only_passed(qualifier: str) -> None:
+    chart = chain("1", "2", "3", conditions="c1 c2 ↑c1")
+    timed = m.Qualifier(qualifier).needs_duration
+    for number, name in enumerate(("1", "2")):
+        use = m.ActionAssociation(id=50 + number, target="Q", qualifier=m.Qualifier(qualifier))
+        use.duration = "T#20ms" if timed else None
+        chart.step(name).actions.append(use)
+    chart.step("2").actions.append(m.ActionAssociation(id=60, target="R", qualifier=m.Qualifier.S))
+    chart.step("3").actions.append(m.ActionAssociation(id=61, target="R", qualifier=m.Qualifier.R))
+    check(chart, "c1 c2", "Q R")
+
+
 def test_the_search_for_stability_cannot_be_drawn() -> None:
     pou = pou_with(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3")
     with pytest.raises(LoweringError, match="loop") as raised:
@@ -224,3 +239,56 @@ def test_more_random_grafcets(seed: int) -> None:
 @pytest.mark.parametrize("seed", [seed for seed in range(60) if seed % 10 == 0])
 def test_random_grafcets_that_can_be_drawn(seed: int) -> None:
     compare(random_calm_grafcet(seed))
+
+
+def emergency_stop_of_the_seed() -> m.Pou:
+    """A chain of five steps for two cylinders, and above it the chart of an emergency stop that forces it to step 1."""
+    chain_ = chain("1", "2", "3", "4", "5", conditions="B11 AND B21 AND START;B12;B11;B22;B21")
+    for step, valve in (("2", "M11"), ("4", "M21")):
+        chain_.step(step).actions = [action("continuous", valve)]
+    above = chain("10", "11", conditions="NOT NOT_AUS;NOT_AUS")
+    order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.INITIAL)
+    above.step("11").actions = [m.ActionAssociation(id=9, kind=m.ActionKind.FORCING, forcing=order)]
+    charts = [m.PartialChart(name="G1", network=chain_), m.PartialChart(name="G2", network=above)]
+    return pou_with(m.SfcNetwork(partial_charts=charts), "NOT_AUS START B11 B12 B21 B22", "M11 M21")
+
+
+def test_the_emergency_stop_of_the_seed_sets_the_initial_step_and_resets_all_others() -> None:
+    lowered = lower(emergency_stop_of_the_seed(), "flipflop", language="ST", profile=ONCE, lang="de")
+    lines = text_of(lowered).splitlines()
+    assert [line for line in lines if re.match(r"X\d", line)] == [
+        "X10 := (T11_10 OR X10) AND NOT T10_11;",
+        "X11 := (T10_11 OR X11) AND NOT T11_10;",
+        "X1 := (T5_1 OR X11 OR X1) AND NOT (T1_2 AND NOT X11);",
+        "X2 := (T1_2 OR X2) AND NOT (T2_3 OR X11);",
+        "X3 := (T2_3 OR X3) AND NOT (T3_4 OR X11);",
+        "X4 := (T3_4 OR X4) AND NOT (T4_5 OR X11);",
+        "X5 := (T4_5 OR X5) AND NOT (T5_1 OR X11);",
+    ]
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert len(lowered.proof.compared) >= 9
+
+
+@pytest.mark.parametrize("form", ["plcopen-2.01", "codesys", "iec-text", "scl", "simaticml", "json"])
+def test_what_was_written_and_read_again_is_proven_too(form: str) -> None:
+    chart = chain("1", "2", "3", conditions="↑a;20ms/X2;b")
+    chart.step("1").actions = [action("onActivation", value="NOT Q"), action("limited", "R", duration="T#20ms", id=7)]
+    original = m.Project(name="Anlage", pous=[pou_with(chart, "a b", "Q R")])
+    for construction, language in (("bits", "ST"), ("case", "ST"), ("flipflop", "FBD")):
+        if language == "FBD" and form == "scl":
+            continue
+        profile = ONCE if language == "FBD" else SHORT
+        lowered = lower(original, construction, language=language, profile=profile, target=form, verify=False)
+        again = sfc.loads(sfc.dumps(lowered.project, format=form), format=form)
+        found = equivalent(original, again, profile, outputs=["Q", "R"])
+        assert found.outcome is Outcome.PROVEN, f"{construction}: {found}"
+
+
+@pytest.mark.parametrize("flags", ["M20.0", "%MX20.0", "Merker"])
+def test_step_flags_elsewhere(flags: str) -> None:
+    project = m.Project(name="Anlage", pous=[emergency_stop_of_the_seed()])
+    for construction in ("flipflop", "bits"):
+        lowered = lower(project, construction, language="ST", profile=ONCE, flags=flags)
+        assert lowered.proof is not None
+        assert lowered.proof.proven

@@ -37,7 +37,8 @@ class EvolvingFlags:
     def before(self, step: int) -> Expression:
         """A copy of the flag."""
         if step not in self._olds:
-            self._olds[step] = self._chain.code.declare(f"{self._chain.flags[step].identifier}_old")
+            name = self._chain.texts.flag_name(self._chain.net.steps[step].step)
+            self._olds[step] = self._chain.code.declare(f"{name}_old")
         return self._olds[step]
 
     def remembered(self) -> list[Statement]:

@@ -12,9 +12,11 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.emitting import paragraph
-from plcopen_sfc.lowering.grafcet.actions import ContinuousActions, StoredActions
+from plcopen_sfc.lowering.executing import add_actions
+from plcopen_sfc.lowering.grafcet.actions import StoredActions
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
+from plcopen_sfc.lowering.grafcet.controls import ContinuousControl, PassingControl, passed_steps
 from plcopen_sfc.lowering.grafcet.evolving import Evolving, EvolvingFlags, EvolvingState
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
@@ -22,10 +24,11 @@ from plcopen_sfc.lowering.grafcet.source import GrafcetSource
 from plcopen_sfc.lowering.grafcet.stability import Stability
 from plcopen_sfc.lowering.grafcet.terms import TermCode
 from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.steps import StepFlags
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.net import indexes
-from plcopen_sfc.semantics.profile import Evolution
+from plcopen_sfc.semantics.profile import BooleanTargets, Evolution, Profile
 
 _INDENT = "    "
 
@@ -45,9 +48,12 @@ class GrafcetScan:
         self._concurrency = Concurrency(chain.source, chain.profile)
         own = [variable.name for variable in self._code.variables]
         self._stability = Stability(chain.source, self._terms, active, own, self._concurrency)
-        self._stable = chain.profile.evolution is Evolution.UNTIL_STABLE and not self._stability.once
+        self._searches = chain.profile.evolution is Evolution.UNTIL_STABLE
+        self._stable = self._searches and not self._stability.once
         self._evolving: Evolving = EvolvingFlags(chain) if isinstance(chain, StepFlags) else EvolvingState(chain)
-        self._first: n.Name | None = None
+        passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
+        names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
+        self._passed = {i: self._code.declare(f"{names[i]}_seen") for i in passed}
         self._stored = StoredActions(
             self._grafcet.stored, chain.memory, chain.active, self._evolving.before, self._fresh
         )
@@ -66,25 +72,42 @@ class GrafcetScan:
         code.add(texts.logic, chain.source.logic)
         code.add(texts.times, chain.times.calls())  # of steps whose time conditions read
         self._hold()
-        continuous = ContinuousActions(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
+        continuous = ContinuousControl(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
         moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
         evolution = self._recorded(lambda: self._evolve(continuous))
         self._start()
+        unseen = [(flag, self._starting() if self._net.initial >> i & 1 else FALSE) for i, flag in self._passed.items()]
+        code.add(texts.passed, [assignment(flag, value) for flag, value in unseen])
         if self._stable:
             self._loop(evolution, moves)
         else:
             code.networks += evolution
         timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
         code.add(texts.times, [*chain.times.calls(), *timers])
-        chain.add_actions()
+        self._add_actions()
         if not self._stable or self._grafcet.stored or chain.source.actions or chain.source.step_code:
             code.add(texts.terms, self._terms.times)  # something may have changed since the last evolution
-        continuous.add(texts)
-        if self._first is not None:
-            code.add(texts.first_scan, [assignment(self._first, FALSE)])
+        outputs = replace(chain.source, actions=self._grafcet.continuous)
+        add_actions(outputs, code, continuous, chain.memory, replace(chain.rules, profile=_outputs(chain.profile)))
         chain.memory.finish(texts.first_scan)
 
+    def _add_actions(self) -> None:
+        """Append what the profile executes besides: actions of steps, and those with qualifiers of IEC 61131-3."""
+        chain = self._chain
+        add_changes(chain.source, self._code, chain.memory, chain.active, self._texts)
+        add_main_actions(chain.source, self._code, chain.memory, chain.active, self._texts)
+        ending = chain.init if chain.init is not None and chain.rules.reset_actions else FALSE
+        control = PassingControl(self._code, chain.memory, chain.active, self._seen, ending)
+        add_actions(chain.source, self._code, control, chain.memory, chain.rules)
+
     # -- steps
+
+    def _seen(self, step: int) -> Expression:
+        """Whether a step was active in any situation of the scan but the one that it began with."""
+        if self._stable:
+            return self._passed[step]
+        started = self._searches and self._net.initial >> step & 1
+        return disjunction([self._chain.active(step), self._starting() if started else FALSE])
 
     def _fresh(self, step: int) -> Expression:
         """Whether the evolution before has activated a step; at the start that of the initial steps counts."""
@@ -108,12 +131,7 @@ class GrafcetScan:
 
     def _starting(self) -> Expression:
         """Whether it is the first scan."""
-        pulse = self._chain.memory.starting()
-        if not is_constant(pulse, FALSE):
-            return pulse
-        if self._first is None:
-            self._first = self._code.declare("FirstScan", initial="TRUE")
-        return self._first
+        return self._code.first_scan_pulse()
 
     # -- evolutions
 
@@ -132,7 +150,7 @@ class GrafcetScan:
                     preparations[i] = (when(negation(forced), *preparations[i]),) if preparations[i] else ()
         self._chain.source = replace(self._chain.source, conditions=tuple(conditions), preparations=tuple(preparations))
 
-    def _evolve(self, continuous: ContinuousActions) -> None:
+    def _evolve(self, continuous: ContinuousControl) -> None:
         """One evolution."""
         chain, code, texts = self._chain, self._code, self._texts
         events = self._stored.on_events()
@@ -150,9 +168,11 @@ class GrafcetScan:
         code.add(texts.forcing, forcing)
         code.add(texts.stored, changes)
         code.add(texts.times, self._restarts(continuous))
+        seen = [assignment(flag, disjunction([flag, chain.active(i)])) for i, flag in self._passed.items()]
+        code.add(texts.passed, seen)
         code.add(texts.before, self._evolving.remembered(), place=place)  # known now
 
-    def _restarts(self, continuous: ContinuousActions) -> list[Statement]:
+    def _restarts(self, continuous: ContinuousControl) -> list[Statement]:
         """Let the times of steps begin anew that are left, also if they are entered again before the scan ends."""
         chain = self._chain
         found: list[Statement] = []
@@ -198,6 +218,11 @@ class GrafcetScan:
         lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
         lines += [print_node(statement, dialect) for statement in behind]
         self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
+
+
+def _outputs(profile: Profile) -> Profile:
+    """How continuous actions are executed: each output in every scan, in the order of the chart (4.8.2)."""
+    return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, alphabetic_actions=False)
 
 
 def add_grafcet(chain: Chain, *, exact: bool, drawn: bool) -> None:

@@ -144,13 +144,13 @@ class Stability:
     def _steps_in(self, tree: Expression) -> int:
         bits = 0
         for node in walk(tree):
-            if isinstance(node, n.Name | n.Operation):
+            if isinstance(node, n.Name | n.Member | n.Address | n.Operation):
                 bits |= self._step_bits(node)
             term = self._term(node)
             bits |= self._steps_in(term.operand) if term is not None else 0
         return bits
 
-    def _step_bits(self, node: n.Name | n.Operation) -> int:
+    def _step_bits(self, node: n.Name | n.Member | n.Address | n.Operation) -> int:
         """The step whose activity a node tells, or the opposite of it (``step_number <> 2``), as a bit."""
         step = self._steps.get(node, self._steps.get(negation(node)))
         return 0 if step is None else 1 << step

@@ -85,10 +85,9 @@ class TermCode:
 
         def without(node: Node) -> Node:
             nonlocal found
-            if isinstance(node, n.Name | n.Member | n.Operation) and (node in hidden or node in self._inactive):
-                found = True
-                return FALSE if node in hidden else TRUE
-            return node
+            value = FALSE if node in hidden else TRUE if node in self._inactive else node
+            found = found or value is not node
+            return value
 
         start = simplified(transform(operand, without))
         early = any(isinstance(node, n.Name) and node.identifier.casefold() in self._early for node in walk(operand))
