@@ -18,8 +18,9 @@ from plcopen_sfc.languages.names.markup import edit_markup, edit_tokens, is_toke
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
 from plcopen_sfc.languages.names.references import Reference
 from plcopen_sfc.languages.names.uses import Names, Occurrence, Use, the_one
-from plcopen_sfc.languages.names.words import needs_quotes, objection
+from plcopen_sfc.languages.names.words import objection
 from plcopen_sfc.languages.st.nodes import Quoting
+from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind

@@ -10,7 +10,8 @@ from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.translation.context import TranslationContext
 from plcopen_sfc.languages.translation.families import TITLES
 from plcopen_sfc.languages.translation.notes import Notes
-from plcopen_sfc.languages.translation.renames import NameScope, is_word
+from plcopen_sfc.languages.translation.renames import NameScope
+from plcopen_sfc.languages.words import needs_quotes
 
 _OF_THE_LANGUAGE = frozenset({"EN", "ENO"})
 _OF_OBJECTS = frozenset({"THIS", "SUPER"})
@@ -98,7 +99,7 @@ class NameTranslator:
             return name
         if self._target is Dialect.SCL:
             old = self._context.renames.old_name(NameScope.MEMBER, name.identifier) or name.identifier
-            quoting = Quoting.NONE if is_word(old) or old.upper() in _OF_THE_LANGUAGE else Quoting.GLOBAL
+            quoting = Quoting.GLOBAL if needs_quotes(old) and old.upper() not in _OF_THE_LANGUAGE else Quoting.NONE
             return self._changed(name, old, quoting)
         if self._source is not Dialect.SCL or name.identifier.upper() in _OF_THE_LANGUAGE:
             return name
@@ -126,8 +127,8 @@ class NameTranslator:
             self._notes.add(
                 Severity.WARNING, "it is not known which names are local: names got no # and no quotes", (0, 0)
             )
-            return self._changed(name, old, Quoting.NONE if is_word(old) else Quoting.LOCAL_QUOTED)
-        return self._changed(name, old, Quoting.LOCAL if is_word(old) else Quoting.LOCAL_QUOTED)
+            return self._changed(name, old, Quoting.LOCAL_QUOTED if needs_quotes(old) else Quoting.NONE)
+        return self._changed(name, old, Quoting.LOCAL_QUOTED if needs_quotes(old) else Quoting.LOCAL)
 
     def _global(self, name: n.Name) -> n.Name:
         old = self._context.renames.old_name(NameScope.GLOBAL, name.identifier) or name.identifier

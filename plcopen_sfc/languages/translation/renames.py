@@ -10,8 +10,8 @@ from enum import StrEnum
 from typing import TypeAlias
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
 from plcopen_sfc.languages.standard_blocks import standard_blocks
+from plcopen_sfc.languages.words import TRANSLATED_KEYWORDS
 
 
 class NameScope(StrEnum):
@@ -111,11 +111,6 @@ def is_identifier(name: str) -> bool:
     return re.fullmatch(r"(?!.*__)[A-Za-z_][A-Za-z0-9_]*", name) is not None
 
 
-def is_word(name: str) -> bool:
-    """Whether SCL writes a name without quotes, behind ``#`` or a dot."""
-    return re.fullmatch(r"[^\W\d]\w*", name) is not None and name.upper() not in KEYWORDS
-
-
 def identifier(name: str) -> str:
     """An identifier like `name`: ``Füllstand 1`` is ``Fuellstand_1``."""
     text = unicodedata.normalize("NFC", name).translate(_UMLAUTS)
@@ -129,20 +124,10 @@ def identifier(name: str) -> str:
 def is_reserved(name: str, target: Dialect) -> bool:
     """Whether `target` reads a name as something else, so that no variable and no member can have it."""
     word = name.upper()
-    return word in KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_OPERATORS)
+    return word in TRANSLATED_KEYWORDS or word in (_IEC_WORDS if target is Dialect.IEC else _CODESYS_OPERATORS)
 
 
 _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss", "ẞ": "SS"})
-KEYWORDS = STATEMENT_KEYWORDS | frozenset(
-    """
-    AND OR XOR MOD AND_THEN OR_ELSE TRUE FALSE NULL GOTO JMP REGION END_REGION THIS SUPER
-    BOOL BYTE WORD DWORD LWORD SINT INT DINT LINT USINT UINT UDINT ULINT REAL LREAL TIME LTIME DATE LDATE TOD LTOD DT
-    LDT TIME_OF_DAY DATE_AND_TIME STRING WSTRING CHAR WCHAR ARRAY STRUCT END_STRUCT TYPE END_TYPE POINTER REF_TO
-    VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_GLOBAL VAR_EXTERNAL VAR_STAT END_VAR CONSTANT RETAIN AT
-    PROGRAM FUNCTION FUNCTION_BLOCK METHOD INTERFACE EN ENO
-    """.split()
-)
-"""Words that are no names of variables in some dialect."""
 _IEC_WORDS = frozenset(block.name for block in standard_blocks()) | frozenset(
     """STEP INITIAL_STEP END_STEP TRANSITION END_TRANSITION ACTION END_ACTION FROM WITH ON CONFIGURATION RESOURCE TASK
     PRIORITY READ_ONLY READ_WRITE R_EDGE F_EDGE""".split()

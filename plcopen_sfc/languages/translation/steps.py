@@ -7,7 +7,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Quoting
 from plcopen_sfc.languages.translation.context import StepNotation, StepReferences
 from plcopen_sfc.languages.translation.notes import Notes
-from plcopen_sfc.languages.translation.renames import is_word
+from plcopen_sfc.languages.words import needs_quotes
 
 _ACTIVE, _TIME, _OWN_TIME = "X", "T", "U"
 
@@ -87,9 +87,9 @@ class StepTranslator:
     def _variable(self, step: str, graph: bool) -> n.Name | n.Member:
         block = self._references.target_block
         if block:
-            plain = not graph or is_word(step)
+            plain = not graph or not needs_quotes(step)
             name = n.Name(step, Quoting.NONE if plain else Quoting.GLOBAL)
             return n.Member(n.Name(block, Quoting.GLOBAL if graph else Quoting.NONE), name)
         if not graph:
             return n.Name(step)
-        return n.Name(step, Quoting.LOCAL if is_word(step) else Quoting.LOCAL_QUOTED)
+        return n.Name(step, Quoting.LOCAL_QUOTED if needs_quotes(step) else Quoting.LOCAL)

@@ -1,0 +1,51 @@
+"""Words that can be no names, because a language reads them as something else: for renames and for translations."""
+
+from __future__ import annotations
+
+import re
+
+from plcopen_sfc.languages.st.lexer import STATEMENT_KEYWORDS
+from plcopen_sfc.model.types import Elementary
+
+_GENERIC = frozenset(name for name in Elementary.__members__ if name.startswith("ANY"))
+
+KEYWORDS = (
+    STATEMENT_KEYWORDS
+    | (Elementary.__members__.keys() - _GENERIC)
+    | frozenset(
+        """
+    AND OR XOR MOD TRUE FALSE NULL THIS SUPER
+    TIME_OF_DAY DATE_AND_TIME STRING WSTRING ARRAY STRUCT END_STRUCT TYPE END_TYPE POINTER REF_TO
+    VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_GLOBAL VAR_EXTERNAL END_VAR CONSTANT RETAIN AT
+    PROGRAM FUNCTION FUNCTION_BLOCK METHOD INTERFACE
+    """.split()
+    )
+)
+"""Words that IEC 61131-3 ed. 3 (annex A), CODESYS and SCL share."""
+
+IEC_KEYWORDS = (
+    KEYWORDS
+    | _GENERIC
+    | frozenset(
+        """
+    ABSTRACT ACTION CLASS CONFIGURATION END_ACTION END_CLASS END_CONFIGURATION END_FUNCTION END_FUNCTION_BLOCK
+    END_INTERFACE END_METHOD END_NAMESPACE END_PROGRAM END_RESOURCE END_STEP END_TRANSITION EXTENDS FINAL FROM
+    IMPLEMENTS INITIAL_STEP INTERNAL LDATE_AND_TIME LTIME_OF_DAY NAMESPACE NON_RETAIN OVERLAP OVERRIDE PRIVATE PROTECTED
+    PUBLIC READ_ONLY READ_WRITE REFERENCE RESOURCE STEP TASK TRANSITION USING VAR_ACCESS VAR_CONFIG WITH
+    """.split()
+    )
+)
+"""Keywords of IEC 61131-3 ed. 3 (annex A) and CODESYS, but for words that tools take for names: ``ON``, ``R_EDGE``."""
+
+TRANSLATED_KEYWORDS = KEYWORDS | frozenset("AND_THEN OR_ELSE GOTO JMP REGION END_REGION VAR_STAT EN ENO".split())
+"""Words that are no names of variables in CODESYS or SCL; many tools take the others of IEC 61131-3 as names."""
+
+
+def is_plain(name: str) -> bool:
+    """Whether a name consists of letters of any alphabet, digits and underscores, and starts with no digit."""
+    return re.fullmatch(r"[^\W\d]\w*", name) is not None
+
+
+def needs_quotes(name: str) -> bool:
+    """Whether a name stands in quotes in SCL wherever it is used."""
+    return not is_plain(name) or name.upper() in TRANSLATED_KEYWORDS
