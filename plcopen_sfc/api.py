@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.documents import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.errors import UnknownFormatError
-from plcopen_sfc.files import read_bytes, write_atomic
+from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
 from plcopen_sfc.model.project import FolderOrigin, Project
@@ -29,6 +29,7 @@ def load(source: Source, *, format: str | None = None, progress: Progress | None
     """
     if isinstance(source, str | os.PathLike):
         path = os.fspath(source)
+        refuse_empty(path)
         if Path(path).is_dir():
             from plcopen_sfc.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
 
@@ -65,6 +66,8 @@ def save(
     Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for.
     """
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
+    if path is not None:
+        refuse_empty(path)
     name = _name(project, format, tia, Path(path) if path is not None else None)
     if path is not None and _is_folder(path, project, name):
         from plcopen_sfc.folders.saving import save_folder  # noqa: PLC0415  # most projects are files

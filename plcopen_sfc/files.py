@@ -39,11 +39,19 @@ _WRITE_REASONS = _READ_REASONS | {
 }
 
 
+def refuse_empty(path: str | os.PathLike[str]) -> None:
+    """Raise `FileAccessError` for an empty path: the system would take it for the current folder, nobody means that."""
+    if not os.fspath(path):
+        hint = "Write . for the current folder. A variable of a script may be empty."
+        raise FileAccessError("the path is empty", location=Location('""'), hint=hint)
+
+
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
     """All bytes of the file at `path`.
 
     Raises `FileAccessError` where the file is missing, a folder, not readable, or disappears meanwhile.
     """
+    refuse_empty(path)
     try:
         if Path(path).is_dir():  # Windows reports "no rights" for a folder
             raise IsADirectoryError(errno.EISDIR, "is a directory")
@@ -65,6 +73,7 @@ def write_atomic(path: str | os.PathLike[str], data: bytes) -> None:
     process leaves it behind (`.name.*.tmp`), never a damaged target. The new file is a new one to the file system: it
     belongs to whoever writes it, and hard links keep the old content.
     """
+    refuse_empty(path)
     try:
         target = Path(os.path.realpath(path))
         if target.is_dir():

@@ -14,6 +14,7 @@ from typing import NoReturn
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc.errors import FileAccessError
 from plcopen_sfc.files import read_bytes, write_all, write_atomic
 
@@ -80,6 +81,17 @@ def test_a_file_that_vanishes_meanwhile(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(Path, "read_bytes", vanish)
     with pytest.raises(FileAccessError, match="does not exist"):
         read_bytes(path)
+
+
+def test_an_empty_path_is_not_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for action in (lambda: read_bytes(""), lambda: write_atomic("", b"x"), lambda: sfc.load("")):
+        with pytest.raises(FileAccessError, match="the path is empty") as caught:
+            action()
+        assert "current folder" in (caught.value.hint or "")
+    with pytest.raises(FileAccessError, match="the path is empty"):
+        sfc.save(sfc.model.Project(), "", format="simaticml")
+    assert _names(tmp_path) == []
 
 
 def test_writing_into_a_missing_folder(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from plcopen_sfc.cli.reading import exit_code_for
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.cli.tables import Table
 from plcopen_sfc.errors import LossError, SfcError
-from plcopen_sfc.files import write_atomic
+from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Fate
@@ -48,7 +48,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     to_stdout = target == "-"
     if to_stdout and screen.as_json:
         raise SfcError("the file and the JSON report cannot both go to standard output", hint="Use --report FILE.json.")
-    target = target or _beside(Path(source), how.format, extension)
+    refuse_empty(source)
+    target = target if target is not None else _beside(Path(source), how.format, extension)
     screen.results_to_stderr = to_stdout
     project = load(source, progress=lambda files: screen.progress(files, "Loading"))
     for finding in project.diagnostics:
