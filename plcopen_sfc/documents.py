@@ -16,7 +16,6 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import numbered_in_order
-from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.report import ConversionReport, Fate
 
@@ -74,10 +73,13 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
 
 def _names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
     """The paths in the source of what has another name in the `copy` that was written."""
-    called = {f"POU {new.name}": f"POU {old.name}" for old, new in zip(project.pous, copy.pous, strict=True)}
+    called = {new.report_path: old.report_path for old, new in zip(project.pous, copy.pous, strict=True)}
     for old, new in zip(project.charts(), copy.charts(), strict=True):
         for step, renamed in zip(old.network.steps, new.network.steps, strict=False):  # a writer may add steps
-            called[f"POU {new.pou.name} / step {renamed.name}"] = f"POU {old.pou.name} / step {step.name}"
+            called[f"{new.report_path} / step {renamed.name}"] = f"{old.report_path} / step {step.name}"
+        for transition, renamed_ in zip(old.network.transitions, new.network.transitions, strict=False):
+            path = f"{new.report_path} / transition {new.network.label(renamed_)}"
+            called[path] = f"{old.report_path} / transition {old.network.label(transition)}"
     return {path: old for path, old in called.items() if path != old}
 
 
@@ -91,16 +93,17 @@ def locate_in_folder(project: Project, report: ConversionReport, called: Mapping
         return
     told = {item.path.partition(" / ")[0] for item in report.items if item.fate is not Fate.KEPT}
     told |= {called[path] for path in told & called.keys()}
-    pous: dict[str, list[Pou]] = {}
-    for pou in project.pous:
-        if pou._home is not None and f"POU {pou.name}" in told:
-            pous.setdefault(pou._home[0], []).append(pou)
+    told_in: dict[str, set[str]] = {}
+    for thing in project.objects():
+        if thing._home is not None and thing.report_path in told:
+            told_in.setdefault(thing._home[0], set()).add(thing.report_path)
     codec = format_named(origin.format)[0].codec()
-    for path, found in pous.items():
+    for path, names in told_in.items():
         if path in origin.documents:
-            document = origin.documents[path]
-            part = document.frame.model_copy(update={"pous": found})
-            report.locate(codec.lines(document.origin.content, part), document.origin.path, called=called)
+            source = origin.documents[path].origin
+            lines = codec.lines(source.content, project)
+            here = {place: line for place, line in lines.items() if place.partition(" / ")[0] in names}
+            report.locate(here, source.path, called=called)
 
 
 def normalized(data: bytes, name: str) -> bytes:
@@ -198,11 +201,8 @@ def _note_limits(project: Project, report: ConversionReport) -> None:
     for chart in project.charts():
         names = {step.id: f"step {step.name}" for step in chart.network.steps}
         names |= {t.id: f"transition {chart.network.label(t)}" for t in chart.network.transitions}
-        place = (
-            f"POU {chart.name}" if chart.name == chart.pou.name else f"POU {chart.name.replace('.', ' / action ', 1)}"
-        )
         for problem in limits(chart.network):
-            path = f"{place} / {names.get(problem.symbol, problem.symbol)}"
+            path = f"{chart.report_path} / {names.get(problem.symbol, problem.symbol)}"
             report.add(Fate.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
 
 

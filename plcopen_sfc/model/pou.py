@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from enum import StrEnum
+from typing import ClassVar
 
 from pydantic import Field
 
@@ -58,6 +59,8 @@ class Pou(ProjectObject):
     language. `number` is that of the block in the controller (``FB 12``).
     """
 
+    kind_in_reports: ClassVar[str] = "POU"
+
     number: int | None = None
     title: Text | None = None
     kind: PouKind
@@ -92,6 +95,18 @@ class Pou(ProjectObject):
             if part.body is not None:
                 yield f"{self.name}.{part.name}", part.body
 
+    def report_path_of(self, name: str) -> str:
+        """Where the body that `named_bodies` calls `name` stands, in the words of messages and reports.
+
+        ``POU Main``, ``POU Main / action Fill``.
+        """
+        groups = (("action", self.actions), ("transition", self.transitions), ("method", self.methods))
+        for kind, parts in groups:
+            for part in parts:
+                if name == f"{self.name}.{part.name}":
+                    return f"{self.report_path} / {kind} {part.name}"
+        return self.report_path
+
 
 class DataBlockKind(StrEnum):
     """What a data block of TIA Portal holds: variables of its own, an instance, or one array."""
@@ -107,6 +122,8 @@ class DataBlock(ProjectObject):
     `type_name` is the function block or data type of which an instance data block is one; its `interface` repeats that
     of the type, with the start values of this instance. `number` as in `Pou`.
     """
+
+    kind_in_reports: ClassVar[str] = "data block"
 
     number: int | None = None
     title: Text | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 from weakref import WeakValueDictionary
 
 from pydantic import Field, PrivateAttr
@@ -136,6 +136,8 @@ class Tag(Element):
 class TagTable(ProjectObject):
     """A tag table of TIA: tags and user constants."""
 
+    kind_in_reports: ClassVar[str] = "tag table"
+
     tags: list[Tag] = Field(default_factory=list)
     constants: list[Variable] = Field(default_factory=list)
 
@@ -155,6 +157,11 @@ class Chart(NamedTuple):
     name: str
     pou: Pou
     network: SfcNetwork
+
+    @property
+    def report_path(self) -> str:
+        """Where it stands in the words of messages and reports: ``POU Main / action Fill``."""
+        return self.pou.report_path_of(self.name)
 
 
 class Origin(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import PrivateAttr, SerializationInfo, SerializerFunctionWrapHandler, model_serializer
 
@@ -27,6 +27,9 @@ class ProjectObject(Element):
     name: str
     folder: str | None = None
 
+    kind_in_reports: ClassVar[str] = ""
+    """What messages and reports call such an object."""
+
     _home: tuple[str, int] | None = PrivateAttr(default=None)
     """The document of the folder that the object was read from, and its place in it. Belongs to `formats.folders`."""
     _own_folder: str | None = PrivateAttr(default=None)
@@ -43,6 +46,11 @@ class ProjectObject(Element):
         thing._early = tuple(fields)
         thing._unread = read
         return thing
+
+    @property
+    def report_path(self) -> str:
+        """The object in the words of messages and reports: ``POU Main``, ``data block Settings``."""
+        return f"{self.kind_in_reports} {self.name}"
 
     @property
     def is_unread(self) -> bool:

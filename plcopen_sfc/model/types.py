@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -218,6 +218,8 @@ class DataTypeDeclaration(ProjectObject):
 
     `place` says where the declaration stands, as `Pou.place` does.
     """
+
+    kind_in_reports: ClassVar[str] = "type"
 
     title: Text | None = None
     type: DataType

@@ -27,7 +27,7 @@ from plcopen_sfc.model.variables import VariableSection
 
 @dataclass(frozen=True, slots=True)
 class TranslatedText:
-    """What became of one text: where it stands, and what there is to say about it."""
+    """What became of one text: where it stands, in the words of reports, and what there is to say about it."""
 
     path: str
     changed: bool
@@ -62,13 +62,13 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         changed = result.text != piece.text
         if changed:
             piece.put(result.text)
-        found.append(TranslatedText(piece.path, changed, result.notes))
+        found.append(TranslatedText(piece.report_path, changed, result.notes))
     for piece in pieces(project):
         if piece.reading is Reading.DECLARATIONS and not isinstance(piece.key, int):
             setattr(piece.holder, piece.key, None)
+    found += _rename_steps(project, renames)
     _rename_declarations(project, renames)
     _rename_instances(project, source, target)
-    found += _rename_steps(project, renames)
     project.dialect = target
     return found
 
@@ -149,7 +149,7 @@ def _rename_steps(project: Project, renames: Renames) -> list[TranslatedText]:
                 note = Note(
                     Severity.INFO, f"the step is called {new}: the name that it has is none there", (0, 0), 1, 1
                 )
-                found.append(TranslatedText(f"{chart.name} / step {step.name}", True, (note,)))
+                found.append(TranslatedText(f"{chart.report_path} / step {step.name}", True, (note,)))
                 step.name = new
         for _, association in chart.network.associations():
             if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target is not None:

@@ -244,6 +244,35 @@ def test_a_report_names_document_and_line(tmp_path: Path) -> None:
         assert f'Name="{step}"' in path.read_text("utf-8-sig").splitlines()[item.line - 1]
 
 
+def test_translated_texts_are_in_documents_and_lines_too(tmp_path: Path) -> None:
+    folder = export(tmp_path)
+    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="codesys")
+    items = [item for item in report.items if item.what == "text"]
+    assert {item.path.partition(" ")[0] for item in items} == {"POU"}
+    places = {"FB_Drill": "Program blocks/Station Süd/FB_Drill.xml", "FB_Motor": "Program blocks/FB_Motor.xml"}
+    for item in items:
+        name = item.path.split(" ")[1]
+        path = folder / places.get(name, f"Program blocks/{name}.xml")
+        assert item.file == str(path)
+        assert item.line is not None
+        kind, _, called = item.path.partition(" / ")[2].partition(" / ")[0].partition(" ")
+        line = path.read_text("utf-8-sig").splitlines()[item.line - 1]
+        if kind in ("step", "transition"):
+            assert f'Name="{called}"' in line
+        else:
+            assert "<SW.Blocks." in line
+    assert any(" / step " in item.path for item in items)
+
+
+def test_objects_that_are_no_blocks_are_in_documents_and_lines(tmp_path: Path) -> None:
+    folder = export(tmp_path)
+    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen")
+    (item,) = [item for item in report.items if item.path == "type Station" and item.what == "folder"]
+    assert item.file == str(folder / "PLC data types" / "Station.xml")
+    assert item.line is not None
+    assert "<SW.Types.PlcStruct" in Path(item.file).read_text("utf-8-sig").splitlines()[item.line - 1]
+
+
 def test_folders_without_documents(tmp_path: Path) -> None:
     with pytest.raises(UnknownFormatError, match="no document of simaticml"):
         sfc.load(tmp_path)

@@ -128,6 +128,34 @@ def test_every_item_of_a_report_says_where() -> None:
         assert f'name="{item.path.rpartition(" / ")[2]}"' in lines[item.line - 1]
 
 
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [
+        ("simaticml/FB_Drill.xml", "codesys"),
+        ("codesys/sorting_conveyor.xml", "simaticml"),
+        ("codesys/sorting_conveyor.xml", "scl"),
+        ("twincat/press_station.xml", "simaticml"),
+    ],
+)
+def test_what_is_in_an_object_has_its_line(source: str, target: str) -> None:
+    """Translated texts too: all items of an object are called as the object is, with the kind before the name."""
+    project = sfc.load(FIXTURES / source)
+    _, report = sfc.convert(project, target)
+    texts = [item for item in report.items if item.what == "text"]
+    assert texts
+    kinds = ("POU ", "type ", "data block ", "tag table ")
+    assert [item.path for item in texts if item.line is None and item.path.startswith(kinds)] == []
+    names = {thing.name for thing in project.objects()}
+    assert [item.path for item in report.items if item.path.split(" / ")[0] in names and item.what != "POU"] == []
+    lines = (FIXTURES / source).read_text("utf-8-sig").splitlines()
+    steps = {step.name for chart in project.charts() for step in chart.network.steps}
+    told = [item for item in report.items if item.path.rpartition(" / step ")[2] in steps]
+    assert told or target == "scl"  # which has no steps
+    for item in told:
+        assert item.line is not None
+        assert f'ame="{item.path.rpartition(" / step ")[2]}"' in lines[item.line - 1]
+
+
 def bars_in(chart: SfcNetwork) -> Iterator[tuple[SymbolKind, SymbolKind | None]]:
     """The kinds at both ends of every wire of a chart: from, to."""
     assert chart.drawing is not None

@@ -105,7 +105,7 @@ def test_real_projects_go_to_scl_and_back(path: Path) -> None:
     assert {spelling(a, b) for a, b in different} <= {"case", "Step"}
 
 
-UNREADABLE = {"example.xml": ["SFCTest / step Step3 / action IN1 / duration"]}
+UNREADABLE = {"example.xml": ["POU SFCTest / step Step3 / action IN1 / duration"]}
 
 
 def spelling(before: str, after: str) -> str:
@@ -130,4 +130,4 @@ def test_steps_get_names_that_other_tools_know_and_texts_follow() -> None:
     assert first.name == on.target == "evacuation_2"
     texts = ["evacuation_2.T > T#2s", "evacuation_2.X"]
     assert [t.condition for t in chart.transitions] == [Expression(text=text) for text in texts]
-    assert [text.path for text in found if text.notes] == ["Chain / step evacuation 2"]
+    assert [text.path for text in found if text.notes] == ["POU Chain / step evacuation 2"]

@@ -14,18 +14,20 @@ def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> 
     """Write coils of FBD, which TIA Portal draws there, as output variables: TC6 knows coils in LD only."""
     if options.same:
         return
-    bodies = [(name, body) for name, _, body in project.bodies()]
-    for name, _, chart in project.charts():
-        conditions = (transition.condition for transition in chart.transitions)
-        bodies += [(name, condition.body) for condition in conditions if isinstance(condition, BodyCondition)]
-    for name, body in bodies:
+    bodies = [(pou.report_path_of(name), body) for name, pou, body in project.bodies()]
+    for chart in project.charts():
+        conditions = (transition.condition for transition in chart.network.transitions)
+        bodies += [
+            (chart.report_path, condition.body) for condition in conditions if isinstance(condition, BodyCondition)
+        ]
+    for place, body in bodies:
         if not isinstance(body, FbdBody):
             continue
         for network in body.networks:
             coils = sum(isinstance(node, Coil) for node in network.nodes)
             if coils:
                 network.nodes = [_output(node) for node in network.nodes]
-                report.add(Fate.TRANSLATED, "coil", f"POU {name}", "an output variable: FBD of TC6 has no coils")
+                report.add(Fate.TRANSLATED, "coil", place, "an output variable: FBD of TC6 has no coils")
 
 
 def _output(node: Node) -> Node:

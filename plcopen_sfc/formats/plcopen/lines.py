@@ -19,6 +19,8 @@ def source_lines(content: bytes, project: Project) -> dict[str, int]:
     root = parse(content)
     version = find_version(root)
     lines: dict[str, int] = {}
+    for declared in root.iter(version.qualified["dataType"]):
+        _note(lines, f"type {declared.get('name')}", declared)
     pous = {pou.name: pou for pou in project.pous}
     for element in root.iter(version.qualified["pou"]):
         pou = pous.get(element.get("name", ""))

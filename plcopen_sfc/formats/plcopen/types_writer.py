@@ -178,9 +178,11 @@ def write_data_type_declaration(
 ) -> None:
     """Write ``dataType``. `in_place`: it stands where its `place` says, which then need not be carried."""
     element = sub(ctx, parent, "dataType", {"name": declaration.name})
+    ctx.place.append(f"type {declaration.name}")
     write_data_type(ctx, element, "baseType", declaration.type)
     if declaration.initial is not None:
         write_value(ctx, sub(ctx, element, "initialValue"), declaration.initial)
-    ctx.keep("data type", declaration.name)
+    ctx.keep("data type")
     native = frozenset({"name", "type", "initial"}) | ({"place"} if in_place else frozenset())
     finish(ctx, element, declaration, "dataType", native)
+    ctx.place.pop()

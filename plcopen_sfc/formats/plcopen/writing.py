@@ -14,11 +14,12 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import TIA_PORTAL, WriteOptions
+from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
+from plcopen_sfc.formats.xml.foreign import Markup, markup_of
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
@@ -76,7 +77,7 @@ class WriteContext:
         """The name of the body being written, as `Pou.named_bodies` gives it."""
         self.place: list[str] = []
         self.project = project
-        self.is_foreign = project.header.product == TIA_PORTAL
+        self.is_foreign = markup_of(project) is not Markup.TC6
         """Whether the markup that objects carry is that of another format."""
         self.takes_markup = not dialect.version.first_generation and not self.is_foreign
         """Whether what objects carry can stand in the file as it is: TC6 1.01 has no place, markup of others none."""
@@ -197,6 +198,8 @@ def finish(
         native = native | {"comment"}
     native = native | own
     left = left_over(thing, native) | (also or {})
+    if owner in _WITHOUT_DATA:
+        left |= data_left(ctx, carried)
     comment: Text | None = getattr(thing, "comment", None)
     if documents and isinstance(comment, MultilingualText):  # documentation is in one language
         left["comment"] = comment.model_dump(mode="json")
@@ -220,6 +223,12 @@ _WITHOUT_DATA = frozenset({"parameter"})
 """Elements without ``addData`` in every version of TC6: what they carry stands in an XML comment."""
 _CHANGES = {"exclude": "other tools execute what CODESYS leaves out"}
 """Fields that are carried, but without which a chart does something else."""
+
+
+def data_left(ctx: WriteContext, carried: Carried | None) -> dict[str, Any]:
+    """The data of other tools at an object that has no ``addData``, as a field to carry."""
+    data = carried.data if carried is not None and ctx.takes_markup else []
+    return {"carried": Carried(data=data).model_dump(mode="json", exclude_defaults=True)} if data else {}
 
 
 def _label(name: str) -> str:

@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.coils import put_coils
-from plcopen_sfc.formats.simaticml.project_reader import PRODUCT
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
-from plcopen_sfc.model.base import Carried, ForeignData, Model
+from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.body import BodyBase, StBody
 from plcopen_sfc.model.network import LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
@@ -19,8 +18,6 @@ from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.report import ConversionReport, Fate
 
-FOREIGN = "urn:plcopen-sfc:carried"
-"""Foreign data that is what an object of another format carries, as JSON."""
 TAB = 4
 _TEXTS = ("comment", "title", "alarm")
 _WITH_TEXTS = (
@@ -31,8 +28,6 @@ _WITH_TEXTS = (
 
 def adapt(project: Project, report: ConversionReport) -> None:
     """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
-    if project.header.product != PRODUCT:
-        _wrap(project)
     put_coils(project)
     language = project.language or "en-US"
     for pou in project.pous:
@@ -43,30 +38,15 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _without_tabs(project, report)
     _say_instances(project)
     for chart in project.charts():
-        _numbers(chart.network, f"POU {chart.name}", report)
-
-
-def _wrap(thing: Any) -> None:
-    """Put away what another format carries: its attributes and elements must not be taken for our own."""
-    if isinstance(thing, Model):
-        for name in type(thing).model_fields:
-            value = getattr(thing, name)
-            if isinstance(value, Carried):
-                content = value.model_dump_json(exclude_defaults=True)
-                setattr(thing, name, Carried(data=[ForeignData(name=FOREIGN, content=content)]))
-            else:
-                _wrap(value)
-    elif isinstance(thing, list):
-        for item in thing:
-            _wrap(item)
+        _numbers(chart.network, chart.report_path, report)
 
 
 def _without_tabs(project: Project, report: ConversionReport) -> None:
     """Blanks instead of tabs: tokens have no others between them."""
-    for name, _, body in project.bodies():
+    for name, pou, body in project.bodies():
         if isinstance(body, StBody) and "\t" in body.text and body.markup is None:
             body.text = body.text.expandtabs(TAB)
-            report.add(Fate.TRANSLATED, "text", f"POU {name}", "tabs are blanks")
+            report.add(Fate.TRANSLATED, "text", pou.report_path_of(name), "tabs are blanks")
 
 
 def _say_instances(project: Project) -> None:
@@ -106,7 +86,7 @@ def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
         if not transition.name:
             transition.name = _free(f"Trans{transition.number}", taken)
             why = "it got a name, as S7-GRAPH requires"
-            report.add(Fate.TRANSLATED, "transition", f"{place} / {transition.name}", why)
+            report.add(Fate.TRANSLATED, "transition", f"{place} / transition {transition.name}", why)
     if not chart.sequences and chart.steps:
         chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
     _limits(chart, place, report)

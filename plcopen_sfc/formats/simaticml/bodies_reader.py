@@ -29,6 +29,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_object_text,
 )
 from plcopen_sfc.formats.simaticml.structured_text_writer import read_code
+from plcopen_sfc.formats.xml.foreign import Markup, exchange
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
 
@@ -148,9 +149,12 @@ def _chart(ctx: ReadContext, element: etree._Element, own: Fields, late: Fields)
         outer, ctx.place = ctx.place, place
         others, ctx.types = ctx.types, types
         try:
-            return read_model(ctx, element, SfcNetwork, lambda ctx, element: read_graph(ctx, element, late))
+            chart = read_model(ctx, element, SfcNetwork, lambda ctx, element: read_graph(ctx, element, late))
         finally:
             ctx.place, ctx.types = outer, others
+        if not ctx.of_tia:
+            exchange(chart, Markup.SIMATICML, Markup.TC6)
+        return chart
 
     return SfcBody.deferred(own, read)
 

@@ -10,14 +10,18 @@ from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.formats.simaticml import adapting, layout, normalizing
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
 from plcopen_sfc.formats.simaticml.fitting import fit_alarms
+from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE
 from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_version, read_project
 from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, TiaVersion, version_like
 from plcopen_sfc.formats.xml import writing
+from plcopen_sfc.formats.xml.foreign import Markup, exchange, markup_of
 from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.project import Project, TagTable
+from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport
 
 standard_folder = layout.standard_folder
@@ -34,11 +38,13 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
             project = Project.model_validate(fields)
         except ValidationError as error:
             raise misfit(error, file) from error
+        exchange(project, Markup.SIMATICML, markup_of(project))
     return Reading(project, diagnostics, version.name)
 
 
 def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
     """Make of `project`, a copy, what this format makes of it."""
+    exchange(project, markup_of(project), Markup.SIMATICML)
     if not options.same:
         if project.header.product == PRODUCT and options.version:
             project.header.version = options.version
@@ -51,32 +57,47 @@ def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> 
     adapting.adapt(project, report)
     if not project.header.product:  # a project made in Python: nothing is lost when the file says who reads it
         project.header.product, project.header.version = PRODUCT, version.name
+    exchange(project, Markup.SIMATICML, markup_of(project))
 
 
-def lines(content: bytes, project: Project) -> dict[str, int]:
-    """The lines of the blocks of `project`, their steps and transitions in the file `content`.
+def lines(content: bytes, _project: Project) -> dict[str, int]:
+    """The lines of the objects in the file `content`, with the variables, steps and transitions of blocks.
 
     They are by the paths that the report gives them.
     """
     found: dict[str, int] = {}
-    names = {pou.name for pou in project.pous}
     root = parse(content)
     line_of = SourceLines(root, content).line
-    for element in root.iter("{*}Name"):
-        holder = element.getparent()
-        owner = holder.getparent() if holder is not None else None
-        if owner is not None and element.text in names and local(owner).startswith("SW.Blocks."):
-            path = f"POU {element.text}"
-            found.setdefault(path, line_of(owner) or 1)
-            for kind in ("Step", "Transition"):
-                for part in owner.iter(f"{{*}}{kind}"):
-                    found.setdefault(f"{path} / {kind.lower()} {part.get('Name')}", line_of(part) or 1)
+    for owner in root:
+        kind = _KINDS.get(local(owner))
+        name = next(owner.iterfind("{*}AttributeList/{*}Name"), None)
+        if kind is None or name is None:
+            continue
+        path = f"{kind} {name.text or ''}"
+        found.setdefault(path, line_of(owner) or 1)
+        for member in owner.iterfind("{*}AttributeList/{*}Interface/*/*/{*}Member"):
+            found.setdefault(f"{path} / {member.get('Name')}", line_of(member) or 1)
+        for part in owner.iter("{*}Step", "{*}Transition"):
+            found.setdefault(f"{path} / {local(part).lower()} {part.get('Name')}", line_of(part) or 1)
     return found
+
+
+_KINDS = {
+    **dict.fromkeys(POUS, Pou.kind_in_reports),
+    **dict.fromkeys(DATA_BLOCKS, DataBlock.kind_in_reports),
+    DATA_TYPE: DataTypeDeclaration.kind_in_reports,
+    TAG_TABLE: TagTable.kind_in_reports,
+}
+"""What reports call the objects of a document."""
 
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
     """The tree of the document for `project`."""
-    return write_project(project, _version(project, options), report, options)
+    version = _version(project, options)
+    if markup_of(project) is not Markup.SIMATICML:
+        project = project.model_copy(deep=True)
+        exchange(project, markup_of(project), Markup.SIMATICML)
+    return write_project(project, version, report, options)
 
 
 def _version(project: Project, options: WriteOptions) -> TiaVersion:

@@ -27,6 +27,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_model,
     whole_number,
 )
+from plcopen_sfc.formats.xml.foreign import Markup, exchange
 from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlock, Pou
@@ -104,6 +105,8 @@ class LateDocument:
             nonlocal waiting
             found = self._tree()[place]
             thing = read_model(self._context(), found, model, fields_of)
+            if not self._ctx.of_tia:
+                exchange(thing, Markup.SIMATICML, Markup.TC6)
             if isinstance(thing, Pou):
                 for name, body in thing.named_bodies():
                     if isinstance(body, SfcBody):
@@ -127,6 +130,7 @@ class LateDocument:
     def _context(self) -> ReadContext:
         """A context of its own for each object; what is said about the document is in one list."""
         ctx = ReadContext(self._ctx.version, file=self._ctx.file, lines=self._ctx.lines)
+        ctx.of_tia = self._ctx.of_tia
         ctx.schemas, ctx.diagnostics = self._ctx.schemas, self._ctx.diagnostics
         return ctx
 

@@ -165,29 +165,33 @@ def write_data_block(ctx: WriteContext, parent: etree._Element, block: DataBlock
 def write_data_type(ctx: WriteContext, parent: etree._Element, declaration: DataTypeDeclaration) -> None:
     """Write a PLC data type. TIA Portal has structures only."""
     writer = _Object(ctx, parent, DATA_TYPE, declaration)
+    ctx.place.append(f"type {declaration.name}")
     native = {"type"}
     if isinstance(declaration.type, StructType):
         kept = declaration.carried.elements if declaration.carried is not None else []
         if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
             write_members(ctx, writer.values, declaration.type)
-        ctx.keep("data type", declaration.name)
+        ctx.keep("data type")
     else:
         native.discard("type")
         write_members(ctx, writer.values, StructType())
-        ctx.note(Fate.CARRIED, "data type", declaration.name, "TIA Portal has no types but structures")
+        ctx.note(Fate.CARRIED, "data type", why="TIA Portal has no types but structures")
     write_object_text(ctx, writer.objects, "Comment", declaration.comment)
     writer.finish(frozenset(native))
+    ctx.place.pop()
 
 
 def write_tag_table(ctx: WriteContext, parent: etree._Element, table: TagTable) -> None:
     """Write a tag table."""
     writer = _Object(ctx, parent, TAG_TABLE, table)
+    ctx.place.append(f"tag table {table.name}")
     for tag in table.tags:
         _tag(ctx, writer.objects, tag)
     for constant in table.constants:
         _constant(ctx, writer.objects, constant)
-    ctx.keep("tag table", table.name)
+    ctx.keep("tag table")
     writer.finish(frozenset({"tags", "constants"}))
+    ctx.place.pop()
 
 
 def _tag(ctx: WriteContext, parent: etree._Element, tag: Tag) -> None:

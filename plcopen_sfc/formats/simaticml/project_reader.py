@@ -109,6 +109,7 @@ def read_project(
     if ids != [format(number, "X") for number in range(len(ids))]:
         carry_attribute(fields, IDS, " ".join(ids))
     read_comments(ctx, root, fields)
+    ctx.of_tia = header.get("product") == PRODUCT
     for kind, number in ctx.schemas.items():
         if number != version.schema(kind):
             carry_attribute(fields, SCHEMA + kind, str(number))

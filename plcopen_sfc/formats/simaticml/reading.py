@@ -56,6 +56,8 @@ class ReadContext:
         self.schemas: dict[str, int] = {}
         """The schema numbers that the file uses, by kind."""
         self.diagnostics: list[Diagnostic] = []
+        self.of_tia = True
+        """Whether the project is one of TIA Portal, by its header."""
         self.trusting = True
         """Whether fields that stand in comments are read."""
         self.types: dict[str, str] = {}

@@ -88,6 +88,7 @@ class Piece:
     """A text of the model: field or item `key` of `holder`.
 
     `path` says where it stands, the way a person would; `language` is that of the body or ``declaration``.
+    `report_path` is the path in the words of messages and reports: ``POU Main / action Fill`` for ``Main.Fill``.
     """
 
     holder: Any
@@ -98,6 +99,7 @@ class Piece:
     path: str
     language: str
     owner: Any = None
+    report_path: str = ""
 
     @property
     def is_program_text(self) -> bool:
@@ -233,9 +235,18 @@ class _Where:
     language: str
     owner: Any = None
     nodes: dict[int, Any] | None = None
+    report_path: str = ""
 
     def at(self, label: str) -> _Where:
-        return replace(self, path=f"{self.path} / {label}" if self.path else label)
+        return replace(self, path=_below_path(self.path, label), report_path=_below_path(self.report_path, label))
+
+    def inside(self, name: str, kind: str) -> _Where:
+        """Where a part of a POU is: an action, a transition, a method."""
+        return replace(self, path=f"{self.path}.{name}", report_path=_below_path(self.report_path, f"{kind} {name}"))
+
+
+def _below_path(path: str, label: str) -> str:
+    return f"{path} / {label}" if path else label
 
 
 def pieces(project: Project) -> Iterator[Piece]:
@@ -287,8 +298,9 @@ def _named(holder: Any, key: str | int, how: tuple[Reading, Role], where: _Where
             return
     elif isinstance(holder, n.Block) and key == "type_name" and holder.instance:
         role = Role.TYPE
-    path = where.path if isinstance(key, int) or key in _UNSAID else f"{where.path} / {key.replace('_', ' ')}"
-    yield Piece(holder, key, reading, role, where.site, path, where.language, owner)
+    if not isinstance(key, int) and key not in _UNSAID:
+        where = where.at(key.replace("_", " "))
+    yield Piece(holder, key, reading, role, where.site, where.path, where.language, owner, where.report_path)
 
 
 _PARTS = "/mixedattrsvarlist"
@@ -312,20 +324,32 @@ def _below(thing: Model, key: str, where: _Where) -> _Where:
 
 
 def _pou(pou: Pou, where: _Where) -> _Where:
-    return replace(where, site=Site(pou=pou, place=pou.place), path=pou.name)
+    return replace(where, site=Site(pou=pou, place=pou.place), path=pou.name, report_path=pou.report_path)
 
 
 def _action(action: Action, where: _Where) -> _Where:
-    return replace(where, path=f"{where.path}.{action.name}")
+    return where.inside(action.name, "action")
 
 
 def _named_transition(transition: NamedTransition, where: _Where) -> _Where:
-    site = replace(where.site, transition=transition)
-    return replace(where, path=f"{where.path}.{transition.name}", site=site)
+    return replace(where.inside(transition.name, "transition"), site=replace(where.site, transition=transition))
 
 
 def _method(method: Method, where: _Where) -> _Where:
-    return replace(where, path=f"{where.path}.{method.name}", site=replace(where.site, method=method))
+    return replace(where.inside(method.name, "method"), site=replace(where.site, method=method))
+
+
+def _data_block(block: DataBlock, where: _Where) -> _Where:
+    return replace(where, path=block.name, report_path=block.report_path, language="declaration")
+
+
+def _data_type(declaration: t.DataTypeDeclaration, where: _Where) -> _Where:
+    site, report_path = Site(place=declaration.place), declaration.report_path
+    return replace(where, site=site, path=declaration.name, report_path=report_path, language="declaration")
+
+
+def _tag_table(table: TagTable, where: _Where) -> _Where:
+    return replace(where.at(table.name), report_path=table.report_path)
 
 
 def _body(body: b.BodyBase, where: _Where) -> _Where:
@@ -386,11 +410,11 @@ _ENTERING: dict[type[Model], _Entering] = {
     Action: _action,
     NamedTransition: _named_transition,
     Method: _method,
-    DataBlock: lambda block, where: replace(where, path=block.name, language="declaration"),
+    DataBlock: _data_block,
     Interface: lambda _, where: replace(where, language="declaration"),
     VariableSection: _section,
     t.Variable: lambda v, where: replace(where.at(v.name), language="declaration"),
-    t.DataTypeDeclaration: lambda d, w: replace(w, site=Site(place=d.place), path=d.name, language="declaration"),
+    t.DataTypeDeclaration: _data_type,
     **dict.fromkeys((b.StBody, b.IlBody, b.FbdBody, b.LdBody, b.SfcBody, b.OpaqueBody), _body),
     s.SfcNetwork: _chart,
     s.Step: lambda step, where: where.at(f"step {step.name}"),
@@ -405,7 +429,9 @@ _ENTERING: dict[type[Model], _Entering] = {
     Resource: _resource,
     Configuration: _configuration,
     Task: lambda task, where: where.at(task.name),
-    TagTable: lambda table, where: where.at(table.name),
+    TagTable: _tag_table,
     Tag: lambda tag, where: where.at(tag.name),
-    TreeNode: lambda node, where: replace(where, path="project tree", owner=(*(where.owner or ()), node)),
+    TreeNode: lambda node, where: replace(
+        where, path="project tree", report_path="project tree", owner=(*(where.owner or ()), node)
+    ),
 }

@@ -1,0 +1,139 @@
+"""Markup of TC6 in SimaticML files and the reverse: put away, and taken out again on the way home."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.formats.xml.foreign import PUT_AWAY, Markup, exchange, markup_of
+from plcopen_sfc.model.base import Carried, ForeignData
+from tests.samples import FIXTURES
+
+OTHERS = [
+    "codesys/sorting_conveyor.xml",
+    "codesys/distribution_belt.xml",
+    "twincat/press_station.xml",
+]
+
+
+def carried_in(thing: Any) -> Iterator[Carried]:
+    """What the objects of a project carry, but that of drawings, which SimaticML has none of."""
+    if isinstance(thing, Carried):
+        yield thing
+    elif isinstance(thing, m.Model):
+        for name in type(thing).model_fields:
+            if name != "drawing":
+                yield from carried_in(getattr(thing, name))
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from carried_in(item)
+
+
+def contents(project: m.Project) -> list[str]:
+    return sorted(carried.model_dump_json() for carried in carried_in(project) if carried != Carried())
+
+
+@pytest.mark.parametrize("source", OTHERS)
+def test_what_is_carried_comes_back_through_simaticml(source: str) -> None:
+    project = sfc.load(FIXTURES / source)
+    there = sfc.loads(sfc.dumps(project, format="simaticml"))
+    assert markup_of(there) is Markup.TC6
+    assert contents(there) == contents(project)
+    data = sfc.dumps(there, format="codesys")
+    assert PUT_AWAY.encode() not in data
+    assert [d for d in validate(data) if d.severity == "error"] == []
+    assert contents(sfc.loads(data)) == contents(project)
+
+
+AUTHOR = b"<HeaderAuthor>somebody</HeaderAuthor>"
+
+
+@pytest.mark.parametrize("form", ["codesys", "plcopen-2.01", "plcopen-1.01", "json", "iec-text"])
+def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form: str) -> None:
+    project = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
+    data = sfc.dumps(project, format="simaticml")
+    edited = sfc.loads(data.replace(b"</AttributeList>", AUTHOR + b"</AttributeList>", 1))
+    assert sum(PUT_AWAY in carried.model_dump_json() for carried in carried_in(edited)) == 1
+    other = sfc.dumps(edited, format=form)
+    if form.startswith(("codesys", "plcopen")):
+        assert [d for d in validate(other) if d.severity == "error"] == []
+    back = sfc.loads(other, format=form.partition("-")[0] if form.startswith("plcopen") else form)
+    assert contents(edited) == contents(back)
+    assert sfc.dumps(back, format="simaticml").count(AUTHOR) == 1
+
+
+def test_an_edit_of_a_simaticml_file_with_a_project_of_others_is_one_line(tmp_path: Path) -> None:
+    data = sfc.dumps(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"), format="simaticml")
+    path = tmp_path / "belt.xml"
+    path.write_bytes(data)
+    project = sfc.load(path)
+    assert sfc.dumps(project) == data
+    chart = next(iter(project.charts())).network
+    chart.steps[0].max_time = "T#77s"
+    sfc.save(project, path)
+    before, after = data.splitlines(), path.read_bytes().splitlines()
+    assert len(before) == len(after)
+    assert sum(one != other for one, other in zip(before, after, strict=True)) == 1
+    assert contents(sfc.load(path)) == contents(sfc.loads(data))
+
+
+TEXT = st.text(st.characters(codec="utf-8", exclude_categories=["Cs"]), max_size=8)
+DATA = st.builds(ForeignData, name=TEXT.filter(lambda name: not name.startswith(PUT_AWAY)), content=TEXT)
+CARRIED = st.builds(
+    Carried,
+    data=st.lists(DATA, max_size=2),
+    attributes=st.dictionaries(TEXT, TEXT, max_size=2),
+    elements=st.lists(TEXT, max_size=2),
+)
+
+
+@given(CARRIED, st.sampled_from([(Markup.TC6, Markup.SIMATICML), (Markup.SIMATICML, Markup.TC6)]))
+@settings(deadline=None)
+def test_what_is_put_away_is_taken_out_as_it_was(carried: Carried, families: tuple[Markup, Markup]) -> None:
+    own, wanted = families
+    step = m.Step(id=1, name="S", carried=carried.model_copy(deep=True))
+    exchange(step, own, own)
+    assert step.carried == carried
+    exchange(step, own, wanted)
+    assert step.carried is not None
+    assert step.carried.attributes == {}
+    assert step.carried.elements == []
+    assert [data.name for data in step.carried.data] == [f"{PUT_AWAY}:{own}"]
+    exchange(step, wanted, own)
+    assert step.carried == carried
+
+
+@given(CARRIED.filter(lambda carried: carried != Carried()), CARRIED)
+@settings(deadline=None)
+def test_markup_of_both_changes_places(mine: Carried, theirs: Carried) -> None:
+    step = m.Step(id=1, name="S", carried=mine.model_copy(deep=True))
+    exchange(step, Markup.TC6, Markup.SIMATICML)
+    assert step.carried is not None
+    step.carried.attributes |= theirs.attributes
+    step.carried.elements += theirs.elements
+    step.carried.data += theirs.data
+    both = step.carried.model_copy(deep=True)
+    exchange(step, Markup.SIMATICML, Markup.TC6)
+    rest = [data for data in step.carried.data if not data.name.startswith(PUT_AWAY)]
+    assert step.carried.model_copy(update={"data": rest}) == mine
+    exchange(step, Markup.TC6, Markup.SIMATICML)
+    key = lambda data: (data.name, data.content)  # noqa: E731
+    assert sorted(step.carried.data, key=key) == sorted(both.data, key=key)
+    assert step.carried.attributes == both.attributes
+
+
+@pytest.mark.parametrize("content", ["", "<carried", "{}", f'<carried xmlns="{PUT_AWAY}">{{"data": 3}}</carried>'])
+def test_damaged_data_stays(content: str) -> None:
+    data = ForeignData(name=f"{PUT_AWAY}:tc6", content=content)
+    step = m.Step(id=1, name="S", carried=Carried(data=[data]))
+    exchange(step, Markup.SIMATICML, Markup.TC6)
+    assert step.carried is not None
+    assert data in step.carried.data
