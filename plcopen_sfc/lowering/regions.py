@@ -269,16 +269,16 @@ class RegionChain(Chain):
             step = self.net.steps[i]
             leaving = [self.net.transitions[t] for t in self.net.leaving[i]]
             choice = [self._try(machine, t) for t in leaving if len(t.sources) == 1]
-            lines += self._branch(self.names.step(i), self.heading(step), choice)
+            idle = f"; // {self.texts.until_joined}" if len(choice) < len(leaving) else ";"
+            lines += self._branch(self.names.step(i), self.heading(step), self._tried(choice) or [idle])
         for block in machine.blocks:
             firsts = [self.net.steps[self.machines[branch].first].path for branch in block.branches]
             choice = [self._try(machine, self.net.transitions[t]) for t in block.joins]
-            lines += self._branch(self.names.waiting(block), self.texts.waiting(firsts), choice)
+            lines += self._branch(self.names.waiting(block), self.texts.waiting(firsts), self._tried(choice) or [";"])
         return [*lines, "END_CASE;"]
 
-    def _branch(self, label: Expression, heading: str, choice: Sequence[_Try]) -> list[str]:
-        tried = self._tried(choice) or [";"]
-        return [f"{INDENT}{self.text(label)}: // {heading}", *(INDENT * 2 + line for line in tried)]
+    def _branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
+        return [f"{INDENT}{self.text(label)}: // {heading}", *(INDENT * 2 + line for line in lines)]
 
     def heading(self, step: NetStep) -> str:
         """The comment of a step's branch."""
