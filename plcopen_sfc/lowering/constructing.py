@@ -15,6 +15,7 @@ from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.drive import DriveBlock
 from plcopen_sfc.lowering.flag_places import LOCAL, FlagPlaces
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
@@ -30,13 +31,13 @@ from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.regions import RegionChain, no_regions
 from plcopen_sfc.lowering.restart import names_in_conditions
-from plcopen_sfc.lowering.rules import LoweringRules, States
+from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
 from plcopen_sfc.lowering.s7_memory import OperandMemory
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.surroundings import names_of
 from plcopen_sfc.lowering.targets import has_one_sheet, tool_of
 from plcopen_sfc.model.body import Body, SfcBody
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
@@ -93,6 +94,7 @@ class Constructed:
     left_out: str | None
     data_types: tuple[DataTypeDeclaration, ...]
     flags: FlagPlaces | None = None
+    blocks: tuple[Pou, ...] = ()
 
 
 def construct(
@@ -134,13 +136,21 @@ def construct(
         )
     code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
+    code.known_types = {kind.name.casefold() for kind in project.data_types} if project is not None else ()
     code.culture = rules.texts.culture if code.tool is Tool.S7 else ""
     code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
     memory = _memory(code, language)
+    if rules.actions is ActionPlace.BLOCK and (
+        is_grafcet(chart, rules.profile) or (style is Style.CLASSIC and chosen is Construction.CASE)
+    ):
+        raise LoweringError(
+            "actions cannot stand in a block of their own where they are a part of each evolution, or of a CASE",
+            location=Location(path=pou.name),
+        )
     if rules.flags != LOCAL:
-        if chosen not in (Construction.FLIPFLOP, Construction.BITS) or is_grafcet(chart, rules.profile):
+        if chosen not in (Construction.FLIPFLOP, Construction.BITS):
             raise LoweringError(
-                "only flip-flops and step bits have flags that could be put elsewhere, and not those of GRAFCET",
+                "only flip-flops and step bits have flags that could be put elsewhere",
                 location=Location(path=pou.name),
             )
         code.flags = FlagPlaces(rules, pou.name, project or Project(dialect=dialect), code.tool)
@@ -169,7 +179,9 @@ def construct(
     situation = {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps}
     left_out = code.left_out.identifier if code.left_out is not None else None
     made = _pou(pou, code, dialect, language)
-    return Constructed(made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types), code.flags)
+    drive = maker.drive if isinstance(maker, Chain) else None
+    blocks = (_drive_block(drive, dialect, language),) if drive is not None else ()
+    return Constructed(made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types), code.flags, blocks)
 
 
 def _told(expression: Expression, dialect: Dialect) -> str:
@@ -225,18 +237,24 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     _declare(interface, constants, code.constants, constant=True)
     _declare(interface, SectionKind.LOCAL, code.variables)
     _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])
-    declared = interface.variables()
-    body: Body
-    if language is Language.ST:
-        body = structured_text(code, dialect)
-    elif language is Language.FBD:
-        body = function_block_diagram(code, dialect, declared)
-    else:
-        body = ladder_diagram(code, dialect, declared)
+    body = _body(code, dialect, language, interface.variables())
     lowered = original.model_copy(deep=True, update={"bodies": [], "object_id": None})
     lowered.interface = interface
     lowered.bodies = [body, *(b for b in original.bodies if not isinstance(b, SfcBody))]
     return lowered
+
+
+def _body(code: Code, dialect: Dialect, language: Language, declared: list[Variable]) -> Body:
+    if language is Language.ST:
+        return structured_text(code, dialect)
+    if language is Language.FBD:
+        return function_block_diagram(code, dialect, declared)
+    return ladder_diagram(code, dialect, declared)
+
+
+def _drive_block(drive: DriveBlock, dialect: Dialect, language: Language) -> Pou:
+    body = _body(drive.code, dialect, language, drive.interface.variables())
+    return Pou(name=drive.name, kind=PouKind.FUNCTION_BLOCK, interface=drive.interface, bodies=[body])
 
 
 def _declare(interface: Interface, kind: SectionKind, variables: list[Variable], *, constant: bool = False) -> None:

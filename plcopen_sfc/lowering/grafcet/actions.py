@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import NamedTuple
 
+from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.grafcet.source import StoredAction
-from plcopen_sfc.lowering.logic import conjunction, disjunction, negation
+from plcopen_sfc.lowering.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    simplified,
+)
 from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.model.actions import ActionKind
 
@@ -14,22 +25,25 @@ StepValue = Callable[[int], Expression]
 """Something of a step, given by its index in the net."""
 
 
-class StoredActions:
-    """`active` tells whether a step is active, `before` whether it was before the present evolution.
+class StepSights(NamedTuple):
+    """What can be seen of a step: whether it is `active`, and was so `before` the present evolution.
 
-    `fresh` tells whether the evolution before this one has activated it.
+    `fresh`: whether the evolution before this one has activated it.
     """
 
+    active: StepValue
+    before: StepValue
+    fresh: StepValue
+
+
+class StoredActions:
+    """`bits`: names of BOOL variables, in lower case, that are assigned by logic and not under a condition."""
+
     def __init__(
-        self,
-        actions: Sequence[StoredAction],
-        memory: Memory,
-        active: StepValue,
-        before: StepValue,
-        fresh: StepValue,
+        self, actions: Sequence[StoredAction], memory: Memory, sights: StepSights, bits: Collection[str] = ()
     ) -> None:
-        self._actions, self._memory = actions, memory
-        self._active, self._before, self._fresh = active, before, fresh
+        self._actions, self._memory, self._bits = actions, memory, bits
+        self._active, self._before, self._fresh = sights
 
     def on_events(self) -> list[Statement]:
         """What events execute: while the step is active, and not by the event that has activated it."""
@@ -54,15 +68,25 @@ class StoredActions:
                     found += self._executed(conjunction([one, *none]), action)
         return found
 
-    def at_the_start(self, initial: Iterable[int]) -> list[Statement]:
-        """What the activation of the initial steps executes."""
+    def at_the_start(self, initial: Iterable[int], starting: Expression) -> list[Statement]:
+        """What the activation of the initial steps executes, in the scan that is `starting`."""
         started = set(initial)
-        return [
-            statement
-            for action in self._actions
-            if action.kind is ActionKind.ON_ACTIVATION and started.intersection(action.steps)
-            for statement in action.statements
-        ]
+        found: list[Statement] = []
+        for action in self._actions:
+            if action.kind is ActionKind.ON_ACTIVATION and started.intersection(action.steps):
+                found += self._executed(starting, action)
+        return found
 
     def _executed(self, condition: Expression, action: StoredAction) -> list[Statement]:
+        if len(action.statements) == 1 and isinstance(single := action.statements[0], n.Assignment):
+            value = simplified(single.value)
+            is_bit = isinstance(single.target, n.Name) and single.target.identifier.casefold() in self._bits
+            if is_bit and not is_constant(value, TRUE) and not is_constant(value, FALSE):
+                return [written_if(condition, single.target, value)]
         return self._memory.conditional("event", condition, action.statements)
+
+
+def written_if(condition: Expression, target: Expression, value: Expression) -> Statement:
+    """The assignment of a BOOL variable under a condition, as plain logic."""
+    kept = conjunction([target, negation(condition)])
+    return assignment(target, disjunction([conjunction([condition, value]), kept]))

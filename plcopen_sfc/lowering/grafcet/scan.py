@@ -10,10 +10,10 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
-from plcopen_sfc.lowering.code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code import BOOL, CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.emitting import paragraph
 from plcopen_sfc.lowering.executing import add_actions
-from plcopen_sfc.lowering.grafcet.actions import StoredActions
+from plcopen_sfc.lowering.grafcet.actions import StepSights, StoredActions, written_if
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
 from plcopen_sfc.lowering.grafcet.controls import ContinuousControl, PassingControl, passed_steps
@@ -24,8 +24,10 @@ from plcopen_sfc.lowering.grafcet.source import GrafcetSource
 from plcopen_sfc.lowering.grafcet.stability import Stability
 from plcopen_sfc.lowering.grafcet.terms import TermCode
 from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import BooleanTargets, Evolution, Profile
@@ -54,12 +56,11 @@ class GrafcetScan:
         passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
         self._passed = {i: self._code.declare(f"{names[i]}_seen") for i in passed}
-        self._stored = StoredActions(
-            self._grafcet.stored, chain.memory, chain.active, self._evolving.before, self._fresh
-        )
-        self._ruled = [
-            Ruling(chart, chain.active, self._evolving.before, self._reentered) for chart in self._grafcet.ruled
-        ]
+        before = self._evolving.before
+        sights = StepSights(chain.active, before, self._fresh)
+        bits = _bits(chain.source) if self._code.drawn else ()
+        self._stored = StoredActions(self._grafcet.stored, chain.memory, sights, bits)
+        self._ruled = [Ruling(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
 
     @property
     def repeats(self) -> bool:
@@ -173,21 +174,31 @@ class GrafcetScan:
         code.add(texts.before, self._evolving.remembered(), place=place)  # known now
 
     def _restarts(self, continuous: ContinuousControl) -> list[Statement]:
-        """Let the times of steps begin anew that are left, also if they are entered again before the scan ends."""
+        """Let the times of steps begin anew that are left and entered again before the scan ends."""
         chain = self._chain
         found: list[Statement] = []
         for step in range(len(self._net.steps)):
-            again = self._again(step)
-            found += chain.times.restarts(step, disjunction([negation(chain.active(step)), again]))
-        for timer, started, time in continuous.timers:
+            left = negation(chain.active(step)) if self._stable else FALSE
+            again = disjunction([left, self._again(step)]) if chain.times.measures(step) else FALSE
+            if not is_constant(again, FALSE):
+                found += chain.times.restarts(step, again)
+        for timer, started, time in continuous.timers if self._stable else ():
             found.append(when(negation(started), call(timer, IN=FALSE, PT=time)))
         return found
 
     def _start(self) -> None:
         """What is executed once, before the first evolution."""
-        statements = [*self._terms.starts, *self._stored.at_the_start(indexes(self._net.initial))]
-        if statements:
-            self._code.add(self._texts.start, self._chain.memory.conditional("", self._starting(), statements))
+        statements: list[Statement] = []
+        for variable, value in self._terms.starts:
+            if self._code.drawn:
+                statements.append(written_if(self._starting(), variable, value))
+            else:
+                statements.append(when(self._starting(), assignment(variable, value)))
+        initial = set(indexes(self._net.initial))
+        activated = (s.steps for s in self._grafcet.stored if s.kind is ActionKind.ON_ACTIVATION)
+        if any(initial.intersection(steps) for steps in activated):
+            statements += self._stored.at_the_start(initial, self._starting())
+        self._code.add(self._texts.start, statements)
 
     def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork | TextNetwork]:
         kept, self._code.networks = self._code.networks, []
@@ -218,6 +229,12 @@ class GrafcetScan:
         lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
         lines += [print_node(statement, dialect) for statement in behind]
         self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
+
+
+def _bits(source: ChartSource) -> set[str]:
+    """The names of the BOOL variables of the POU, in lower case."""
+    declared = source.pou.interface.variables() if source.pou.interface is not None else []
+    return {variable.name.casefold() for variable in declared if variable.type == BOOL}
 
 
 def _outputs(profile: Profile) -> Profile:

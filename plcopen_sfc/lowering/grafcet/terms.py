@@ -17,8 +17,8 @@ from plcopen_sfc.model.types import DerivedType
 class TermCode:
     """The variables that stand for the terms of a chart, and the statements that bring them up to date.
 
-    `times` and `edges` are to be executed in this order before the transitions are tested; `starts` once, before the
-    first evolution of all. `step_flags` are the variables that tell that a step is active.
+    `times` and `edges` are to be executed in this order before the transitions are tested; `starts` are values of
+    variables before the first evolution. `active` tells of each step whether it is.
     """
 
     def __init__(self, grafcet: GrafcetSource, code: Code, texts: Texts, active: Collection[Expression]) -> None:
@@ -30,7 +30,7 @@ class TermCode:
         self._inactive = {negation(each) for each in active}
         self.times: list[Statement] = []
         self.edges: list[Statement] = []
-        self.starts: list[Statement] = []
+        self.starts: list[tuple[n.Name, Expression]] = []
         self._early = _written_early(grafcet)
         for delay in grafcet.delays:
             self._values[delay.name.casefold()] = self._declare_delay(delay)
@@ -74,7 +74,7 @@ class TermCode:
         initial = "TRUE" if (is_constant(start, TRUE) if start is not None else edge.rising) else None
         before = self._code.declare(f"{pulse.identifier}_old", initial=initial)
         if start is not None and not is_constant(start, TRUE) and not is_constant(start, FALSE):
-            self.starts.append(assignment(before, start))
+            self.starts.append((before, start))
         now, then = (operand, negation(before)) if edge.rising else (negation(operand), before)
         self.edges += [assignment(pulse, conjunction([now, then])), assignment(before, operand)]
 
