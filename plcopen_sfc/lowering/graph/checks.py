@@ -44,7 +44,9 @@ class StepChecks:
         self._must_acknowledge = source.acknowledged
         remembers = self._supervision is not None and (source.acknowledged or "A1" in needed)
         stated = [c for c in (self._interlock, self._supervision) if c is not None]
-        asked_early = questions.early(step, {*INTERLOCK, *SUPERVISION}) or (step, "U") in questions
+        asked_early = (step, "U") in questions or questions.asked(
+            step, {*INTERLOCK, *SUPERVISION}, Phase.CHECK, Phase.SWITCH
+        )
         self.early = (
             remembers or (asked_early and bool(stated)) or any(c.preparation or questions.asks(c.value) for c in stated)
         )
@@ -66,6 +68,7 @@ class StepChecks:
             if self.early:
                 wanted |= {"VS"}
         self._remembers = remembers
+        self._asked_between = questions.asked(step, _EVENTS, Phase.CHECK)
         self._variables = {name: code.declare(f"{flag.identifier}_{name}") for name in _ORDER if name in wanted}
 
     def value(self, quantity: str) -> Expression:
@@ -84,13 +87,19 @@ class StepChecks:
             return FALSE
         if self.early:
             return self.value("VA")
-        fault: Expression = resolve(self._supervision.value, Phase.CHECK)
+        fault: Expression = resolve(self._supervision.value, Phase.SWITCH)
         return fault
 
     def disturbed(self) -> Expression:
         """Whether there is an error of the interlock or the supervision while the step is active."""
         interlock = conjunction([self._flag, negation(self.value("LS"))]) if self._interlock is not None else FALSE
         return disjunction([interlock, self.value("VA")])
+
+    def cleared(self) -> list[Statement]:
+        """Ends the events of the last cycle, for checks that ask for them before they happen anew."""
+        if not self._asked_between:
+            return []
+        return [assignment(self._variables[event], FALSE) for event in _EVENTS if event in self._variables]
 
     def before(self, resolve: Resolve, acknowledge: Expression) -> list[Statement]:
         """The checks of the active step before the step change."""
@@ -107,7 +116,7 @@ class StepChecks:
         if not self.early:
             return self._late(resolve)
         forgotten = [assignment(variable, FALSE) for variable in self._variables.values()]
-        fresh = n.Branch(entered(), tuple(self._evaluated(resolve, Phase.ACT, FALSE)))
+        fresh = n.Branch(entered(), tuple(self._evaluated(resolve, Phase.ENTERED, FALSE)))
         return [n.If((fresh, n.Branch(left(), tuple(forgotten))))]
 
     def _evaluated(self, resolve: Resolve, phase: Phase, acknowledge: Expression) -> list[Statement]:
@@ -173,4 +182,5 @@ class StepChecks:
         into.append(when(conjunction([negation(v["VS"]), *known]), assignment(v["VA"], FALSE)))
 
 
+_EVENTS = ("L1", "L0", "V1", "V0", "A1")
 _ORDER = ("LS", "L1", "L0", "LA", "fault", "V1", "V0", "VS", "VA", "A1", "acknowledged")

@@ -72,7 +72,7 @@ class _Display:
             ("S_PREV", self._steps[::-1], n.Operator.LESS),
         ):
             edge = self._commands.edge(command)
-            if not is_constant(edge, FALSE):
+            if not is_constant(edge, FALSE) and steps:
                 branches.append(n.Branch(edge, tuple(self._other(steps, beyond))))
         yield n.If(tuple(branches))
 
@@ -82,8 +82,9 @@ class _Display:
         )
 
     def _first(self) -> list[Statement]:
+        none = assignment(self._shown, _NONE)
         branches = [n.Branch(flag, (self._show(number),)) for number, flag in self._steps]
-        return [n.If(tuple(branches), (assignment(self._shown, _NONE),))]
+        return [n.If(tuple(branches), (none,)) if branches else none]
 
     def _other(self, steps: Sequence[tuple[int, n.Name]], beyond: n.Operator) -> list[Statement]:
         """The next active step behind the one shown; behind the last one the first."""

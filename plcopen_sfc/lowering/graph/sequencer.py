@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.graph.actions import Actions, StepSignals
 from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
 from plcopen_sfc.lowering.graph.reports import add_reports
+from plcopen_sfc.lowering.graph.skipping import add_skips
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Phase, Questions, step_quantity
 from plcopen_sfc.lowering.graph.texts import graph_texts
@@ -30,7 +31,7 @@ from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetTransition, Rivals
 
-_NO_EVENT_YET = frozenset({"S1", "S0", "R1"})
+_STEP_EVENTS = frozenset({"S1", "S0", "R1"})
 _LIMITS = {"T_MAX": "max_time", "T_WARN": "warning_time"}
 
 
@@ -139,8 +140,9 @@ class Sequencer:
             return self.clock.stated(getattr(self.net.steps[step].step, _LIMITS[quantity]))
         if quantity in ("T", "U"):
             return self.clock.value(step, quantity)
-        if quantity in _NO_EVENT_YET:
-            return FALSE if phase is Phase.CHECK else self.event(step, ActionEvent(quantity))
+        if quantity in _STEP_EVENTS:
+            happened = phase in (Phase.BEFORE, Phase.ACT) or (phase is Phase.ENTERED and quantity != "R1")
+            return self.event(step, ActionEvent(quantity)) if happened else FALSE
         return self.checks[step].value(quantity)
 
     def event(self, step: int, event: ActionEvent) -> Expression:
@@ -164,11 +166,13 @@ class Sequencer:
     def _add_checks(self) -> None:
         self.code.add(self.texts.times, self.clock.calls())
         acknowledge = self.commands.edge("ACK_EF") if any(c.early for c in self.checks) else FALSE
-        checked = [s for each in self.checks for s in each.before(self.resolve, acknowledge)]
+        checked = [s for each in self.checks for s in each.cleared()]
+        checked += [s for each in self.checks for s in each.before(self.resolve, acknowledge)]
         self.code.add(self.own_texts.checks, checked)
         self.code.add(self.own_texts.undisturbed, self.clock.counted(self.checks))
 
-    def _enabled(self, transition: NetTransition) -> Expression:
+    def enabled(self, transition: NetTransition) -> Expression:
+        """Whether all steps before a transition are active."""
         return conjunction(self.wanted.get(i, self.flags[i]) for i in transition.sources)
 
     def _add_transitions(self) -> None:
@@ -180,18 +184,27 @@ class Sequencer:
             pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
         for transition in self.net.transitions:
             index = transition.index
-            enabled = self._enabled(transition)
-            preparation = self._resolved(self.source.preparations[index], Phase.CHECK)
+            enabled = self.enabled(transition)
+            preparation = self._resolved(self.source.preparations[index], Phase.SWITCH)
             if preparation:
-                idle = (self.commands.is_on(Mode.MANUAL), self._started(), self.commands.edge("OFF_SQ"))
-                statements.append(when(conjunction([enabled, *map(negation, idle)]), *preparation))
-            condition = self.resolve(self.source.conditions[index], Phase.CHECK)
+                statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
+            condition = self.resolve(self.source.conditions[index], Phase.SWITCH)
             switches = disjunction([conjunction([condition, permitted]), pushed])
             held = [self.checks[i].held(self.resolve) for i in transition.sources]
             rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
             free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
             statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
         self.code.add(self.texts.transitions, statements)
+
+    def stays(self, step: int) -> Expression:
+        """Whether a step is active and no transition leaves it."""
+        leaving = [negation(self.fired[t]) for t in self.net.leaving[step]]
+        return conjunction([self.wanted.get(step, self.flags[step]), *leaving])
+
+    def evolves(self) -> Expression:
+        """Whether conditions of transitions are evaluated in this cycle."""
+        idle = (self.commands.is_on(Mode.MANUAL), self._started(), self.commands.edge("OFF_SQ"))
+        return conjunction(map(negation, idle))
 
     # -- the step change
 
@@ -202,6 +215,8 @@ class Sequencer:
             flag = self.fired[transition.index]
             resets += self._all(transition.sources, FALSE, flag)
             sets += self._all(transition.targets, TRUE, flag)
+        if self.source.skips:
+            sets = add_skips(self)
         self.code.add(self.texts.resets, resets)
         self.code.add(self.texts.sets, sets)
         self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
@@ -247,7 +262,7 @@ class Sequencer:
     def _add_actions(self) -> None:
         place = len(self.code.networks)
         for step in self.net.steps:
-            for name in self.questions.of(step.index) & _NO_EVENT_YET:
+            for name in self.questions.of(step.index) & _STEP_EVENTS:
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
         checked = [s for step in self.net.steps for s in self._checked(step.index)]

@@ -37,12 +37,14 @@ _COMPARING = frozenset(
 class Phase(Enum):
     """Where in a cycle a text stands.
 
-    BEFORE: permanent operations before the sequence. CHECK: interlocks, supervisions and conditions of transitions.
-    ACT: actions and everything behind them.
+    BEFORE: permanent operations before the sequence. CHECK: interlocks and supervisions. SWITCH: conditions of
+    transitions. ENTERED: interlocks and supervisions of steps that were entered. ACT: actions and all behind them.
     """
 
     BEFORE = auto()
     CHECK = auto()
+    SWITCH = auto()
+    ENTERED = auto()
     ACT = auto()
 
 
@@ -70,7 +72,7 @@ def texts_of(source: GraphSource) -> Iterator[Text]:
     ):
         for tree in (condition, *preparation):
             active = tuple(i for i in transition.sources if i not in ahead)
-            yield Text(tree, Phase.CHECK, active, f"transition {transition.path}")
+            yield Text(tree, Phase.SWITCH, active, f"transition {transition.path}")
     for kind, conditions in (("interlock", source.interlocks), ("supervision", source.supervisions)):
         for step, stated in conditions.items():
             for tree in (stated.value, *stated.preparation):
@@ -120,10 +122,10 @@ class Questions:
         """All that is asked of a step."""
         return {quantity for index, quantity in self._asked if index == step}
 
-    def early(self, step: int, quantities: Collection[str]) -> bool:
-        """Whether one of these is asked for before the step change."""
+    def asked(self, step: int, quantities: Collection[str], *phases: Phase) -> bool:
+        """Whether one of these is asked for in these phases."""
         return any(
-            text.phase is Phase.CHECK
+            text.phase in phases
             for (index, quantity), texts in self._asked.items()
             if index == step and quantity in quantities
             for text in texts

@@ -278,22 +278,21 @@ class GraphProgram:
         return situation & ~left | entered
 
     def _skip(self, frame: Frame, situation: int, entered: int) -> int:
-        """Steps whose next transition is satisfied already do not become active."""
-        passed = 0
-        waiting = list(indexes(entered))
-        result = 0
-        while waiting:
-            index = waiting.pop()
-            bit = 1 << index
-            onward = None
-            if not bit & (passed | situation):
+        """Steps whose next transition is satisfied already do not become active; no step is passed twice."""
+        passed = situation
+        moved = True
+        while moved:
+            moved = False
+            for step in self.net.steps:
+                bit = step.bit
+                if not bit & entered or bit & passed:
+                    continue
                 passed |= bit
                 onward = next((m for m in self._enabled_in(bit) if m.sources == bit and m.condition(frame)), None)
-            if onward is None:
-                result |= bit
-            else:
-                waiting.extend(indexes(onward.targets))
-        return result
+                if onward is not None:
+                    entered = entered & ~bit | onward.targets
+                    moved = True
+        return entered
 
     def _enabled_in(self, situation: int) -> tuple[Move, ...]:
         found = self._enabled.get(situation)
