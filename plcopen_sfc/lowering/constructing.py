@@ -122,7 +122,7 @@ def construct(
         source = read_grafcet(pou, dialect, rules.profile, surroundings)
         chosen, why = _choice_for_grafcet(source, construction, rules.profile)
     else:
-        source = read_chart(pou, chart, dialect, rules.profile, surroundings)
+        source = read_chart(pou, chart, dialect, rules.profile, surroundings, project=project)
         chosen, why = _choice(source, construction, rules.profile)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
@@ -181,7 +181,9 @@ def construct(
     made = _pou(pou, code, dialect, language)
     drive = maker.drive if isinstance(maker, Chain) else None
     blocks = (_drive_block(drive, dialect, language),) if drive is not None else ()
-    return Constructed(made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types), code.flags, blocks)
+    return Constructed(
+        made, chosen, why, tells, situation, code.at_rest, left_out, tuple(code.data_types), code.flags, blocks
+    )
 
 
 def _told(expression: Expression, dialect: Dialect) -> str:

@@ -12,6 +12,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.fault_search import find_faults
 from plcopen_sfc.lowering.faults import Fault
+from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
@@ -146,7 +147,8 @@ def lower(
             language=spoken,
             project=found.project,
         )
-    project = _with(found, made.pou, made.data_types)
+        made = with_actions(made, found.project.dialect, rules, spoken, found.project)
+    project, lowered_pou = _with(found, made.pou, made.data_types)
     if made.flags is not None:
         made.flags.put_into(project)
     code = Subject(project, made.pou, found.name)
@@ -168,7 +170,7 @@ def lower(
             )
     lowered = LoweredPou(
         project,
-        made.pou,
+        lowered_pou,
         made.construction,
         wanted_style,
         rules,
@@ -211,11 +213,21 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
         raise LoweringError(f"{name!r} is nothing a chart can be lowered to", hint=hint) from None
 
 
-def _with(subject: Subject, pou: Pou, data_types: Sequence[DataTypeDeclaration]) -> Project:
-    """A copy of the project with `pou` instead of the one of the same name, and with new data types."""
+def _with(subject: Subject, pou: Pou, data_types: Sequence[DataTypeDeclaration]) -> tuple[Project, Pou]:
+    """A copy of the project with `pou` instead of the one of the same name, and with new data types.
+
+    The code of an action's chart stands in the action.
+    """
     project = subject.project.model_copy(deep=True)
     names = [each.name for each in project.pous]
     if subject.pou.name in names:
-        project.pous[names.index(subject.pou.name)] = pou
+        place = names.index(subject.pou.name)
+        own = project.pous[place]
+        action = subject.name.removeprefix(f"{own.name}.") if subject.name != own.name else None
+        if action is not None:
+            body, pou = pou.body, pou.model_copy(update={"bodies": own.bodies})
+            for each in pou.actions:
+                each.body = body if each.name == action else each.body
+        project.pous[place] = pou
     project.data_types += data_types
-    return project
+    return project, pou

@@ -8,14 +8,16 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.lowering.called import Targets
 from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
 from plcopen_sfc.lowering.logic import TRUE, conjunction, negation
 from plcopen_sfc.lowering.source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body
+from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.conditions import Expression as TextCondition
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
@@ -29,6 +31,7 @@ def read_chart(
     profile: Profile,
     surroundings: Collection[str] = (),
     *,
+    project: Project | None = None,
     grafcet: bool = False,
 ) -> ChartSource:
     """Read a chart of `pou`. `surroundings`: the names of its project in lower case.
@@ -37,7 +40,7 @@ def read_chart(
 
     Raises `LoweringError` for what has no meaning that could be lowered.
     """
-    return _Reader(pou, chart, dialect, profile, surroundings, grafcet=grafcet).source()
+    return _Reader(pou, chart, dialect, profile, surroundings, project=project, grafcet=grafcet).source()
 
 
 class _Owner(NamedTuple):
@@ -58,9 +61,11 @@ class _Reader(TextReader):
         profile: Profile,
         surroundings: Collection[str],
         *,
+        project: Project | None,
         grafcet: bool,
     ) -> None:
         super().__init__(pou, chart, dialect)
+        self._targets = Targets(pou, project, dialect)
         self._grafcet = grafcet
         self._profile = profile
         own = {v.name.casefold() for v in pou.interface.variables()} if pou.interface else set()
@@ -147,10 +152,23 @@ class _Reader(TextReader):
                 continue
             name, uses = targets[each]
             action = self.pou.action(name)
-            if action is None:
-                yield ActionSource(name, self.expression(name, f"action {name}"), (), tuple(uses))
+            if action is not None:
+                yield ActionSource(name, None, self._statements_of(action), tuple(uses))
+                continue
+            target = self.expression(name, f"action {name}")
+            if self._targets.is_called(target):
+                yield ActionSource(name, None, self.read(f"{name}();", f"action {name}"), tuple(uses))
             else:
-                yield ActionSource(name, None, self.statements(action.body, f"action {name}"), tuple(uses))
+                yield ActionSource(name, target, (), tuple(uses))
+
+    def _statements_of(self, action: Action) -> tuple[n.Statement, ...]:
+        """What an action does; one with a chart of its own is called."""
+        path = f"action {action.name}"
+        return (
+            self.read(f"{action.name}();", path)
+            if isinstance(action.body, SfcBody)
+            else self.statements(action.body, path)
+        )
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> Use:
         if association.event is not None or association.interlock or association.forcing is not None:
@@ -195,7 +213,7 @@ class _Reader(TextReader):
             return self.statements(action, path)
         known = self.pou.action(action)
         if known is not None:
-            return self.statements(known.body, f"action {action}")
+            return self._statements_of(known)
         return self.read(f"{action}();", path)
 
     def _minimum_times(self) -> Iterator[tuple[int, n.Expression]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project, projects_with
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -28,7 +28,7 @@ class Subject:
 def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, project: Project | None = None) -> Subject:
     """Find out what to run.
 
-    Of a project, `pou` names it: ``Main``, or ``Main.Fill`` for the chart of an action; it may be left out where there
+    Of a project, `pou` names it: ``Main``, or ``Main.Fill`` for an action; it may be left out where there
     is only one chart, or only one POU that can run. A chart brings the project that it is in; a chart of an action
     runs as if it were the body of its POU. A POU without `project` uses the project that it is in where it has a
     chart, else it stands alone. Raises `ModelError`.
@@ -57,6 +57,9 @@ def _named(project: Project, name: str) -> Subject:
     for path, owner, body in project.bodies():
         if isinstance(body, SfcBody) and path.casefold() == name.casefold():
             return _of_body(project, path, owner, body)
+    for path, owner, body in project.bodies():
+        if path.casefold() == name.casefold() and any(body is action.body for action in owner.actions):
+            return _of_body(project, path, owner, body)
     found = project.pou(name)
     return Subject(project, found, found.name)
 
@@ -74,8 +77,8 @@ def _only(project: Project) -> Subject:
     raise ModelError("say which of its POUs to run", hint="There are: " + ", ".join(names[:20]))
 
 
-def _of_body(project: Project, name: str, owner: Pou, body: SfcBody) -> Subject:
-    """The chart of an action runs as the body of a POU that is like its own in everything else."""
+def _of_body(project: Project, name: str, owner: Pou, body: Body) -> Subject:
+    """An action runs as the body of a POU that is like its own in everything else."""
     if any(body is each for each in owner.bodies):
         return Subject(project, owner, owner.name)
     return Subject(project, owner.model_copy(update={"bodies": [body]}), name)

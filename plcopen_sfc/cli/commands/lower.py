@@ -95,7 +95,7 @@ def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou
     """With the proof for the code as it was read back, and the faults of a textbook form."""
     proof = prove(
         chart,
-        resolve(again, chart.pou.name),
+        resolve(again, chart.name),
         lowered.profile,
         fixed=lowered.at_rest,
         left_out=lowered.left_out,

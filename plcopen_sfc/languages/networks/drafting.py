@@ -350,7 +350,16 @@ class Drafter:
         if isinstance(call, n.Call) and path_of(call.callee) in self._types and _by_name(call):
             safe = enable is None or all(a.value is not None and _is_harmless(a.value) for a in call.arguments)
             return self._function_block(call, None, enable) if safe else None
+        if isinstance(call, n.Call) and not call.arguments and self.rules.tool is Tool.CODESYS:
+            return self._action(call, enable)
         return None
+
+    def _action(self, call: n.Call, enable: Expression | None) -> Item:
+        """A call of an action: a box without pins, which says what it is."""
+        draft = BlockDraft(self._text(call.callee), call=BlockCall.ACTION)
+        draft.inputs.append(("EN", self.power(enable) if enable is not None else None))
+        draft.outputs.append("ENO")
+        return self._block(draft, None, acting=True)
 
     def _function_block(self, call: n.Call, output: str | None, enable: Expression | None) -> Item:
         """A call of an instance; `output`: which of its values is used."""

@@ -1,0 +1,56 @@
+"""Charts of actions: a target that has no charts has none inside others either."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.constructing import Constructed, Construction, Language, construct
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Project
+
+
+def with_actions(
+    made: Constructed, dialect: Dialect, rules: LoweringRules, language: Language | None, project: Project
+) -> Constructed:
+    """The same with code instead of the charts of those actions that its code calls, and that these call.
+
+    They have the construction of the chart where it can hold them. What starts a chain anew and operates it concerns
+    the chart itself.
+    """
+    inner = replace(rules, init=None, stop=None, reset_actions=False, flags="local", modes=frozenset())
+    pou, data_types, body = made.pou, list(made.data_types), made.pou.body
+    parts = made.construction in (Construction.CASE, Construction.REGIONS)
+    construction = Construction.AUTO if parts else made.construction
+    done: set[str] = set()
+    calling = [body]
+    while calling:
+        words = _words(calling.pop())
+        for action in list(pou.actions):
+            key = action.name.casefold()
+            if key in done or key not in words:
+                continue
+            done.add(key)
+            if isinstance(action.body, SfcBody):
+                alone = pou.model_copy(update={"bodies": [action.body]})  # as if it were the body
+                chart = action.body.chart
+                found = construct(
+                    alone, chart, dialect, inner, construction=construction, language=language, project=project
+                )
+                data_types += found.data_types
+                pou = found.pou.model_copy(update={"bodies": pou.bodies})
+                _named(pou, action.name).body = found.pou.body
+            calling.append(_named(pou, action.name).body)
+    return replace(made, pou=pou, data_types=tuple(data_types))
+
+
+def _named(pou: Pou, name: str) -> Action:
+    return next(action for action in pou.actions if action.name == name)
+
+
+def _words(body: Body | None) -> set[str]:
+    """All words of a body, among which are the names of what it calls."""
+    return set(re.findall(r"\w+", body.model_dump_json().casefold())) if body is not None else set()

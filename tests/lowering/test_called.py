@@ -1,0 +1,102 @@
+"""Actions that are called: those of instances, instances and programs themselves, and actions with a chart."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.semantics.subjects import resolve
+from tests.lowering.charts import act, boolean, pou_with
+
+FORMS = [("bits", "ST"), ("flipflop", "FBD"), ("flipflop", "LD"), ("auto", "ST")]
+
+
+def ring(*names: str, prefix: str = "c") -> m.SfcNetwork:
+    """Steps in a ring, with an input as the condition of each transition."""
+    chart = m.SfcNetwork()
+    steps = [chart.add_step(name, initial=name == names[0]) for name in names]
+    for number, step in enumerate(steps):
+        chart.add_transition(step, steps[(number + 1) % len(steps)], f"{prefix}{number + 1}")
+    return chart
+
+
+def plant() -> m.Project:
+    """A chart that executes an action and a call of an instance, a program, and two levels of charts in actions."""
+    motor = m.Pou(
+        name="Motor",
+        kind=m.PouKind.FUNCTION_BLOCK,
+        interface=m.Interface(
+            sections=[m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[boolean("On"), boolean("Called")])]
+        ),
+        bodies=[m.StBody(text="Called := NOT Called;")],
+        actions=[m.Action(name="Start", body=m.StBody(text="On := TRUE;"))],
+    )
+    lamp = m.Pou(name="Lamp", kind=m.PouKind.PROGRAM, bodies=[m.StBody(text="Lit := NOT Lit;")])
+    lamp.interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.LOCAL, variables=[boolean("Lit")])])
+    inner, deep = ring("Open", "Close", prefix="i"), ring("Low", "High", prefix="d")
+    act(inner, inner.steps[1], "q_inner")
+    act(inner, inner.steps[0], "Deep")
+    act(deep, deep.steps[1], "q_deep")
+    outer = ring("Idle", "Run", "Shine")
+    act(outer, outer.steps[1], "Drive.Start")
+    act(outer, outer.steps[1], "Drive")
+    act(outer, outer.steps[1], "Inner")
+    act(outer, outer.steps[2], "Lamp")
+    pou = pou_with(outer)
+    for transition, text in zip(
+        outer.transitions, ("c1 OR Lamp.Lit", "c2 AND Drive.On", "c3 AND Drive.Called"), strict=True
+    ):
+        transition.condition = m.Expression(text=text)
+    assert pou.interface is not None
+    local, result = (m.VariableSection(kind=kind) for kind in (m.SectionKind.LOCAL, m.SectionKind.OUTPUT))
+    local.variables = [m.Variable(name="Drive", type=m.DerivedType(name="Motor"))]
+    result.variables = [boolean("q_inner"), boolean("q_deep")]
+    pou.interface.sections[0].variables += [boolean(name) for name in ("i1", "i2", "d1", "d2")]
+    pou.interface.sections[1:] = [local, result]
+    pou.actions = [
+        m.Action(name="Inner", body=m.SfcBody(chart=inner)),
+        m.Action(name="Deep", body=m.SfcBody(chart=deep)),
+        m.Action(name="Alone", body=m.SfcBody(chart=ring("Off", "On", prefix="d"))),
+    ]
+    return m.Project(name="Anlage", pous=[motor, lamp, pou], dialect=m.Dialect.CODESYS)
+
+
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_they_are_called(construction: str, language: str) -> None:
+    project = plant()
+    lowered = lower(project, construction, pou="Ablauf", language=language, verify=False)
+    found = equivalent(resolve(project, "Ablauf"), resolve(lowered.project, "Ablauf"), "codesys", cap=2_000, runs=10)
+    assert found.equal, str(found)
+    assert {"q_inner", "q_deep", "Shine.X"} <= set(found.compared) or construction == "auto"
+
+
+def test_charts_of_actions_that_are_called_are_lowered_too() -> None:
+    lowered = lower(plant(), "case", pou="Ablauf", verify=False)
+    charts = [action.name for action in lowered.pou.actions if isinstance(action.body, m.SfcBody)]
+    assert charts == ["Alone"], "nothing calls it"
+
+
+def test_the_code_of_the_chart_of_an_action_stands_in_the_action() -> None:
+    project = plant()
+    lowered = lower(project, "case", pou="Ablauf.Inner")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    written = lowered.project.pou("Ablauf")
+    assert isinstance(written.body, m.SfcBody), "its own chart is still there"
+    actions = {action.name: action.body for action in written.actions}
+    assert isinstance(actions["Inner"], m.StBody)
+    assert isinstance(actions["Deep"], m.StBody)
+    assert equivalent(
+        resolve(project, "Ablauf"), resolve(lowered.project, "Ablauf"), "codesys", cap=2_000, runs=5
+    ).equal
+
+
+@pytest.mark.parametrize("language", ["ST", "FBD", "LD"])
+def test_calls_come_back_from_a_file(language: str) -> None:
+    project = plant()
+    lowered = lower(project, "flipflop", pou="Ablauf", language=language, target="codesys", verify=False)
+    again = sfc.loads(sfc.dumps(lowered.project, format="codesys"), format="codesys")
+    assert equivalent(resolve(project, "Ablauf"), resolve(again, "Ablauf"), "codesys", cap=500, runs=10).equal
