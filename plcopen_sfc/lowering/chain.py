@@ -10,6 +10,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import BOOL, Code
 from plcopen_sfc.lowering.control import ActionControl
+from plcopen_sfc.lowering.drive import DriveBlock
 from plcopen_sfc.lowering.executing import add_actions
 from plcopen_sfc.lowering.flags import FlagCode
 from plcopen_sfc.lowering.logic import FALSE, TRUE, conjunction, is_constant
@@ -17,11 +18,13 @@ from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.modes import Modes
 from plcopen_sfc.lowering.references import resolve_steps
 from plcopen_sfc.lowering.restart import declare_restart
-from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.step_code import add_changes, add_main_actions
+from plcopen_sfc.lowering.stepwise import StepwiseControl, stepwise_timed
 from plcopen_sfc.lowering.times import StepTimes
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
+from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import ScanOrder
 
 
@@ -53,11 +56,15 @@ class Chain(ABC):
         self.blocking = self.sfc_flags.blocking
         self.modes = Modes(source, code, memory, rules, self.init)
         self.forgets = False
+        self.drive: DriveBlock | None = None
         self.declare_states(source)
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
         self.times = StepTimes(code, self.active, names.__getitem__)
         for watch in source.watches:
             self.times.elapsed(watch.step)
+        if self.profile.action_control is Control.PER_STEP:
+            for step in stepwise_timed(source):
+                self.times.elapsed(step)
         self.source = resolve_steps(source, self.active, self.times, rules.profile, self._may_fire)
 
     def _may_fire(self, condition: Expression, waited: Expression) -> Expression:
@@ -140,8 +147,27 @@ class Chain(ABC):
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
         add_main_actions(self.source, self.code, self.memory, self.active, self.texts)
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
-        control = ActionControl(self.memory, self.active, ending)
+        if self.rules.actions is ActionPlace.BLOCK:
+            self._add_drive_block(ending)
+            return
+        control: ActionControl | StepwiseControl = ActionControl(self.memory, self.active, ending)
+        if self.profile.action_control is Control.PER_STEP:
+            control = StepwiseControl(
+                self.net, self.code, self.memory, self.times, active=self.active, ending=ending
+            )
         add_actions(self.source, self.code, control, self.memory, self.rules)
+
+    def _add_drive_block(self, ending: Expression) -> None:
+        """Append the call of a block with the actions."""
+        if self.source.flags or self.profile.action_control is Control.PER_STEP:
+            raise LoweringError(
+                "actions that steps control one by one, or SFC flags end, cannot stand in a block of their own",
+                location=Location(path=self.source.pou.name),
+            )
+        self.drive = DriveBlock(self.source, self.code, self.memory, self.texts, self.active)
+        control = ActionControl(self.drive.memory, self.drive.active, ending)
+        add_actions(self.source, self.drive.code, control, self.drive.memory, self.rules)
+        self.drive.finish(self.surroundings)
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
         """What must be executed before the condition of a transition is evaluated, where it is."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.languages.st import nodes as n
@@ -52,7 +52,8 @@ class Code:
     `tool`: whose, where that matters. `culture` (``de-DE``): that of what is made for people, where the target keeps
     texts by it. `operands`: variables in which boxes of S7 keep their state, with these boxes.
     `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
-    is FALSE. `flags`: where step flags are; None: among the local variables.
+    is FALSE. `flags`: where step flags are; None: among the local variables. `known_types`: the data types of the
+    project, in lower case.
     """
 
     naming: Naming
@@ -70,6 +71,7 @@ class Code:
     operands: dict[n.Expression, str] = field(default_factory=dict)
     flags: FlagPlaces | None = None
     first_scan: n.Name | None = None
+    known_types: Collection[str] = ()
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
         """Declare a local variable that is called `wanted`, if that is free, and give its name."""
@@ -90,6 +92,12 @@ class Code:
         said = self.said(comment)
         self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=said))
         return self.naming.local(name)
+
+    def beside(self) -> Code:
+        """Code for another block of the same target, whose names are none of this one."""
+        return replace(
+            self, networks=[], variables=[], inputs=[], constants=[], data_types=[], operands={}, first_scan=None
+        )
 
     def declare_flag(self, wanted: str, *, initial: bool, comment: str) -> n.Expression:
         """Declare the flag of a step where flags are, and give what reads it."""

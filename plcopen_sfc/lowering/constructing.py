@@ -14,8 +14,8 @@ from plcopen_sfc.lowering.bits import StepBits
 from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.drive import DriveBlock
+from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.flag_places import LOCAL, FlagPlaces
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
@@ -31,6 +31,7 @@ from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.regions import RegionChain, no_regions
 from plcopen_sfc.lowering.restart import names_in_conditions
+from plcopen_sfc.lowering.rivals import firing_together
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
 from plcopen_sfc.lowering.s7_memory import OperandMemory
 from plcopen_sfc.lowering.source import ChartSource
@@ -42,7 +43,6 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.semantics.net import Rivals
 from plcopen_sfc.semantics.profile import Profile
 
 
@@ -204,7 +204,7 @@ def _memory(code: Code, language: Language) -> Memory:
 def _choice(source: ChartSource, wanted: Construction, profile: Profile) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
-    if profile.rivals is not Rivals.PRIORITY and any(len(leaving) > 1 for leaving in source.net.leaving):
+    if firing_together(source.net, profile) is not None:
         return Construction.BITS, f"no CASE can hold the chart: rivals fire together under the profile {profile.name}"
     several = one_step_at_a_time(source)
     if not several:

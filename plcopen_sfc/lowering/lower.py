@@ -148,7 +148,7 @@ def lower(
             project=found.project,
         )
         made = with_actions(made, found.project.dialect, rules, spoken, found.project)
-    project, lowered_pou = _with(found, made.pou, made.data_types)
+    project, lowered_pou = _with(found, made.pou, made.blocks, made.data_types)
     if made.flags is not None:
         made.flags.put_into(project)
     code = Subject(project, made.pou, found.name)
@@ -213,8 +213,10 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
         raise LoweringError(f"{name!r} is nothing a chart can be lowered to", hint=hint) from None
 
 
-def _with(subject: Subject, pou: Pou, data_types: Sequence[DataTypeDeclaration]) -> tuple[Project, Pou]:
-    """A copy of the project with `pou` instead of the one of the same name, and with new data types.
+def _with(
+    subject: Subject, pou: Pou, blocks: Sequence[Pou], data_types: Sequence[DataTypeDeclaration]
+) -> tuple[Project, Pou]:
+    """A copy of the project with `pou` instead of the one of the same name, with new blocks behind it and new types.
 
     The code of an action's chart stands in the action.
     """
@@ -228,6 +230,6 @@ def _with(subject: Subject, pou: Pou, data_types: Sequence[DataTypeDeclaration])
             body, pou = pou.body, pou.model_copy(update={"bodies": own.bodies})
             for each in pou.actions:
                 each.body = body if each.name == action else each.body
-        project.pous[place] = pou
+        project.pous[place : place + 1] = [pou, *blocks]
     project.data_types += data_types
     return project, pou

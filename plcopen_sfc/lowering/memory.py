@@ -24,6 +24,9 @@ class Memory(Protocol):
 
     ends: list[Statement]
 
+    def __init__(self, code: Code) -> None:
+        """What is remembered is declared in `code`."""
+
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:

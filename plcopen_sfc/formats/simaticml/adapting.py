@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from plcopen_sfc.formats.simaticml.block_calls import say_calls
 from plcopen_sfc.formats.simaticml.coils import put_coils
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
@@ -29,6 +30,7 @@ _WITH_TEXTS = (
 def adapt(project: Project, report: ConversionReport) -> None:
     """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
     put_coils(project)
+    say_calls(project)
     language = project.language or "en-US"
     for pou in project.pous:
         _languages(pou, language)

@@ -29,12 +29,13 @@ def put_coils(project: Project) -> None:
             if isinstance(condition, BodyCondition):
                 for network in _networks(condition.body):
                     network.nodes = [_result(node) for node in network.nodes]
+    blocks = {pou.name.casefold() for pou in project.pous}
     for _, pou, body in project.bodies():
         if isinstance(body, FbdBody):
             variables = pou.interface.variables() if pou.interface is not None else []
             bits = {v.name.casefold() for v in variables if v.type == ElementaryType(name=Elementary.BOOL)}
             for network in body.networks:
-                _assignments(network, bits)
+                _assignments(network, bits, blocks)
 
 
 def _networks(body: Body) -> Iterator[LogicNetwork]:
@@ -47,14 +48,18 @@ def _result(node: Node) -> Node:
     return _coil(node, name) if name in RESULTS else node
 
 
-def _assignments(network: LogicNetwork, bits: Collection[str]) -> None:
-    """Make coils of variables that are of type BOOL (`bits`: those of the block), or get the result of a logic box."""
+def _assignments(network: LogicNetwork, bits: Collection[str], blocks: Collection[str]) -> None:
+    """Make coils of variables that are of type BOOL (`bits`: those of the block), or get the result of a logic box.
+
+    What comes from one of the `blocks` of the project stays at its pin.
+    """
+    called = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.casefold() in blocks}
     boolean = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() in _BOOLEAN}
     for index, node in enumerate(network.nodes):
         if isinstance(node, OutputVariable) and node.input is not None:
             sources = {connection.source for connection in node.input.connections}
             name = node.expression.removeprefix("#").strip('"').casefold()
-            if sources and (sources <= boolean or name in bits):
+            if sources and (sources <= boolean or (name in bits and not sources & called)):
                 network.nodes[index] = _coil(node, node.expression)
 
 

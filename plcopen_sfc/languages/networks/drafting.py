@@ -13,11 +13,14 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import Path, is_impure, is_variable, path_of, reads
 from plcopen_sfc.languages.networks.graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.pictures import (
+    GRID,
     ROW,
+    Area,
     BlockDraft,
     End,
     Item,
     Slot,
+    connect,
     placed,
     text_width,
 )
@@ -30,6 +33,7 @@ from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
 from plcopen_sfc.model.network import (
+    Block,
     BlockCall,
     InputPin,
     InputVariable,
@@ -347,9 +351,9 @@ class Drafter:
 
     def _call(self, statement: n.CallStatement, enable: Expression | None) -> Item | None:
         call = statement.call
-        if isinstance(call, n.Call) and path_of(call.callee) in self._types and _by_name(call):
+        if isinstance(call, n.Call) and path_of(call.callee) in self._types and _by_name(call, outputs=True):
             safe = enable is None or all(a.value is not None and _is_harmless(a.value) for a in call.arguments)
-            return self._function_block(call, None, enable) if safe else None
+            return self._with_sinks(call, self._function_block(call, None, enable)) if safe else None
         if isinstance(call, n.Call) and not call.arguments and self.rules.tool is Tool.CODESYS:
             return self._action(call, enable)
         return None
@@ -360,6 +364,37 @@ class Drafter:
         draft.inputs.append(("EN", self.power(enable) if enable is not None else None))
         draft.outputs.append("ENO")
         return self._block(draft, None, acting=True)
+
+    def _with_sinks(self, call: n.Call, item: Item) -> Item:
+        """The call of an instance with the variables that get its outputs (``Q => x``), each beside its pin."""
+        block = self.nodes[-1]
+        outputs = [a for a in call.arguments if a.output and a.name is not None and a.value is not None]
+        if not outputs or not isinstance(block, Block):
+            return item
+        sinks: list[tuple[OutputVariable, str, float]] = []
+        for argument in outputs:
+            assert argument.name is not None and argument.value is not None  # noqa: PT018, S101
+            name, text = argument.name.identifier, self._text(argument.value)
+            places = {v.name: v.output.position for v in block.parameters.outputs if v.output is not None}
+            row = (places.get(name) or (0, 0))[1]
+            pin = InputPin(position=(0, ROW / 2))
+            sink = OutputVariable(id=self.new_id(), expression=text, input=pin, execution_order=self.new_order())
+            self.nodes.append(sink)
+            sinks.append((sink, name, row))
+
+        def place(x: float, y: float) -> Area:
+            area = item.place(x, y)
+            right = bottom = 0.0
+            edge = block.position[0] + (block.width or 0)
+            for sink, name, row in sinks:
+                line = block.position[1] + row
+                sink.position = (edge + 2 * GRID, line - ROW / 2)
+                sink.width, sink.height = text_width(sink.expression), ROW
+                connect(sink.input or InputPin(), (edge + 2 * GRID, line), [End(block.id, name, (edge, line))], edge)
+                right, bottom = max(right, sink.position[0] + sink.width), max(bottom, line + ROW / 2)
+            return Area((), max(area.right, right), max(area.bottom, bottom))
+
+        return Item(item.line, place)
 
     def _function_block(self, call: n.Call, output: str | None, enable: Expression | None) -> Item:
         """A call of an instance; `output`: which of its values is used."""
@@ -374,7 +409,9 @@ class Drafter:
             draft.inputs.append(("EN", self.power(enable)))
             draft.outputs.append("ENO")
         for argument in call.arguments:
-            if argument.name is not None and argument.value is not None:
+            if argument.output and argument.name is not None:
+                draft.outputs.append(argument.name.identifier)
+            elif argument.name is not None and argument.value is not None:
                 name = argument.name.identifier
                 powered = block is not None and _is_power(block, name)
                 item = self.power(argument.value) if powered else self.value(argument.value)
@@ -386,7 +423,9 @@ class Drafter:
             given = {block.input_name(name) for name, _ in draft.inputs}
             draft.inputs += [(self._pin(block, p.name), None) for p in block.inputs if p.name not in given]
             used = block.output_name(output) if output is not None else None
-            draft.outputs += [output or "" if p.name == used else self._pin(block, p.name) for p in block.outputs]
+            named = {block.output_name(name) for name in draft.outputs}
+            others = [p for p in block.outputs if p.name not in named]
+            draft.outputs += [output or "" if p.name == used else self._pin(block, p.name) for p in others]
         if output is not None and output not in draft.outputs:
             draft.outputs.append(output)
         return self._block(draft, output, acting=True)
@@ -466,9 +505,14 @@ def is_boolean_result(expression: Expression) -> bool | None:
     return known.get(block.result.type, False) if block is not None else None
 
 
-def _by_name(call: n.Call) -> bool:
-    """Whether all its arguments are inputs with names: the others have no pin."""
-    return all(a.name is not None and not a.output and a.value is not None for a in call.arguments)
+def _by_name(call: n.Call, *, outputs: bool = False) -> bool:
+    """Whether all its arguments have names, and so pins; are all inputs, or `outputs` that go to variables too."""
+    return all(
+        a.name is not None
+        and a.value is not None
+        and (not a.output or (outputs and not a.negated and is_variable(a.value)))
+        for a in call.arguments
+    )
 
 
 def _is_power(block: StandardBlock, name: str) -> bool:

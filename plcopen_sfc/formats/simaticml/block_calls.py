@@ -1,0 +1,47 @@
+"""Calls of blocks of the project in networks: TIA Portal says of each parameter which section and type it has."""
+
+from __future__ import annotations
+
+from plcopen_sfc.formats.simaticml.interface_reader import SECTIONS
+from plcopen_sfc.formats.simaticml.types import write_type
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.network import Block, BlockCall, BlockVariable
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.variables import SectionKind
+
+_SECTION_NAMES = {kind: name for name, kind in SECTIONS.items()}
+_CALLS = {PouKind.FUNCTION_BLOCK: BlockCall.FUNCTION_BLOCK, PouKind.FUNCTION: BlockCall.FUNCTION}
+_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+
+
+def say_calls(project: Project) -> None:
+    """Say of each box that calls a function or function block of the project that it does, and what its pins are."""
+    callable_ = {pou.name.casefold(): pou for pou in project.pous if pou.kind in _CALLS}
+    for _, _, body in project.bodies():
+        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+            for node in network.nodes:
+                pou = callable_.get(node.type_name.casefold()) if isinstance(node, Block) else None
+                if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
+                    _say(node, pou)
+
+
+def _say(block: Block, pou: Pou) -> None:
+    block.call = _CALLS[pou.kind]
+    sections = pou.interface.sections if pou.interface is not None else []
+    declared = {v.name.casefold(): (section.kind, v.type) for section in sections for v in section.variables}
+    for group in (block.parameters.inputs, block.parameters.in_outs, block.parameters.outputs):
+        for parameter in list(group):
+            kind, type_ = declared.get(parameter.name.casefold(), (None, None))
+            if kind not in _PARAMETERS or type_ is None:
+                continue
+            _mark(parameter, Section=_SECTION_NAMES[kind], Type=write_type(type_))
+            if kind is SectionKind.IN_OUT and group is block.parameters.inputs:
+                group.remove(parameter)
+                block.parameters.in_outs.append(parameter)
+
+
+def _mark(parameter: BlockVariable, **marks: str) -> None:
+    parameter.carried = parameter.carried or Carried()
+    parameter.carried.attributes = marks | parameter.carried.attributes
