@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 
 from plcopen_sfc.languages.st.nodes import Operator
 
@@ -138,6 +139,7 @@ def standard_blocks() -> Iterator[StandardBlock]:
     return iter(_BY_NAME.values())
 
 
+@lru_cache(maxsize=1024)
 def _conversion(name: str) -> StandardBlock | None:
     matched = _CONVERSION.fullmatch(name)
     if matched is None or not {matched["source"] or "BOOL", matched["target"]} <= _TYPES:
