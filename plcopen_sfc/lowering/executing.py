@@ -16,12 +16,15 @@ from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, dis
 from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ActionSource, ChartSource
+from plcopen_sfc.lowering.stepwise import StepwiseControl
 from plcopen_sfc.model.types import DerivedType, SimpleValue
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.profile import BooleanTargets
 
 
-def add_actions(source: ChartSource, code: Code, control: ActionControl, memory: Memory, rules: LoweringRules) -> None:
+def add_actions(
+    source: ChartSource, code: Code, control: ActionControl | StepwiseControl, memory: Memory, rules: LoweringRules
+) -> None:
     """Append what drives and executes the actions, in the order in which the profile does."""
     actions = list(source.actions)
     if rules.profile.alphabetic_actions:
@@ -36,7 +39,12 @@ def add_actions(source: ChartSource, code: Code, control: ActionControl, memory:
 
 class _Execution:
     def __init__(
-        self, source: ChartSource, code: Code, control: ActionControl, memory: Memory, rules: LoweringRules
+        self,
+        source: ChartSource,
+        code: Code,
+        control: ActionControl | StepwiseControl,
+        memory: Memory,
+        rules: LoweringRules,
     ) -> None:
         self._source, self._code, self._control, self._memory = source, code, control, memory
         self._texts = rules.texts

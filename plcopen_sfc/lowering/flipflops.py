@@ -1,9 +1,10 @@
 """Flip-flop chains: one reset-dominant flip-flop and one flag for each step.
 
 *Exact*: all transitions are computed first, from the flags of the last scan; then each flip-flop is set by the
-transitions that lead to its step and reset by those that leave it. As no flip-flop reads another, neighbours never
-overlap and no token runs through. *Classic* is the textbook chain: set by the step before and the condition, reset by
-the step behind. It does something else than the chart; see docs/lowering.md.
+transitions that lead to its step and reset by those that leave it, unless one enters it at the same time. As no
+flip-flop reads another, neighbours never overlap and no token runs through. *Classic* is the textbook chain: set by
+the step before and the condition, reset by the step behind. It does something else than the chart; see
+docs/lowering.md.
 """
 
 from __future__ import annotations
@@ -31,6 +32,9 @@ class FlipFlopChain(StepFlags):
             if self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             reset: list[Expression] = [self.fired[i] for i in leaving if i not in loops]
+            if not self.is_safe:  # what is left and entered at once stays active
+                entered = [negation(self.fired[i]) for i in entering]
+                reset = [conjunction([disjunction(reset), *entered])] if reset else []
             guarded = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
             self._add_step(step, set_, reset, guarded=guarded)
 

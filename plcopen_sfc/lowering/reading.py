@@ -73,6 +73,19 @@ class _Reader(TextReader):
         self._flags = flags_in_use(chart, profile, lambda name: name.casefold() in self._declared)
         self._net = Net.of(chart)
 
+    def _check_profile(self) -> None:
+        """Refuse what only profiles have that people make of others."""
+        profile = self._profile
+        if profile.initial_situation_held:
+            self.refuse(f"the initial situation is held under the profile {profile.name}: that is not lowered", "")
+        used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
+        if not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
+            self.refuse(f"R does not end the times of SD and SL under {profile.name}: that is not lowered", "")
+        if not profile.initial_steps_entered:
+            for step in self._net.steps:
+                if self._net.initial & step.bit and step.step.entry_action is not None:
+                    self.refuse("the entry action of an initial step is not executed: that is not lowered", step.path)
+
     def source(self) -> ChartSource:
         """The chart."""
         if self._net.problems:
@@ -85,6 +98,7 @@ class _Reader(TextReader):
             self.refuse("SFC flags are lowered only where actions come before transitions", "")
         if self.chart.permanent_pre or self.chart.permanent_post:
             self.refuse("permanent operations are not lowered yet", "")
+        self._check_profile()
         logic = self.logic()
         conditions = [self._transition(transition) for transition in self._net.transitions]
         actions = tuple(self._actions())

@@ -29,10 +29,11 @@ from plcopen_sfc.lowering.logic import (
     negation,
     when,
 )
+from plcopen_sfc.lowering.rivals import firing_together
 from plcopen_sfc.lowering.rules import States
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.states import StateNames
-from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, Rivals
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
 INDENT = "    "
@@ -159,15 +160,13 @@ class RegionChain(Chain):
         return found
 
     def _refuse_rivals(self, source: ChartSource) -> None:
-        if self.profile.rivals is Rivals.PRIORITY:
-            return
-        for step in source.net.steps:
-            if len(source.net.leaving[step.index]) > 1:
-                raise LoweringError(
-                    f"a CASE cannot hold rivals that fire together under the profile {self.profile.name}",
-                    location=Location(path=f"step {step.path}"),
-                    hint="Step bits can.",
-                )
+        rival = firing_together(source.net, self.profile)
+        if rival is not None:
+            raise LoweringError(
+                f"a CASE cannot hold rivals that fire together under the profile {self.profile.name}",
+                location=Location(path=f"{source.pou.name} / transition {rival.path}"),
+                hint="Step bits can.",
+            )
 
     def _machine(self, region: Region) -> Machine:
         blocks = tuple(self._regions.blocks[i] for i in region.blocks)

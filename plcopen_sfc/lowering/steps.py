@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.languages.st import nodes as n
@@ -10,9 +11,10 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chain import Chain
 from plcopen_sfc.lowering.code import CodeNetwork
 from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.rivals import exclusive_rivals, firing_together
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.semantics.net import NetTransition, Rivals
+from plcopen_sfc.semantics.net import NetTransition
 
 
 class StepFlags(Chain):
@@ -52,7 +54,7 @@ class StepFlags(Chain):
         parts: list[CodeNetwork] = []
         for transition in self.net.transitions:
             statements: list[Statement] = []
-            rivals = transition.rivals if self.profile.rivals is Rivals.PRIORITY else ()
+            rivals = exclusive_rivals(self.net, transition, self.profile)
             enabled = [self.enabled(transition)]
             free = [negation(self.fired[i]) for i in rivals]
             free += [negation(each) for each in self.blocking]
@@ -71,18 +73,22 @@ class StepFlags(Chain):
         """Any of the bits of the transitions."""
         return disjunction(self.fired)
 
+    @cached_property
+    def is_safe(self) -> bool:
+        """Whether a step that a transition enters is never active already, as its structure tells."""
+        return firing_together(self.net, self.profile) is None and isinstance(find_regions(self.net), Regions)
+
     def reentered(self) -> Mapping[int, Expression]:
         """Steps that are left and entered in one scan, by the bits of the transitions.
 
         In a safe chart one transition does both; where it is not known to be safe two of them can.
         """
-        safe = isinstance(find_regions(self.net), Regions)
         found: dict[int, Expression] = {}
         for step in range(len(self.net.steps)):
             leaving, entering = self.net.leaving[step], self.net.entering[step]
             loops = disjunction(self.fired[i] for i in leaving if i in entering)
             both = [disjunction(self.fired[i] for i in side) for side in (leaving, entering)]
-            again = loops if safe else disjunction([loops, conjunction(both)])
+            again = loops if self.is_safe else disjunction([loops, conjunction(both)])
             if not is_constant(again, FALSE):
                 found[step] = again
         return found
