@@ -152,9 +152,7 @@ class Chain(ABC):
             return
         control: ActionControl | StepwiseControl = ActionControl(self.memory, self.active, ending)
         if self.profile.action_control is Control.PER_STEP:
-            control = StepwiseControl(
-                self.net, self.code, self.memory, self.times, active=self.active, ending=ending
-            )
+            control = StepwiseControl(self.net, self.code, self.memory, self.times, active=self.active, ending=ending)
         add_actions(self.source, self.code, control, self.memory, self.rules)
 
     def _add_drive_block(self, ending: Expression) -> None:
