@@ -107,17 +107,19 @@ class StepChecks:
             return []
         return [when(self._flag, *self._evaluated(resolve, Phase.CHECK, acknowledge))]
 
-    def behind(
-        self, resolve: Resolve, entered: Callable[[], Expression], left: Callable[[], Expression]
-    ) -> list[Statement]:
+    def forgotten(self, left: Callable[[], Expression]) -> list[Statement]:
+        """What ends when the step is left."""
+        if not self.early or not self._variables:
+            return []
+        return [when(left(), *(assignment(variable, FALSE) for variable in self._variables.values()))]
+
+    def behind(self, resolve: Resolve, entered: Callable[[], Expression]) -> list[Statement]:
         """The checks behind the step change."""
         if not self._variables:
             return []
         if not self.early:
             return self._late(resolve)
-        forgotten = [assignment(variable, FALSE) for variable in self._variables.values()]
-        fresh = n.Branch(entered(), tuple(self._evaluated(resolve, Phase.ENTERED, FALSE)))
-        return [n.If((fresh, n.Branch(left(), tuple(forgotten))))]
+        return [when(entered(), *self._evaluated(resolve, Phase.ENTERED, FALSE))]
 
     def _evaluated(self, resolve: Resolve, phase: Phase, acknowledge: Expression) -> list[Statement]:
         v = self._variables

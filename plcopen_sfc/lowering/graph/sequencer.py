@@ -265,8 +265,7 @@ class Sequencer:
             for name in self.questions.of(step.index) & _STEP_EVENTS:
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
-        checked = [s for step in self.net.steps for s in self._checked(step.index)]
-        self.code.add(self.own_texts.checks_behind, checked)
+        self.code.add(self.own_texts.checks_behind, self._checked())
         signals = StepSignals(self.flags.__getitem__, self.event, self._released, self.clock.over, self._gone)
         actions = Actions(self.source, self.code, self.texts, self.own_texts, signals)
         actions.add()
@@ -277,11 +276,16 @@ class Sequencer:
     def _restarted(self) -> list[Statement]:
         return self.clock.restarted(lambda step: self.event(step, ActionEvent.S1))
 
-    def _checked(self, step: int) -> list[Statement]:
-        def signal(event: ActionEvent) -> Callable[[], Expression]:
+    def _checked(self) -> list[Statement]:
+        """Checks behind the step change: what is left is forgotten before anything asks for it."""
+
+        def signal(step: int, event: ActionEvent) -> Callable[[], Expression]:
             return lambda: self.event(step, event)
 
-        return self.checks[step].behind(self.resolve, signal(ActionEvent.S1), signal(ActionEvent.S0))
+        found = [s for i, each in enumerate(self.checks) for s in each.forgotten(signal(i, ActionEvent.S0))]
+        for i, each in enumerate(self.checks):
+            found += each.behind(self.resolve, signal(i, ActionEvent.S1))
+        return found
 
     def _released(self, step: int) -> Expression:
         return self.checks[step].value("LS")
