@@ -46,7 +46,7 @@ class CaseChain(RegionChain):
         return Regions(net, (region,), (), tuple(0 for _ in steps))
 
     def classic(self) -> None:
-        """Each branch: the actions of the step, then its transitions. Raises `LoweringError` for what it cannot hold."""
+        """Each branch: the actions of the step, then its transitions. `LoweringError` for what it cannot hold."""
         self._check_classic()
         self.begin_classic()
         self._initialise(*self._stored())
@@ -104,6 +104,8 @@ class CaseChain(RegionChain):
 
     def _check_classic(self) -> None:
         """Refuse what the branches of a textbook CASE cannot hold."""
+        if self.modes.selecting is not None:
+            self._refuse("the classic form has no place for selecting steps", "")
         for transition in self.net.transitions:
             if not transition.targets:
                 self._refuse("the classic form has no place for the end of a chart", f"transition {transition.path}")
@@ -119,9 +121,8 @@ class CaseChain(RegionChain):
                     self._refuse(f"the classic form has no place for {what}", f"action {action.name}")
 
     def _refuse(self, message: str, path: str) -> NoReturn:
-        raise LoweringError(
-            message, location=Location(path=f"{self.source.pou.name} / {path}"), hint="The exact form has."
-        )
+        place = f"{self.source.pou.name} / {path}" if path else self.source.pou.name
+        raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
 
     def _acting(self, action: ActionSource, use: Use) -> list[str]:
         conditional = not is_constant(use.condition, TRUE)

@@ -176,8 +176,8 @@ CASE step_number_S5 OF
 def test_an_input_starts_all_parts_anew(profile: str) -> None:
     for text, initial in ((PARALLEL, "S1"), ("S1>S2 S2>S1 S5>S6 S6>S5", "S1+S5"), CHARTS["exit into a block"]):
         pou = chain(text, initial)
-        forms = [lower(pou, form, init="Init", profile=profile) for form in ("regions", "bits")]
-        found = equivalent(*(each.pou for each in forms), profile)
+        regions, bits = (lower(pou, form, init="Init", profile=profile) for form in ("regions", "bits"))
+        found = equivalent(regions.pou, bits.pou, profile)
         assert found.outcome is Outcome.PROVEN, str(found)
 
 
