@@ -137,6 +137,13 @@ class Chain(ABC):
 
     def begin_classic(self) -> None:
         """What stands before a textbook chain: the logic drawn in the chart, and the timers of steps."""
+        if self.source.flags:
+            flags = ", ".join(sorted(flag.variable for flag in self.source.flags))
+            raise LoweringError(
+                f"the classic form has no place for SFC flags, and the chart uses {flags}",
+                location=Location(path=self.source.pou.name),
+                hint="The exact form has.",
+            )
         self.code.add(self.texts.logic, self.source.logic)
         self.code.add(self.texts.times, self.times.calls())
 

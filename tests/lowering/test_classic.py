@@ -6,14 +6,17 @@ import re
 
 import pytest
 
+from plcopen_sfc import model as m
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import GermanTexts
 from plcopen_sfc.model import FbdBody, StBody
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.corpus import CORPUS
-from tests.lowering.charts import training_chain
+from tests.lowering.charts import act, boolean, training_chain
 
 RULES = LoweringRules(PROFILES["iec"], GermanTexts(), "Init")
 
@@ -67,4 +70,60 @@ def test_flip_flops_are_set_by_the_step_before_and_reset_by_the_step_behind() ->
         "Q2_S := (X2 OR Q2_S) AND NOT X4;",
         "Q2 := Q2_S;",
         "Q3 := X3 AND B5;",
+    ]
+
+
+def refused(pou: m.Pou, construction: Construction, **options: str) -> str:
+    with pytest.raises(LoweringError) as found:
+        lower(m.Project(pous=[pou]), construction, style="classic", verify=False, **options)
+    assert found.value.hint == "The exact form has."
+    return found.value.message
+
+
+def test_what_a_textbook_form_cannot_hold_is_refused() -> None:
+    entered = training_chain()
+    assert entered.sfc is not None
+    entered.sfc.steps[1].entry_action = m.StBody(text="Q1 := TRUE;")
+    assert "entry and exit actions" in refused(entered, Construction.CASE)
+    pulsed = training_chain()
+    assert pulsed.sfc is not None
+    act(pulsed.sfc, pulsed.sfc.steps[1], "Q1", m.Qualifier.P)
+    assert "qualifier P" in refused(pulsed, Construction.CASE)
+    for construction in (Construction.CASE, Construction.FLIPFLOP):
+        flagged = training_chain()
+        assert flagged.interface is not None
+        flagged.interface.sections[0].variables.append(boolean("SFCInit"))
+        assert "SFC flags, and the chart uses SFCInit" in refused(flagged, construction, profile="codesys")
+
+
+def test_times_and_blocks_of_conditions_are_part_of_textbook_forms() -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.sfc.transitions[1].condition = m.Expression(text="S2.T >= T#2s")
+    for construction, expected in (
+        (Construction.FLIPFLOP, "X2_time(IN := X2,"),
+        (Construction.CASE, "X2_time(IN := schrittnummer = 2,"),
+    ):
+        made = lower(m.Project(pous=[pou]), construction, style="classic", language="ST", lang="de", verify=False)
+        assert isinstance(made.pou.body, StBody)
+        assert expected in made.pou.body.text
+
+
+def test_a_selection_in_a_textbook_case_tries_its_legs_in_order() -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.sfc.add_transition(pou.sfc.steps[0], pou.sfc.steps[3], "B5")
+    made = lower(m.Project(pous=[pou]), "case", style="classic", lang="de", verify=False)
+    assert isinstance(made.pou.body, StBody)
+    lines = [line.strip() for line in made.pou.body.text.splitlines()]
+    at = lines.index("IF B1 THEN")
+    assert lines[at : at + 8] == [
+        "IF B1 THEN",
+        "Q1 := false; // Aktionen zurücksetzen",
+        "schrittnummer := 2; // In den nächsten Schritt schalten",
+        "// Transition",
+        "ELSIF B5 THEN",
+        "Q1 := false; // Aktionen zurücksetzen",
+        "schrittnummer := 4; // In den nächsten Schritt schalten",
+        "END_IF;",
     ]
