@@ -32,7 +32,7 @@ class StepFlags(Chain):
         if self.code.flags is not None and not self.code.flags.have_values:
             values = [TRUE if source.net.initial & step.bit else FALSE for step in source.net.steps]
             start = [assignment(flag, value) for flag, value in zip(self.flags, values, strict=True)]
-            self.code.add(self.texts.start, self.memory.conditional("", self.code.first_scan_pulse(), start))
+            self.code.add(self.texts.initial_steps, self.memory.conditional("", self.code.first_scan_pulse(), start))
         for transition in source.net.transitions:
             comment = self.texts.transition_of(transition.path)
             name = self.texts.transition_name(source.net, transition)
