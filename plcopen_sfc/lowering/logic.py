@@ -87,15 +87,15 @@ def when(condition: Expression, *statements: n.Statement) -> n.If:
 def _joined(
     operator: Operator, operands: Iterable[Expression], *, neutral: n.Literal, absorbing: n.Literal
 ) -> Expression:
-    found: list[Expression] = []
+    found: dict[Expression, None] = {}
     for operand in operands:
         inner = n.bare(operand)
         parts = inner.operands if isinstance(inner, n.Operation) and inner.operator is operator else (inner,)
         for part in parts:
             if is_constant(part, absorbing):
                 return absorbing
-            if not is_constant(part, neutral) and part not in found:
-                found.append(part)
+            if not is_constant(part, neutral):
+                found[part] = None
     if not found:
         return neutral
-    return found[0] if len(found) == 1 else n.Operation(operator, tuple(found))
+    return next(iter(found)) if len(found) == 1 else n.Operation(operator, tuple(found))
