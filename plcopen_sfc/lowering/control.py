@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import FALSE, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.source import ActionSource, Use
 from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.types import Elementary, ElementaryType
 
 Q = Qualifier
+TIME = ElementaryType(name=Elementary.TIME)
 
 
 class ActionControl:
@@ -78,14 +80,14 @@ class ActionControl:
         value = self._input(action, Q.L)
         if is_constant(value, FALSE):
             return []
-        over = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L), into)
+        over = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L, into), into)
         return [conjunction([value, negation(over)])]
 
     def _delayed(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
         value = self._input(action, Q.D)
         if is_constant(value, FALSE):
             return []
-        return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D), into)]
+        return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D, into), into)]
 
     def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
         value = self._input(action, Q.P)
@@ -96,26 +98,26 @@ class ActionControl:
         stored = self._input(action, Q.SD)
         if not is_constant(stored, FALSE):
             latch = self._memory.latch(f"{action.name}_SD", stored, reset, into)
-            found.append(self._memory.delayed(f"{action.name}_SD_T", latch, self._time(action, Q.SD), into))
+            found.append(self._memory.delayed(f"{action.name}_SD_T", latch, self._time(action, Q.SD, into), into))
         delayed = self._input(action, Q.DS)
         if not is_constant(delayed, FALSE):
-            late = self._memory.delayed(f"{action.name}_DS_T", delayed, self._time(action, Q.DS), into)
+            late = self._memory.delayed(f"{action.name}_DS_T", delayed, self._time(action, Q.DS, into), into)
             found.append(self._memory.latch(f"{action.name}_DS", late, reset, into))
         limited = self._input(action, Q.SL)
         if not is_constant(limited, FALSE):
             latch = self._memory.latch(f"{action.name}_SL", limited, reset, into)
-            over = self._memory.delayed(f"{action.name}_SL_T", latch, self._time(action, Q.SL), into)
+            over = self._memory.delayed(f"{action.name}_SL_T", latch, self._time(action, Q.SL, into), into)
             found.append(conjunction([latch, negation(over)]))
         return found
 
-    def _time(self, action: ActionSource, qualifier: Qualifier) -> Expression:
-        times: list[Expression] = []
-        for use in action.uses:
-            if use.qualifier is qualifier and use.duration is not None and use.duration not in times:
-                times.append(use.duration)
-        if len(times) != 1:
-            raise LoweringError(
-                f"{action.name} has several times for {qualifier}, of which one timer can have only one",
-                location=Location(path=f"action {action.name}"),
-            )
-        return times[0]
+    def _time(self, action: ActionSource, qualifier: Qualifier, into: list[Statement]) -> Expression:
+        """The time of the first use that is on. Where it can change it is kept in a variable."""
+        uses = [use for use in action.uses if use.qualifier is qualifier and use.duration is not None]
+        times = [use.duration for use in uses if use.duration is not None]
+        kept = qualifier in (Q.SD, Q.SL) and not isinstance(times[0], n.Literal)  # their timers go on without the step
+        if all(time == times[0] for time in times) and not kept:
+            return times[0]
+        chosen = self._memory.variable(f"{action.name}_{qualifier}_time", TIME)
+        for use, time in reversed(list(zip(uses, times, strict=True))):
+            into += self._memory.conditional("", self._of(use), [assignment(chosen, time)])
+        return chosen

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, disjunction, negation, when
-from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.model.types import DataType, DerivedType
 
 
 class Memory(Protocol):
@@ -43,6 +43,9 @@ class Memory(Protocol):
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """The value as a variable, to be used several times."""
+
+    def variable(self, wanted: str, kind: DataType) -> n.Name:
+        """A variable that keeps what is assigned to it."""
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """TRUE in the scan in which `value` becomes TRUE."""
@@ -98,6 +101,10 @@ class BlockMemory:
         """An assignment."""
         return _variable(self._code, wanted, value, into)
 
+    def variable(self, wanted: str, kind: DataType) -> n.Name:
+        """Declared, nothing else."""
+        return self._code.declare(wanted, kind)
+
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """An R_TRIG."""
         block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
@@ -151,6 +158,10 @@ class BitMemory:
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
         """An assignment."""
         return _variable(self._code, wanted, value, into)
+
+    def variable(self, wanted: str, kind: DataType) -> n.Name:
+        """Declared, nothing else."""
+        return self._code.declare(wanted, kind)
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """The value and not that of the last scan."""

@@ -137,38 +137,64 @@ class _Stored(_Part):
         return ON | BUSY if stored else 0
 
 
+class _Timer:
+    """The TON of a control: once its time is over that stays so until it is stopped, whatever happens to the time.
+
+    IEC leaves it to the implementer what a change of PT does meanwhile (ed. 3, 6.6.3.5.5); so do the timers that
+    programs have (`plcopen_sfc.semantics.programs.standard_blocks.on_delay`).
+    """
+
+    __slots__ = ("_done", "_start")
+
+    def __init__(self, reserve: Reserve, name: str) -> None:
+        self._start = reserve(name, INSTANT)
+        self._done = reserve(f"{name}.Q", BOOL)
+
+    def runs(self, v: list[Any]) -> bool:
+        """Whether it was started and not stopped since."""
+        return v[self._start] is not None or v[self._done]
+
+    def over(self, v: list[Any], now: int, time: int) -> bool:
+        """Start it if it does not run, and tell whether its time is over."""
+        if v[self._done]:
+            return True
+        if v[self._start] is None:
+            v[self._start] = now
+        if now - v[self._start] >= time:
+            v[self._start], v[self._done] = None, True
+        return bool(v[self._done])
+
+    def stop(self, v: list[Any]) -> None:
+        """Its input is FALSE."""
+        v[self._start], v[self._done] = None, False
+
+
 class _Limited(_Part):
-    __slots__ = ("_start",)
+    __slots__ = ("_timer",)
 
     def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
         super().__init__(associations)
-        self._start = reserve("L_TMR", INSTANT)
+        self._timer = _Timer(reserve, "L_TMR")
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        v = frame.v
         if not self.input.is_on(situation, frame):
-            v[self._start] = None
+            self._timer.stop(frame.v)
             return 0
-        if v[self._start] is None:
-            v[self._start] = now
-        return ON | BUSY if now - v[self._start] < self.input.duration(situation, frame) else BUSY
+        return BUSY if self._timer.over(frame.v, now, self.input.duration(situation, frame)) else ON | BUSY
 
 
 class _Delayed(_Part):
-    __slots__ = ("_start",)
+    __slots__ = ("_timer",)
 
     def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
         super().__init__(associations)
-        self._start = reserve("D_TMR", INSTANT)
+        self._timer = _Timer(reserve, "D_TMR")
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        v = frame.v
         if not self.input.is_on(situation, frame):
-            v[self._start] = None
+            self._timer.stop(frame.v)
             return 0
-        if v[self._start] is None:
-            v[self._start] = now
-        return ON | BUSY if now - v[self._start] >= self.input.duration(situation, frame) else BUSY
+        return ON | BUSY if self._timer.over(frame.v, now, self.input.duration(situation, frame)) else BUSY
 
 
 class _Pulse(_Part):
@@ -207,21 +233,20 @@ class _FallingPulse(_Part):
 class _StoredTimed(_Part):
     """SD and SL: a timer that starts with the first association and goes on without it."""
 
-    __slots__ = ("_cancels", "_start", "_time")
+    __slots__ = ("_cancels", "_time", "_timer")
 
     def __init__(self, associations: Sequence[Association], reserve: Reserve, name: str, *, cancels: bool) -> None:
         super().__init__(associations)
-        self._start = reserve(f"{name}_TMR", INSTANT)
+        self._timer = _Timer(reserve, f"{name}_TMR")
         self._time = reserve(f"{name}_TMR.PT", ELAPSED)
         self._cancels = cancels
 
-    def _elapsed(self, v: list[Any], now: int, seen: int, frame: Frame) -> int | None:
-        """The time since the timer was started; None while it is not."""
-        if self.input.is_on(seen, frame):
+    def _over(self, v: list[Any], now: int, seen: int, frame: Frame) -> bool | None:
+        """Whether the time since the timer was started is over; None while it does not run."""
+        on = self.input.is_on(seen, frame)
+        if on:
             v[self._time] = self.input.duration(seen, frame)
-            if v[self._start] is None:
-                v[self._start] = now
-        return None if v[self._start] is None else now - v[self._start]
+        return self._timer.over(v, now, v[self._time]) if on or self._timer.runs(v) else None
 
 
 class _StoredDelayed(_StoredTimed):
@@ -229,35 +254,31 @@ class _StoredDelayed(_StoredTimed):
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
         v = frame.v
-        elapsed = self._elapsed(v, now, seen, frame)
-        if elapsed is None:
+        over = self._over(v, now, seen, frame)
+        if over is None:
             return 0
-        done = elapsed >= v[self._time]
-        if reset and (done or self._cancels):
-            v[self._start] = None
+        if reset and (over or self._cancels):
+            self._timer.stop(v)
             return 0
-        return ON | BUSY if done else BUSY
+        return ON | BUSY if over else BUSY
 
 
 class _DelayedStored(_Part):
-    __slots__ = ("_start", "_stored")
+    __slots__ = ("_stored", "_timer")
 
     def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
         super().__init__(associations)
-        self._start = reserve("DS_TMR", INSTANT)
+        self._timer = _Timer(reserve, "DS_TMR")
         self._stored = reserve("DS_FF", BOOL)
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
         v = frame.v
-        done = False
-        if self.input.is_on(situation, frame):
-            if v[self._start] is None:
-                v[self._start] = now
-            done = now - v[self._start] >= self.input.duration(situation, frame)
-        else:
-            v[self._start] = None
+        on = self.input.is_on(situation, frame)
+        done = on and self._timer.over(v, now, self.input.duration(situation, frame))
+        if not on:
+            self._timer.stop(v)
         v[self._stored] = stored = not reset and (v[self._stored] or done)
-        return (ON | BUSY if stored else 0) | (0 if v[self._start] is None else BUSY)
+        return (ON | BUSY if stored else 0) | (BUSY if on else 0)
 
 
 class _StoredLimited(_StoredTimed):
@@ -265,13 +286,13 @@ class _StoredLimited(_StoredTimed):
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
         v = frame.v
-        elapsed = self._elapsed(v, now, seen, frame)
-        if elapsed is None:
+        over = self._over(v, now, seen, frame)
+        if over is None:
             return 0
         if reset and self._cancels:
-            v[self._start] = None
+            self._timer.stop(v)
             return 0
-        return ON | BUSY if elapsed < v[self._time] else BUSY
+        return BUSY if over else ON | BUSY
 
 
 class StandardControl:
