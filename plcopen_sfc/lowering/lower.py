@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Any, TypeVar
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict
@@ -203,6 +204,14 @@ def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
 
 
 _ALIASES = {"fup": "flipflop"}
+_NOUNS: dict[type[StrEnum], str] = {
+    Construction: "construction",
+    Style: "style",
+    Language: "language for it",
+    States: "kind of states",
+    ActionPlace: "place for actions",
+    OperatingMode: "operating mode",
+}
 
 
 def _chosen(kind: type[Choice], name: str) -> Choice:
@@ -210,7 +219,7 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
         return kind(name)
     except ValueError:
         hint = "There are: " + ", ".join(each.value for each in kind)
-        raise LoweringError(f"{name!r} is nothing a chart can be lowered to", hint=hint) from None
+        raise LoweringError(f"there is no {_NOUNS[kind]} {name!r}", hint=hint) from None
 
 
 def _with(
