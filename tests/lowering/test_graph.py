@@ -88,6 +88,21 @@ def test_counters(qualifier: str, event: str) -> None:
     proven(chart, outputs="n:INT")
 
 
+@pytest.mark.parametrize("event", ["S1", "S0"])
+@pytest.mark.parametrize("qualifier", ["TL", "TD"])
+def test_timers(qualifier: str, event: str) -> None:
+    chart = ring(act(qualifier, "T1", event, duration="T#20ms"))
+    chart.step("S3").actions = [act("TR", "T1", "S0"), act("N", "Q", value="#T1")]
+    proven(chart, outputs="T1 Q")
+
+
+def test_a_timer_that_runs_in_several_ways() -> None:
+    chart = ring(act("TF", "T1", duration="T#20ms"))
+    chart.step("S1").actions = [act("TL", "T1", "S0", duration="T#30ms")]
+    chart.step("S3").actions = [act("TD", "T1", "S1", duration="T#10ms"), act("TF", "Q", duration="T#0ms")]
+    proven(chart, outputs="T1 Q")
+
+
 @pytest.mark.parametrize("qualifier", ["ON", "OFF"])
 @pytest.mark.parametrize("target", ["S1", "S3", "S_ALL", "S2"])
 def test_steps_are_switched(qualifier: str, target: str) -> None:
@@ -296,7 +311,7 @@ def sequencers(draw: st.DrawFn) -> tuple[m.SfcNetwork, str, str]:
         chart.permanent_post = [m.PermanentOperation(body=m.StBody(text=f"#R := {question};"))]
     inputs = draw(st.sampled_from(["", "ACK_EF", "INIT_SQ OFF_SQ", "REG_S ACK_EF", "SW_TAP SW_TOP T_PUSH", "S_NEXT"]))
     outputs = draw(st.sampled_from(["", "ERR_FLT", "S_NO:INT S_MORE S_ACTIVE"]))
-    return chart, inputs, f"P Q R n:INT {outputs}"
+    return chart, inputs, f"P Q R n:INT t {outputs}"
 
 
 @st.composite
@@ -335,6 +350,10 @@ def actions(draw: st.DrawFn, chart: m.SfcNetwork) -> m.ActionAssociation:
                 act("N", target, some_event, value=f"NOT #{target}", interlock=interlock),
                 act("CU", "n", event, interlock=interlock),
                 act("CS", "n", event, value="3"),
+                act("TL", "t", event, duration=duration),
+                act("TD", "t", event, duration=duration, interlock=interlock),
+                act("TR", "t", event),
+                act("TF", "t", duration=duration, interlock=interlock),
                 act("ON", step, event),
                 act("OFF", step, event, interlock=interlock),
             ]

@@ -7,9 +7,8 @@ operand, this is one assignment.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -17,6 +16,7 @@ from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.graph.source import COUNTERS, TIMERS, GraphSource, Row
 from plcopen_sfc.lowering.graph.step_data import texts_of
 from plcopen_sfc.lowering.graph.texts import GraphTexts
+from plcopen_sfc.lowering.graph.timers import Timer
 from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
@@ -49,16 +49,19 @@ class Actions:
         self._source, self._code, self._signals = source, code, signals
         self._texts, self._own_texts = texts, own_texts
         self._own = _only_written_by_coils(source)
+        self._timers: dict[str, Timer] = {}
 
     def add(self) -> None:
         """Append the networks."""
         self._add_coils()
         for step in self._source.net.steps:
-            leaving = [row for row in self._executed(step) if row.event is ActionEvent.S0]
-            self._code.add(self._own_texts.leaving(step.path), self._step(step, leaving))
+            leaving = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
+            self._code.add(self._own_texts.leaving(step.path), self._step(step, leaving, left=True))
         for step in self._source.net.steps:
             acting = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
             self._code.add(self._own_texts.acting(step.path), self._step(step, acting))
+        for name, timer in self._timers.items():
+            self._code.add(self._own_texts.timer(name), timer.runs())
 
     def switched(self, qualifier: Qualifier, target: int) -> Expression:
         """Whether an action switches a step on or off."""
@@ -118,28 +121,36 @@ class Actions:
 
     # -- what is executed
 
-    def _step(self, step: NetStep, rows: Sequence[Row]) -> list[Statement]:
-        """What a step executes, under one condition what has the same."""
+    def _step(self, step: NetStep, rows: Sequence[Row], *, left: bool = False) -> list[Statement]:
+        """What a step executes, or when it is left; under one condition what has the same."""
         groups: list[tuple[Expression, list[Statement]]] = []
         for row in rows:
-            condition = self._condition(step, row)
+            condition = self._condition(step, replace(row, event=ActionEvent.S0) if left else row)
             if is_constant(condition, FALSE):
                 continue
             if not groups or groups[-1][0] != condition:
                 groups.append((condition, []))
-            groups[-1][1].extend(self._execution(step, row))
+            groups[-1][1].extend(self._execution(row, left=left))
         return [when(condition, *statements) for condition, statements in groups]
 
-    def _execution(self, step: NetStep, row: Row) -> Iterator[Statement]:
-        if row.qualifier in TIMERS and row.target is not None:
-            path = f"{self._source.pou.name} / step {step.path}"
-            raise LoweringError(f"{row.qualifier} of {row.name} is not lowered yet", location=Location(path=path))
+    def _execution(self, row: Row, *, left: bool) -> Iterator[Statement]:
         if row.target is None:
             yield from row.statements
+        elif _falls_off(row) and row.value is not None:
+            yield from self._timer(row).falls_off(row.value, active=not left)
+        elif row.qualifier in TIMERS:
+            yield from self._timer(row).started(row.qualifier, row.value)
         elif row.qualifier in COUNTERS:
             yield self._counted(row, row.target)
         else:
             yield assignment(row.target, TRUE if row.qualifier is Qualifier.S else FALSE)
+
+    def _timer(self, row: Row) -> Timer:
+        key = row.name.casefold()
+        if key not in self._timers:
+            assert row.target is not None  # noqa: S101  # the caller has looked
+            self._timers[key] = Timer(row.name.strip('#"'), row.target, self._code, self._own_texts)
+        return self._timers[key]
 
     def _counted(self, row: Row, counter: Expression) -> Statement:
         one, none, last = n.Literal("1"), n.Literal("0"), n.Literal(_LAST_COUNT)
@@ -157,6 +168,10 @@ class Actions:
             case Qualifier.CS if row.value is not None:
                 return assignment(counter, row.value)
         return assignment(counter, none)
+
+
+def _falls_off(row: Row) -> bool:
+    return row.qualifier is Qualifier.TF and row.target is not None
 
 
 def _only_written_by_coils(source: GraphSource) -> set[str]:

@@ -29,6 +29,7 @@ class GraphTexts:
     pushed = "all_switch"
     shown = "displayed_step"
     shown_comment = "number of the step displayed"
+    timer_mode = "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay"
     first_cycle = "the sequence has not been started yet"
 
     def wanted_of(self, path: str) -> str:
@@ -42,6 +43,10 @@ class GraphTexts:
     def acting(self, path: str) -> str:
         """The title of what a step does."""
         return f"Step {path}: actions"
+
+    def timer(self, name: str) -> str:
+        """The title of a timer's network."""
+        return f"Timer {name}"
 
 
 class GermanGraphTexts(GraphTexts):
@@ -68,6 +73,7 @@ class GermanGraphTexts(GraphTexts):
     pushed = "alle_schalten"
     shown = "angezeigter_schritt"
     shown_comment = "Nummer des angezeigten Schritts"
+    timer_mode = "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung"
     first_cycle = "die Kette wurde noch nicht gestartet"
 
     def wanted_of(self, path: str) -> str:
@@ -81,6 +87,10 @@ class GermanGraphTexts(GraphTexts):
     def acting(self, path: str) -> str:
         """The title of what a step does."""
         return f"Schritt {path}: Aktionen"
+
+    def timer(self, name: str) -> str:
+        """The title of a timer's network."""
+        return f"Zeitglied {name}"
 
 
 def graph_texts(texts: Texts) -> GraphTexts:
