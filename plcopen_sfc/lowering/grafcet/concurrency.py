@@ -12,10 +12,10 @@ from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.lowering.logic import FALSE, is_constant
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
-from plcopen_sfc.semantics.net import Net, NetTransition, Rivals, mask
+from plcopen_sfc.semantics.net import Net, NetTransition, Rivals, indexes, mask
 from plcopen_sfc.semantics.profile import Profile
 
-_MOST_MARKINGS = 2_000
+_MOST_EVOLUTIONS = 20_000
 _MOST_TOGETHER = 8
 
 
@@ -31,7 +31,8 @@ class Concurrency:
         together = profile.rivals is Rivals.ALL and not _rivals_exclude_each_other(source)
         self._rivals = Rivals.ALL if together else Rivals.PRIORITY
         ruled = source.grafcet.ruled if source.grafcet is not None else ()
-        self._parts = [(steps, _markings(source.net, steps, ruled, self._rivals)) for steps in _parts(source.net)]
+        self._parts = [_Part(source.net, steps, ruled, self._rivals) for steps in _parts(source.net)]
+        self._part_of = {step: part for part in self._parts for step in indexes(part.steps)}
 
     def both_fire(self, one: NetTransition, other: NetTransition) -> bool:
         """Whether two transitions can be cleared in the same evolution."""
@@ -44,10 +45,26 @@ class Concurrency:
         return self._is_there(transition.pre | 1 << step)
 
     def _is_there(self, active: int) -> bool:
-        return all(
-            markings is None or any(active & steps & ~marking == 0 for marking in markings)
-            for steps, markings in self._parts
-        )
+        touched = {id(part): part for part in (self._part_of[step] for step in indexes(active))}
+        return all(part.can_be(active & part.steps) for part in touched.values())
+
+
+class _Part:
+    """The situations that a part can be in, by the steps that are active in them; `complete` if these are all."""
+
+    def __init__(self, net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> None:
+        self.steps = steps
+        self._with: dict[int, list[int]] = {}
+        markings = _markings(net, steps, ruled, rivals)
+        self._complete = markings is not None
+        for marking in markings or ():
+            for step in indexes(marking):
+                self._with.setdefault(step, []).append(marking)
+
+    def can_be(self, active: int) -> bool:
+        """Whether all these steps can be active together."""
+        first = next(indexes(active))
+        return not self._complete or any(not active & ~marking for marking in self._with.get(first, ()))
 
 
 def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list[NetTransition]]:
@@ -94,10 +111,12 @@ def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals)
     imposed = (start for chart in ruled if chart.steps & steps for start in _imposed(chart))
     waiting = [start & steps for start in (net.initial, *imposed)]
     found = set(waiting)
+    left = _MOST_EVOLUTIONS
     while waiting:
         marking = waiting.pop()
         enabled = [i for i in net.enabled(marking) if (net.transitions[i].pre | net.transitions[i].post) & steps]
-        if len(enabled) > _MOST_TOGETHER or len(found) > _MOST_MARKINGS:
+        left -= 1 << len(enabled)
+        if len(enabled) > _MOST_TOGETHER or left < 0:
             return None
         for true in _subsets(enabled):
             after, _ = net.fire(marking, true, rivals)

@@ -9,7 +9,7 @@ ends, whatever the inputs are.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.languages.st import nodes as n
@@ -20,7 +20,7 @@ from plcopen_sfc.lowering.grafcet.source import Delay, Edge
 from plcopen_sfc.lowering.grafcet.terms import TermCode
 from plcopen_sfc.lowering.logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.net import NetTransition, indexes
 
 
 class Stability:
@@ -46,6 +46,9 @@ class Stability:
         self._delays = {terms.value_of(delay): delay for delay in source.grafcet.delays}
         self._own = {name.casefold() for name in own}
         self._written = set(_names(tree for stored in source.grafcet.stored for tree in stored.statements))
+        self._timers = {value.base for value in self._delays if isinstance(value, n.Member)}
+        edges = self._edges.items()
+        self._over = {pulse for pulse, e in edges if not self._changes(e.operand) and not self._steps_in(e.operand)}
         self.most = self._most()
         """The most evolutions of a scan in which a transition is cleared; None: there may be any number of them."""
 
@@ -66,7 +69,16 @@ class Stability:
         if self._grafcet.ruled:
             return None  # orders hold charts and set them free again
         transitions = self._source.net.transitions
-        followers = {t.index: [u.index for u in self._candidates(t) if self._follows(t, u)] for t in transitions}
+        later = [self._later(condition) for condition in self._source.conditions]
+        readers: dict[int, list[int]] = {}
+        for transition in transitions:
+            if is_constant(later[transition.index], FALSE):
+                continue
+            if not transition.pre or self._is_volatile(transition, later[transition.index]):
+                return None  # it can follow itself
+            for step in indexes(self._reads(later[transition.index])):
+                readers.setdefault(step, []).append(transition.index)
+        followers = {t.index: self._followers(t, later, readers) for t in transitions}
         try:
             order = list(TopologicalSorter(followers).static_order())
         except CycleError:
@@ -76,36 +88,28 @@ class Stability:
             length[index] = 1 + max((length[u] for u in followers[index]), default=0)
         return max(length.values(), default=0)
 
-    def _candidates(self, before: NetTransition) -> Iterator[NetTransition]:
-        for transition in self._source.net.transitions:
-            touched = before.post & transition.pre or not transition.pre
-            if touched or self._is_volatile(transition) or self._reads(transition) & (before.pre | before.post):
-                yield transition
-
-    def _follows(self, before: NetTransition, transition: NetTransition) -> bool:
-        """Whether a transition can be cleared in the evolution behind that which clears `before`."""
-        condition = self._source.conditions[transition.index]
-        later = self._later(condition)
-        if is_constant(later, FALSE):
-            return False
-        if not transition.pre or self._is_volatile(transition) or self._reads(transition) & (before.pre | before.post):
-            return True
-        for step, entered in enumerate(self._source.net.steps):
-            if entered.bit & before.post & transition.pre:
-                fresh = later if self._seen.enters_active(before, step) else self._just_entered(later, step)
-                own = self._source.conditions[before.index]
-                if not exclude(disjunction([own, self._later(own)]), self._renamed(fresh), self._source.dialect):
-                    return True
-        return False
+    def _followers(
+        self, before: NetTransition, later: Sequence[Expression], readers: Mapping[int, Sequence[int]]
+    ) -> set[int]:
+        """The transitions that can be cleared in the evolution behind that which clears `before`."""
+        found = {index for step in indexes(before.pre | before.post) for index in readers.get(step, ())}
+        own = self._source.conditions[before.index]
+        cleared = disjunction([own, later[before.index]])
+        for step in indexes(before.post):
+            for index in set(self._source.net.leaving[step]) - found:
+                again = self._seen.enters_active(before, step)
+                fresh = later[index] if again else self._just_entered(later[index], step)
+                if not exclude(cleared, self._renamed(fresh), self._source.dialect):
+                    found.add(index)
+        return found
 
     # -- what changes between two evolutions
 
-    def _is_volatile(self, transition: NetTransition) -> bool:
+    def _is_volatile(self, transition: NetTransition, later: Expression) -> bool:
         """Whether a condition can become TRUE between two evolutions by something else than the activity of steps."""
         condition = self._source.conditions[transition.index]
         if self._source.preparations[transition.index] or self._changes(condition):
             return True
-        later = self._later(condition)
         return later != simplified(condition) and not exclude(later, negation(condition), self._source.dialect)
 
     def _changes(self, tree: Expression) -> bool:
@@ -118,28 +122,22 @@ class Stability:
                 return True
             if isinstance(node, n.Name):
                 name = node.identifier.casefold()
-                known = name in self._states or node in self._edges or self._is_timer(node)
+                known = name in self._states or node in self._edges or node in self._timers
                 if name in self._written or (name in self._own and not known):
                     return True
         return False
-
-    def _is_timer(self, name: n.Name) -> bool:
-        return any(isinstance(value, n.Member) and value.base == name for value in self._delays)
 
     def _term(self, node: Node) -> Edge | Delay | None:
         if isinstance(node, n.Name):
             return self._edges.get(node)
         return self._delays.get(node) if isinstance(node, n.Member) else None
 
-    def _reads(self, transition: NetTransition) -> int:
+    def _reads(self, condition: Expression) -> int:
         """The steps whose activity can make a condition TRUE, as bits."""
-        condition = self._later(self._source.conditions[transition.index])
-        bits = self._steps_in(condition)
-        for value, delay in self._delays.items():
-            if self._only_falls(delay) and _rises_with(condition, value, self._source):
-                condition = _with(condition, value, TRUE)
-                bits = self._steps_in(condition)
-        return bits
+        for term in [node for node in walk(condition) if isinstance(node, n.Member) and node in self._delays]:
+            if self._only_falls(self._delays[term]) and _rises_with(condition, term, self._source):
+                condition = _with(condition, term, TRUE)
+        return self._steps_in(condition)
 
     def _steps_in(self, tree: Expression) -> int:
         bits = 0
@@ -161,11 +159,7 @@ class Stability:
 
     def _later(self, tree: Expression) -> Expression:
         """The condition in every evolution but the first: edges of inputs are over."""
-        over = {
-            pulse
-            for pulse, edge in self._edges.items()
-            if not self._changes(edge.operand) and not self._steps_in(edge.operand)
-        }
+        over = self._over
         return simplified(transform(tree, lambda node: FALSE if isinstance(node, n.Name) and node in over else node))
 
     def _just_entered(self, tree: Expression, step: int) -> Expression:
