@@ -149,6 +149,25 @@ def test_conditions_with_times_and_numbers_are_followed() -> None:
     assert len(found[FaultKind.OVERLAP].trace) == 3  # 15 ms a scan: 30 ms are over in the third
 
 
+@pytest.mark.parametrize(
+    "options",
+    [{"flags": "M20.0"}, {"flags": "Merker", "target": "simaticml"}, {"actions": "block"}, {"stop": "NOT NotAus"}],
+)
+def test_faults_are_found_wherever_the_flags_are(options: dict[str, str]) -> None:
+    assert [*FLIP_FLOPS, FaultKind.INIT_EMPTIES] == [
+        kind
+        for kind in faults(training_chain(), "fup", language="FBD", init="Init", **options)
+        if kind is not FaultKind.NOT_STARTED
+    ]
+
+
+def test_the_query_of_the_step_before_the_last_ends_the_running_through() -> None:
+    """Which textbooks add for stepping by hand; neighbours still overlap."""
+    project = m.Project(pous=[training_chain()])
+    stepped = lower(project, "fup", style="classic", language="ST", modes=["single-step"])
+    assert [fault.kind for fault in stepped.faults] == [FaultKind.OVERLAP]
+
+
 # -- CASE
 
 
