@@ -168,6 +168,8 @@ S7_INSTANCES = {
     **{counter: f"{counter}_INT" for counter in ("CTU", "CTD", "CTUD")},
 }
 """What TIA Portal calls the types of instances of standard function blocks, where that is not the name of the block."""
+S7_VERSION = "1.0"
+"""The version of the timers, counters and edges of IEC 61131-3 in TIA Portal."""
 
 _OPERATORS = """
     AND+   IN1:ANY_BIT IN2:ANY_BIT        > OUT:ANY_BIT

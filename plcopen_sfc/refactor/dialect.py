@@ -9,7 +9,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.st import parse_condition, parse_statements
-from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
@@ -173,6 +173,8 @@ def _rename_instances(project: Project, source: Dialect, target: Dialect) -> Non
     for variable in (variable for section in sections for variable in section.variables):
         if isinstance(variable.type, DerivedType) and variable.type.name.upper() in names:
             variable.type = DerivedType(name=names[variable.type.name.upper()])
+            if variable.attributes.get("Version") == S7_VERSION:
+                variable.attributes = {key: text for key, text in variable.attributes.items() if key != "Version"}
 
 
 def _rename_declarations(project: Project, renames: Renames) -> None:

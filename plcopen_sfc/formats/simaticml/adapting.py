@@ -9,6 +9,7 @@ from plcopen_sfc.formats.simaticml.block_calls import say_calls
 from plcopen_sfc.formats.simaticml.coils import put_coils
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
+from plcopen_sfc.formats.simaticml.types import version_of
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.body import BodyBase, StBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -31,6 +32,7 @@ def adapt(project: Project, report: ConversionReport) -> None:
     """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
     put_coils(project)
     say_calls(project)
+    _say_versions(project)
     language = project.language or "en-US"
     for pou in project.pous:
         _languages(pou, language)
@@ -60,6 +62,15 @@ def _say_instances(project: Project) -> None:
             if called:
                 body.carried = body.carried or Carried()
                 body.carried.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
+
+
+def _say_versions(project: Project) -> None:
+    """Say of instances of timers, counters and edges of which version they are."""
+    interfaces = [thing.interface for thing in (*project.pous, *project.data_blocks) if thing.interface is not None]
+    for variable in (variable for interface in interfaces for variable in interface.variables()):
+        version = version_of(variable.type)
+        if version is not None and "Version" not in variable.attributes:
+            variable.attributes = {"Version": version} | variable.attributes
 
 
 def _calls(text: str, name: str) -> bool:

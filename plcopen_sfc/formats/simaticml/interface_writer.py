@@ -7,7 +7,7 @@ from lxml import etree
 from plcopen_sfc.formats.simaticml.graph_parameters import add_system_parts
 from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, SECTIONS, usual_form
 from plcopen_sfc.formats.simaticml.start_values import write_elements
-from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, version_of, write_type
+from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
 from plcopen_sfc.formats.xml.carrying import legal
 from plcopen_sfc.model.base import Carried
@@ -74,9 +74,6 @@ def write_member(ctx: WriteContext, parent: etree._Element, variable: Variable, 
     kept = variable.carried.attributes if variable.carried is not None else {}
     own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
     element = sub(parent, "Member", {"Name": name or variable.name, "Datatype": spelling(variable.type, kept), **own})
-    version = version_of(variable.type)
-    if version is not None:
-        element.set("Version", version)
     for key, value in kept.items():
         if "/" not in key and key != "Datatype":
             element.set(key, value)

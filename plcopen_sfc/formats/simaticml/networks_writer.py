@@ -24,10 +24,9 @@ from plcopen_sfc.formats.simaticml.parts import (
     template_type,
 )
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode
-from plcopen_sfc.formats.simaticml.types import VERSION
 from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, renumber
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
+from plcopen_sfc.languages.standard_blocks import S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.network import (
     Block,
@@ -242,7 +241,7 @@ class _Writer:
         kept = _kept(node.carried)
         marks = {key: kept[key] for key in _PART_ATTRIBUTES if key in kept}
         if not kept and draft.name in _TIMERS:
-            marks["Version"] = VERSION
+            marks["Version"] = S7_VERSION
         draft.uid = self.uid()
         element = sub(parent, "Part", {"Name": draft.name, "UId": draft.uid, **marks})
         if isinstance(node, Block):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from plcopen_sfc.formats.simaticml.reading import Fields
+from plcopen_sfc.languages.standard_blocks import S7_VERSION
 from plcopen_sfc.model.types import (
     ArrayType,
     DataType,
@@ -51,8 +52,6 @@ _SYSTEM = re.compile(
 )
 """Types of the system, which are not quoted as those of users are."""
 _VERSIONED = re.compile(r"(?:TON|TOF|TP|TONR|IEC|CTU|CTD|CTUD)_\w+|[RF]_TRIG")
-VERSION = "1.0"
-"""The version of the timers, counters and edges of IEC 61131-3 in TIA Portal."""
 
 
 def read_type(text: str, members: list[Fields] | None = None) -> Fields:
@@ -94,7 +93,7 @@ def write_type(type: DataType) -> str:
 
 def version_of(type: DataType) -> str | None:
     """The version that a declaration names of a type of the system; None: it names none."""
-    return VERSION if isinstance(type, DerivedType) and _VERSIONED.fullmatch(type.name) else None
+    return S7_VERSION if isinstance(type, DerivedType) and _VERSIONED.fullmatch(type.name) else None
 
 
 def struct_of(type: DataType) -> StructType | None:
