@@ -98,16 +98,12 @@ class Chain(ABC):
         """What keeps, from one scan to the next, which transitions fire."""
         return ()
 
+    @abstractmethod
     def any_fires(self) -> Expression:
-        """Whether any transition fires. Raises `LoweringError` where nothing tells."""
-        raise LoweringError(
-            "SFCTrans cannot be told here: nothing in the code knows of all transitions",
-            location=Location(path=self.source.pou.name),
-            hint="Flip-flops and step bits can.",
-        )
+        """Whether any transition fires, when it has been chosen which ones do."""
 
     def tells(self) -> dict[str, Expression]:
-        """What tells, between two scans, that a step is active, by its path; empty where the code is not that far."""
+        """What tells, between two scans, that a step is active, by its path."""
         return {step.path: self.active(step.index) for step in self.net.steps}
 
     def exact(self) -> None:

@@ -45,7 +45,8 @@ def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRul
 
 def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
     """The text of a network, with its title and comment before it."""
-    comments = [network.title, *network.comment.splitlines()]
+    title = " ".join(network.title.split())  # a line break in a name would end the comment
+    comments = [title, *network.comment.splitlines()]
     heading = [f"// {line}".rstrip() for line in comments if line]
     text = network.text if isinstance(network, TextNetwork) else print_node(n.Statements(network.statements), dialect)
     return "\n".join([*heading, text])

@@ -33,6 +33,7 @@ from plcopen_sfc.lowering.rivals import firing_together
 from plcopen_sfc.lowering.rules import States
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.states import StateNames
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
@@ -133,13 +134,12 @@ class RegionChain(Chain):
         self.code.add(self.texts.moves, [*restart, *moves])
 
     def any_fires(self) -> Expression:
-        """Whether any state will be another one. Raises `LoweringError` where a transition changes none."""
-        if any(set(t.sources) & set(t.targets) for t in self.net.transitions):
-            return super().any_fires()
-        return disjunction(negation(equal(self._next[m.region.index], m.state)) for m in self.machines)
+        """Whether any state will be another one, or a step is left and entered at once."""
+        changes = [negation(equal(self._next[m.region.index], m.state)) for m in self.machines]
+        return disjunction([*changes, *self._again.values()])
 
     def reentered(self) -> Mapping[int, Expression]:
-        """Steps that a transition leaves and enters at once: a flag that it sets, where their time is measured."""
+        """Steps that a transition leaves and enters at once: a flag that it sets, where anything asks for that."""
         return self._again
 
     def text(self, node: n.Node) -> str:
@@ -246,11 +246,12 @@ class RegionChain(Chain):
     # -- steps that are left and entered at once
 
     def _declare_again(self) -> None:
-        if self.profile.order is ScanOrder.ACTIONS_FIRST:
-            return  # steps change between two scans: such a step is never seen to be left
+        reported = SfcFlag.TRANS in self.source.flags
+        # where steps change between two scans such a step is never seen to be left
+        timed = self.profile.order is ScanOrder.TRANSITIONS_FIRST
         for transition in self.net.transitions:
             for step in set(transition.sources) & set(transition.targets):
-                if self.times.measures(step) and step not in self._again:
+                if (reported or (timed and self.times.measures(step))) and step not in self._again:
                     path = self.net.steps[step].path
                     wanted = f"{self.texts.flag_name(self.net.steps[step].step)}_again"
                     self._again[step] = self.code.declare(wanted, comment=self.texts.again_of(path))
@@ -277,7 +278,8 @@ class RegionChain(Chain):
         return [*lines, "END_CASE;"]
 
     def _branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
-        return [f"{INDENT}{self.text(label)}: // {heading}", *(INDENT * 2 + line for line in lines)]
+        comment = " ".join(heading.split())  # a line break in a name would end it
+        return [f"{INDENT}{self.text(label)}: // {comment}", *(INDENT * 2 + line for line in lines)]
 
     def heading(self, step: NetStep) -> str:
         """The comment of a step's branch."""

@@ -10,7 +10,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, Construction, Style, construct
+from plcopen_sfc.lowering.constructing import Constructed, Construction, Language, Style, construct
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
@@ -215,6 +215,26 @@ def test_wires_from_steps_are_followed_before_transitions(construction: Construc
     pou.interface.sections[1].variables.append(boolean("y"))
     pou.sfc.logic = [output(90, "y", (pou.sfc.step("S1").id, "x"))]
     assert verdict(pou, construction, profile).outcome is Outcome.PROVEN
+
+
+def test_reports_know_of_steps_that_are_left_and_entered_at_once() -> None:
+    for text in ("S1>S1 S1>S2 S2>S1", "S1>S2+S3 S2>S2 S2+S3>S1"):
+        pou = chain(text)
+        assert pou.interface is not None
+        pou.interface.sections[1].variables.append(boolean("SFCTrans"))
+        found = verdict(pou, Construction.AUTO, "codesys")
+        assert found.outcome is Outcome.PROVEN, str(found)
+        assert "SFCTrans" in found.compared
+
+
+def test_a_name_cannot_end_the_comment_that_it_stands_in() -> None:
+    pou = chain("S1>S2 S2>S1")
+    assert pou.sfc is not None
+    pou.sfc.steps[1].name = "Fill\nq := TRUE;"
+    assert "    2: // Step Fill q := TRUE;\n" in text_of(lowered(pou))
+    rules = LoweringRules(PROFILES["iec"], Texts())
+    flipflops = construct(pou, pou.sfc, Dialect.IEC, rules, construction=Construction.FLIPFLOP, language=Language.ST)
+    assert "\n// Step Fill q := TRUE;\n" in text_of(flipflops)
 
 
 def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:
