@@ -6,11 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.errors import Location, LoweringError, SfcError
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
+_STATES = 20_000
+"""What is searched in seconds to minutes, according to the size of the chart."""
 _AT_REST = 5_000
 _OPERATED = 1_000
 
@@ -26,12 +29,43 @@ def prove(
 ) -> Verdict:
     """What comparing `code` with `chart` comes to; arguments as in `equivalent`.
 
+    Raises `LoweringError` where one of them cannot be executed: it calls what the simulator does not know, or its texts
+    are wrong in their types.
+
     The parameters of an S7-GRAPH block multiply its states: whether each of a dozen commands has just risen. So there
     is a proof only for parameters at rest, and what they do is tested on random runs.
     """
+    try:
+        found = _compared(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
+    except SfcError as error:
+        raise _incomparable(chart, error.message) from error
+    differences = found.counterexample.differences if found.counterexample is not None else ()
+    failure = next((each.error for each in differences if each.error), "")
+    if failure:
+        raise _incomparable(chart, failure)
+    return found
+
+
+def _incomparable(chart: Subject, why: str) -> LoweringError:
+    return LoweringError(
+        f"the code cannot be compared with the chart: {why}",
+        location=Location(path=chart.name),
+        hint="It can be lowered without the proof: verify=False, --no-verify.",
+    )
+
+
+def _compared(
+    chart: Subject,
+    code: Subject,
+    profile: Profile,
+    *,
+    fixed: Mapping[str, bool],
+    left_out: str | None,
+    step_flags: Mapping[str, str] | None,
+) -> Verdict:
     operating = _operating(chart, profile)
     if not operating:
-        return equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
+        return equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags, cap=_STATES)
     at_rest = equivalent(
         chart,
         code,
