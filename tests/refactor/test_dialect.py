@@ -25,6 +25,7 @@ from plcopen_sfc.model import (
     Variable,
     VariableSection,
 )
+from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.refactor.dialect import translate_project
 from tests.corpus import corpus_files, require_corpus
 
@@ -54,6 +55,29 @@ def test_locals_get_their_sign_and_globals_their_quotes() -> None:
     ]
     translate_project(project, Dialect.CODESYS)
     assert project == mixer(Dialect.CODESYS, "Valve := Ready AND Start; // opens", "Valve", "Ready")
+
+
+def test_instances_of_timers_and_counters_get_the_types_of_s7() -> None:
+    kinds = ("TON", "TP", "LTOF", "CTU", "Valve", "R_TRIG")
+    section = VariableSection(variables=[Variable(name=f"v{n}", type=DerivedType(name=k)) for n, k in enumerate(kinds)])
+    pou = Pou(name="Mixer", kind=PouKind.FUNCTION_BLOCK, interface=Interface(sections=[section]))
+    project = Project(dialect=Dialect.IEC, pous=[pou])
+    before = project.model_copy(deep=True)
+    translate_project(project, Dialect.SCL)
+    found = [variable.type for variable in section.variables]
+    assert [kind.name for kind in found if isinstance(kind, DerivedType)] == [
+        *("TON_TIME", "TP_TIME", "TOF_LTIME", "CTU_INT"),
+        *("Valve", "R_TRIG"),
+    ]
+    translate_project(project, Dialect.IEC)
+    assert project == before
+
+
+def test_a_block_of_the_project_that_is_called_like_a_timer_stays_what_it_is() -> None:
+    section = VariableSection(variables=[Variable(name="t", type=DerivedType(name="TON"))])
+    pou = Pou(name="TON", kind=PouKind.FUNCTION_BLOCK, interface=Interface(sections=[section]))
+    translate_project(Project(dialect=Dialect.IEC, pous=[pou]), Dialect.SCL)
+    assert section.variables[0].type == DerivedType(name="TON")
 
 
 def test_names_that_only_scl_can_write_are_renamed_where_they_are_declared_too() -> None:
