@@ -32,7 +32,7 @@ from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.regions import RegionChain, no_regions
 from plcopen_sfc.lowering.restart import names_in_conditions
 from plcopen_sfc.lowering.rivals import firing_together
-from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
+from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.s7_memory import OperandMemory
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.surroundings import names_of
@@ -123,7 +123,7 @@ def construct(
         chosen, why = _choice_for_grafcet(source, construction, rules.profile)
     else:
         source = read_chart(pou, chart, dialect, rules.profile, surroundings, project=project)
-        chosen, why = _choice(source, construction, rules.profile)
+        chosen, why = _choice(source, construction, rules, style=style, language=language)
     if language is None:
         language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
@@ -201,15 +201,26 @@ def _memory(code: Code, language: Language) -> Memory:
     return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 
 
-def _choice(source: ChartSource, wanted: Construction, profile: Profile) -> tuple[Construction, str]:
+def _choice(
+    source: ChartSource, wanted: Construction, rules: LoweringRules, *, style: Style, language: Language | None
+) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
-    if firing_together(source.net, profile) is not None:
-        return Construction.BITS, f"no CASE can hold the chart: rivals fire together under the profile {profile.name}"
+    if language not in (None, Language.ST):
+        return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
     several = one_step_at_a_time(source)
+    if style is Style.CLASSIC and several:
+        return Construction.FLIPFLOP, f"textbooks have flip-flops for it: {several}"
+    if rules.flags != LOCAL and style is Style.EXACT:
+        return Construction.BITS, f"there are to be step flags at {rules.flags}"
+    if firing_together(source.net, rules.profile) is not None:
+        why = f"rivals fire together under the profile {rules.profile.name}"
+        return Construction.BITS, f"no CASE can hold the chart: {why}"
     if not several:
         ends = any(not transition.targets for transition in source.net.transitions)
         return Construction.CASE, f"{'at most' if ends else 'exactly'} one step is active at a time"
+    if OperatingMode.SELECT in rules.modes:
+        return Construction.BITS, f"steps are to be selected, and several can be active: {several}"
     objection = no_regions(source)
     if not objection:
         return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
@@ -235,6 +246,7 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
     interface.declaration = None
     _declare(interface, SectionKind.INPUT, code.inputs)
+    _declare(interface, SectionKind.OUTPUT, code.outputs)
     constants = SectionKind.CONSTANT if dialect is Dialect.SCL else SectionKind.LOCAL
     _declare(interface, constants, code.constants, constant=True)
     _declare(interface, SectionKind.LOCAL, code.variables)

@@ -253,6 +253,23 @@ def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:
             assert why in made.why
 
 
+def test_what_is_chosen_can_hold_what_is_asked_for() -> None:
+    several, single = chain(PARALLEL), chain("S1>S2 S2>S1")
+    for pou in (several, single):
+        drawn = lower(pou, language="FBD", verify=False)
+        assert (drawn.construction, drawn.why) == (Construction.FLIPFLOP, "flip-flops are what FBD can hold")
+        placed = lower(pou, flags="%MX20.0", verify=False)
+        assert (placed.construction, placed.why) == (Construction.BITS, "there are to be step flags at %MX20.0")
+    selected = lower(several, modes=["select"])
+    assert selected.construction is Construction.BITS
+    assert "steps are to be selected" in selected.why
+    assert lower(single, modes=["select"]).construction is Construction.CASE
+    assert lower(single, style="classic", verify=False).construction is Construction.CASE
+    classic = lower(several, style="classic", verify=False)
+    assert classic.construction is Construction.FLIPFLOP
+    assert classic.why.startswith("textbooks have flip-flops for it")
+
+
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 def test_a_chart_that_ends_has_a_state_of_no_step(profile: str) -> None:
     pou = chain("S1>S2 S2>S1 S2>")
