@@ -9,7 +9,17 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.cli.outline import outline
 from plcopen_sfc.cli.wording import Wording
-from plcopen_sfc.model import ActionAssociation, NamedCondition, Qualifier, SfcNetwork, Transition
+from plcopen_sfc.model import (
+    ActionAssociation,
+    Connection,
+    Expression,
+    InputPin,
+    NamedCondition,
+    Qualifier,
+    SfcNetwork,
+    Transition,
+    WiredCondition,
+)
 
 
 def text(chart: SfcNetwork, *, unicode: bool = False) -> str:
@@ -200,4 +210,14 @@ def test_drawn_logic_in_words(fixtures):
     assert chart is not None
     words = Wording(chart)
     texts = {words.condition(transition.condition) for transition in chart.transitions}
-    assert {"DripTimer.Q", "(LevelOk AND NOT B4_Overflow)"} <= texts
+    assert {"DripTimer.Q", "LevelOk AND NOT B4_Overflow"} <= texts
+
+
+def test_an_edge_and_a_negation_in_words(fixtures):
+    charts = [chart.network for chart in sfc.load("plcopen/every_element_2.01.xml").charts()]
+    texts = {Wording(chart).condition(transition.condition) for chart in charts for transition in chart.transitions}
+    words = Wording(charts[0])
+    assert "NOT ((TRUE OR falling edge of B1_LidClosed) AND NOT B2_Empty)" in texts
+    assert words.condition(WiredCondition(input=InputPin())) == "(not wired)"
+    assert words.condition(WiredCondition(input=InputPin(connections=[Connection(source=999999)]))) == "(logic)"
+    assert words.condition(Expression(text="(a) AND (b)", negated=True)) == "NOT ((a) AND (b))"

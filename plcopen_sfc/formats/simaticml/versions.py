@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 NAMESPACE = "http://www.siemens.com/automation/Openness/SW/"
 _VERSIONED = re.compile(re.escape(NAMESPACE) + r"(?:NetworkSource/)?(\w+)/v(\d+)")
@@ -64,6 +65,7 @@ def version_named(name: str) -> TiaVersion | None:
     return next((version for version in VERSIONS if version.name == name), None)
 
 
+@lru_cache(maxsize=256)
 def version_like(name: str) -> TiaVersion | None:
     """The version of this name; one that came later, or between two that are known, is as the one before it.
 

@@ -5,7 +5,7 @@ a transition and `chart_statements` the rest of the logic drawn in a chart. `dra
 `draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
 """
 
-from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression
+from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression, condition_reader
 from plcopen_sfc.languages.networks.drawing import (
     DrawnExpression,
     DrawnFbd,
@@ -39,6 +39,7 @@ __all__ = [
     "body_statements",
     "chart_statements",
     "condition_expression",
+    "condition_reader",
     "declared_rules",
     "draw_fbd",
     "draw_fbd_expression",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -14,7 +14,6 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
-from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
@@ -35,10 +34,24 @@ def condition_expression(
     expression (function blocks, edges) stands in `NetworkExpression.before`. `taken` and `known` as in
     `body_statements`.
     """
-    reader = _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, [*taken], known)
     if transition.condition is None:
         return _failed("the transition has no condition")
-    return reader.read(transition.condition)
+    return condition_reader(chart, dialect, transitions=transitions, taken=taken, known=known)(transition.condition)
+
+
+def condition_reader(
+    chart: SfcNetwork,
+    dialect: Dialect = Dialect.IEC,
+    *,
+    transitions: Iterable[NamedTransition] = (),
+    taken: Iterable[str] = (),
+    known: Container[str] | None = None,
+) -> Callable[[Condition], NetworkExpression]:
+    """What `condition_expression` gives, for many conditions of a chart that does not change meanwhile.
+
+    The logic drawn in the chart is looked through once, not for each of them.
+    """
+    return _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, [*taken], known).read
 
 
 def chart_statements(
@@ -86,6 +99,8 @@ class _ConditionReader:
         self._taken = taken
         self._known = known
         self._open: set[str] = set()
+        self._whole: NetworkReader | None = None
+        self._places: dict[int, list[int]] = {}
 
     def read(self, condition: Condition) -> NetworkExpression:
         """Any condition as an expression."""
@@ -140,12 +155,14 @@ class _ConditionReader:
         pin = condition.input
         if not pin.connections:
             return self._text(pin.expression) if pin.expression else _failed("the condition is wired to nothing")
-        nodes: list[Node] = self._chart.logic
-        whole = reader_of_chart(self._chart, nodes, self._dialect)
-        needed = _feeding(whole, [whole.graph.resolve(None, pin)])
+        if self._whole is None:
+            self._whole = reader_of_chart(self._chart, self._chart.logic, self._dialect)
+            for place, node in enumerate(self._chart.logic):
+                self._places.setdefault(node.id, []).append(place)
+        needed = _feeding(self._whole, [self._whole.graph.resolve(None, pin)])
         reader = reader_of_chart(
             self._chart,
-            [node for node in nodes if node.id in needed],
+            [self._chart.logic[place] for place in sorted(p for number in needed for p in self._places[number])],
             self._dialect,
             taken=self._taken,
             known=self._known,
