@@ -47,12 +47,20 @@ class Output:
 
 
 class Facts:
-    """What is known of a chart before anything runs."""
+    """What is known of a chart and its code before anything runs. `waits`: there is an initialisation."""
 
-    def __init__(self, source: ChartSource, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output]) -> None:
+    def __init__(
+        self, source: ChartSource, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output], *, waits: bool
+    ) -> None:
         net = source.net
         self.net, self.profile, self.graph = net, profile, graph
-        self.outputs = outputs
+        self.outputs, self.waits = outputs, waits
+        driven = {output.name for output in outputs}
+        self.executed = [
+            (action.name, mask(step for use in action.uses for step in use.steps))
+            for action in source.actions
+            if not (isinstance(action.target, n.Name) and action.target.identifier in driven)
+        ]
         names = (sum(isinstance(node, n.Name) for node in walk(condition)) for condition in source.conditions)
         self.inputs_of_a_condition = max(names, default=0)
         self.following = [mask(x for t in each for x in net.transitions[t].targets) for each in net.leaving]
@@ -144,7 +152,7 @@ def _duplicated(facts: Facts, scan: Scan) -> Iterator[Place]:
 
 
 def _lost(facts: Facts, scan: Scan) -> Iterator[Place]:
-    if scan.restarted or scan.first:
+    if scan.restarted or (scan.first and facts.waits):
         return
     for step in indexes(scan.before & ~scan.after):
         leaving = [facts.net.transitions[t] for t in facts.net.leaving[step]]
@@ -154,7 +162,7 @@ def _lost(facts: Facts, scan: Scan) -> Iterator[Place]:
 
 
 def _not_started(facts: Facts, scan: Scan) -> Iterator[Place]:
-    if scan.first and not scan.after and not scan.restarted:
+    if scan.first and facts.waits and not scan.after and not scan.restarted and facts.net.initial:
         yield facts.names(*indexes(facts.net.initial))
 
 
@@ -198,6 +206,14 @@ def _init_ignored(facts: Facts, scan: Scan) -> Iterator[Place]:
         yield facts.names(*indexes(facts.net.initial), *indexes(scan.after & ~facts.net.initial))
 
 
+def _late(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if facts.profile.order is not ScanOrder.TRANSITIONS_FIRST or scan.restarted:
+        return
+    for name, steps in facts.executed:
+        if scan.after != scan.before and steps & scan.after:
+            yield (*facts.names(*indexes(scan.after)), name)
+
+
 Rule = Callable[[Facts, Scan], Iterator[Place]]
 
 FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
@@ -217,5 +233,6 @@ CASE_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.SWALLOWED: _swallowed,
     FaultKind.STUCK: _stuck,
     FaultKind.INIT_IGNORED: _init_ignored,
+    FaultKind.LATE: _late,
 }
 """What can be wrong with a CASE whose branches hold their actions."""

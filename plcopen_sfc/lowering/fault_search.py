@@ -32,10 +32,11 @@ from plcopen_sfc.semantics.subjects import Subject
 __all__ = ["find_faults"]
 
 _SCANS = 6_000
-"""Scans of one search, as long as a chart is small; a chain of four steps needs some hundred."""
+"""Scans of one search, and those of going through the steps; a chain of four steps needs some hundred."""
 
+_CALM_SCANS = 20_000
 _WORK = 4_000_000
-"""Scans of one search times steps and transitions."""
+"""Steps and transitions times the scans of one search: big charts get fewer."""
 
 _MARKINGS = 10_000
 _RUNS, _RUN_SCANS = 40, 100
@@ -76,7 +77,7 @@ def find_faults(
         sorted(name for name in restarts if name is not None and name.casefold() in known),
         [output.name for output in outputs],
     )
-    facts = Facts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs)
+    facts = Facts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs, waits=bool(restarts))
     fixed = {name: value for name, value in at_rest.items() if name not in restarts}
     signals = _connect(program, original, fixed)
     found = _Search(observed, facts, looked_for, signals).all()
@@ -202,7 +203,7 @@ class _Search:
                 if self._breadth_first(found, every, lambda _: True, min(_SCANS, most // 4), shortest=True):
                     return found
                 few = _FewInputs(self._domains, self._facts.inputs_of_a_condition + 1)
-                if self._breadth_first(found, few, self._is_calm, most, shortest=False):
+                if self._breadth_first(found, few, self._is_calm, min(_CALM_SCANS, most), shortest=False):
                     return found
         except NotProvableError:
             found.clear()

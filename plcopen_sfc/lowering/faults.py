@@ -86,6 +86,11 @@ class FaultKind(Enum):
         "the chain goes on while it is initialised",
         "The transition of the initial step is tried in the same scan.",
     )
+    LATE = (
+        "LOW206",
+        "an action is executed a scan later than in the chart",
+        "The branch of a step is executed for the first time in the scan after that in which it has become active.",
+    )
 
 
 @dataclass(frozen=True)

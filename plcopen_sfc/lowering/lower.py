@@ -193,7 +193,7 @@ def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
         return ()
     return find_faults(
         subject,
-        Subject(lowered.project, lowered.pou, subject.name),
+        resolve(lowered.project, subject.name),
         read_chart(subject.pou, chart, subject.project.dialect, lowered.profile),
         lowered.construction,
         lowered.rules,

@@ -173,13 +173,36 @@ def test_the_query_of_the_step_before_the_last_ends_the_running_through() -> Non
 
 def test_outputs_of_a_case_are_late_swallowed_or_stuck() -> None:
     found = faults(training_chain(), "case", init="Init")
-    assert list(found) == [FaultKind.SHIFTED, FaultKind.SWALLOWED, FaultKind.STUCK, FaultKind.INIT_IGNORED]
+    kinds = [FaultKind.SHIFTED, FaultKind.SWALLOWED, FaultKind.STUCK, FaultKind.INIT_IGNORED, FaultKind.LATE]
+    assert list(found) == kinds
+    assert found[FaultKind.LATE].place == ("S2", "Q2")
     assert table(found[FaultKind.SHIFTED])[-1] == "4 | B4 | S1 1 | S1 0"
     assert found[FaultKind.SWALLOWED].place == ("S1", "Q1")
     assert table(found[FaultKind.SWALLOWED])[-2:] == ["4 | B4 | S1 1 | S1 0", "5 | B1 | S2 0 | S2 0"]
     assert found[FaultKind.STUCK].place == ("S3", "Q3")
     assert table(found[FaultKind.STUCK])[-1] == "4 | Init | S1 0 | S1 1"
     assert table(found[FaultKind.INIT_IGNORED]) == [HEADER, "1 | B1 Init | S1 | S2"]
+
+
+def test_code_of_a_step_is_executed_a_scan_late() -> None:
+    pou = ring("a", "b", "c")
+    chart_of(pou).steps[1].actions.append(
+        m.ActionAssociation(id=chart_of(pou).new_id(), body=m.StBody(text="n := n + 1;"))
+    )
+    local = m.Variable(name="n", type=m.ElementaryType(name=m.Elementary.INT))
+    pou.interface.sections.append(m.VariableSection(variables=[local]))  # type: ignore[union-attr]
+    found = faults(pou, "case")[FaultKind.LATE]
+    assert found.place[0] == "S2"
+    assert table(found) == [HEADER, "1 | a | S2 | S2"]
+    assert FaultKind.LATE not in faults(pou, "case", profile="codesys")
+
+
+def test_a_step_alone_that_leads_to_itself_is_lost_at_once() -> None:
+    chart = m.SfcNetwork()
+    only = chart.add_step("S1", initial=True)
+    chart.add_transition(only, only, "a")
+    act(chart, only, "Q")
+    assert list(faults(pou_with(chart), "fup")) == [FaultKind.LOST]
 
 
 def test_an_output_of_two_neighbours_has_a_gap() -> None:
