@@ -173,7 +173,8 @@ def _states(net: Net, regions: Regions, texts: Texts) -> tuple[list[_State], lis
     for step, number in zip(net.steps, numbers, strict=True):
         comment = texts.step(step.step, step.path, initial=bool(net.initial & step.bit))
         constant = f"{texts.step_constant}_{_short(step.path, number)}"
-        name = constant if objection(step.path, Dialect.IEC) else step.path
+        plain = step.path.replace(".", "_")
+        name = constant if objection(plain, Dialect.IEC) else plain
         steps.append(_State(number, name, constant, comment))
     waits: list[_State] = []
     for block in regions.blocks:

@@ -59,9 +59,12 @@ def steps_of(pou: m.Pou) -> tuple[NetStep, ...]:
 
 
 def text_of(made: Constructed) -> str:
-    body = made.pou.body
-    assert isinstance(body, m.StBody)
-    return body.text
+    return text_of_pou(made.pou)
+
+
+def text_of_pou(pou: m.Pou) -> str:
+    assert isinstance(pou.body, m.StBody)
+    return pou.body.text
 
 
 CHARTS = {
@@ -251,6 +254,28 @@ def test_what_is_not_built_of_parts_is_refused_and_becomes_bits() -> None:
         if text != "S1>S2 S2>S1 S3>S1":  # one CASE holds steps that nothing leads to
             assert made.construction is Construction.BITS
             assert why in made.why
+
+
+@pytest.mark.parametrize("states", ["numbers", "enumeration"])
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_a_block_inside_a_macro_step_inside_a_branch(profile: str, states: str) -> None:
+    inner = chart_of("E>A+B A>C B+C>X", "E")
+    outer = chart_of("S1>M+S2 M>S3 S2>S4 S3+S4>S1", "S1")
+    outer.step("M").macro = m.Macro(body=m.SfcBody(chart=inner))
+    for number, transition in enumerate([*inner.transitions, *outer.transitions], 1):
+        transition.condition = m.Expression(text=f"c{number}")
+    act(outer, outer.step("M"), "q")
+    act(inner, inner.step("C"), "r")
+    pou = pou_with(outer)
+    assert pou.interface is not None
+    pou.interface.sections[0].variables = [boolean(f"c{number}") for number in range(1, 8)]
+    pou.interface.sections[1].variables.append(boolean("r"))
+    lowered = lower(pou, states=states, profile=profile)
+    assert lowered.construction is Construction.REGIONS
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    if states == "enumeration":
+        assert "    Ablauf_Step#M_X: // Step M.X\n" in text_of_pou(lowered.pou)
 
 
 def test_what_is_chosen_can_hold_what_is_asked_for() -> None:
