@@ -60,6 +60,7 @@ class Code:
     networks: list[CodeNetwork | TextNetwork] = field(default_factory=list)
     variables: list[Variable] = field(default_factory=list)
     inputs: list[Variable] = field(default_factory=list)
+    outputs: list[Variable] = field(default_factory=list)
     constants: list[Variable] = field(default_factory=list)
     data_types: list[DataTypeDeclaration] = field(default_factory=list)
     at_rest: dict[str, bool] = field(default_factory=dict)
@@ -125,6 +126,12 @@ class Code:
         self.inputs.append(Variable(name=name, type=kind, comment=self.said(comment)))
         if at_rest is not None:
             self.at_rest[name] = at_rest
+        return self.naming.local(name)
+
+    def declare_output(self, wanted: str, comment: str) -> n.Name:
+        """Declare a Boolean output that is called `wanted`, if that is free, and give its name."""
+        name = self.naming.fresh(wanted)
+        self.outputs.append(Variable(name=name, type=BOOL, comment=self.said(comment)))
         return self.naming.local(name)
 
     def add(

@@ -22,6 +22,7 @@ from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.scan import add_grafcet
+from plcopen_sfc.lowering.graph.flipflops import FlipFlopSequencer
 from plcopen_sfc.lowering.graph.reading import read_sequencer
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.graph.source import GraphSource
@@ -162,7 +163,8 @@ def construct(
     }
     maker: Sequencer | Chain
     if isinstance(source, GraphSource):
-        maker = Sequencer(source, code, memory, rules, surroundings)
+        sequencer = FlipFlopSequencer if chosen is Construction.FLIPFLOP else Sequencer
+        maker = sequencer(source, code, memory, rules, surroundings)
     else:
         if source.grafcet is not None:
             makers[Construction.FLIPFLOP], makers[Construction.CASE] = GrafcetFlipFlops, GrafcetCase
@@ -237,9 +239,11 @@ def _choice_for_grafcet(source: ChartSource, wanted: Construction, profile: Prof
 
 
 def _choice_for_sequencer(wanted: Construction) -> tuple[Construction, str]:
-    if wanted not in (Construction.AUTO, Construction.BITS):
-        raise LoweringError(f"sequencers of S7-GRAPH are lowered to {Construction.BITS} only")
-    return Construction.BITS, "asked for" if wanted is Construction.BITS else "the chart is a sequencer of S7-GRAPH"
+    if wanted is Construction.AUTO:
+        return Construction.BITS, "the chart is a sequencer of S7-GRAPH, whose steps can be switched by hand"
+    if wanted not in (Construction.BITS, Construction.FLIPFLOP):
+        raise LoweringError(f"{wanted} cannot hold sequencers of S7-GRAPH: several steps can be active, or none")
+    return wanted, "asked for"
 
 
 def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:

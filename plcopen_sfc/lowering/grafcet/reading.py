@@ -8,6 +8,7 @@ from dataclasses import replace
 from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
 from plcopen_sfc.lowering.chart_texts import TextReader
 from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource, StoredAction
 from plcopen_sfc.lowering.logic import TRUE
@@ -22,7 +23,7 @@ from plcopen_sfc.semantics.charts.actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.actions import CONTINUOUS, STORED
 from plcopen_sfc.semantics.charts.grafcet.extension import has_grafcet
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
-from plcopen_sfc.semantics.charts.grafcet.terms import TermTexts, rising
+from plcopen_sfc.semantics.charts.grafcet.terms import EdgeTerm, TermTexts, TimeTerm, is_term, rising
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 
@@ -83,17 +84,23 @@ class _Reader(TextReader):
         continuous = tuple(self._continuous())
         for step in [*(s.step for s in self._net.steps), *(m.step for m in self._net.macros)]:
             step.actions = [a for a in step.actions if a.kind is None and a.forcing is None]
-        edges = [Edge(e.name, self.expression(e.operand, "an edge"), e.rising) for e in self._terms.edges]
-        delays = [
-            Delay(t.name, self.expression(t.operand, "a time"), self._time(t.first), self._time(t.last))
-            for t in self._terms.timers
-        ]
+        edges = [self._edge(term) for term in self._terms.edges]
+        delays = [self._delay(term) for term in self._terms.timers]
         known = self._profile.step_variables is StepVariables.GRAFCET
         names = frozenset(bits_by_number(self._net) if known else ())
         return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts, names)
 
-    def _time(self, text: str | None) -> n.Expression | None:
-        return self.expression(text, "a time") if text is not None else None
+    def _edge(self, term: EdgeTerm) -> Edge:
+        operand = self.expression(term.operand, "an edge")
+        return Edge(term.name, operand, term.rising, _words(operand))
+
+    def _delay(self, term: TimeTerm) -> Delay:
+        operand, *times = (
+            self.expression(text, "a time") if text is not None else None
+            for text in (term.operand, term.first, term.last)
+        )
+        assert operand is not None  # noqa: S101  # terms have one
+        return Delay(term.name, operand, times[0], times[1], _words(operand))
 
     def _termless(self, condition: Condition | None) -> Condition | None:
         if not self._profile.grafcet_terms or not isinstance(condition, Expression):
@@ -166,3 +173,9 @@ class _Reader(TextReader):
             duration = self.expression(model.duration, path)
         condition = self._value(chart, model.condition, path) if model.condition is not None else TRUE
         return Use(tuple(indexes(owner.steps)), inverted, qualifier, condition, duration)
+
+
+def _words(tree: n.Expression) -> tuple[str, ...]:
+    """The names in the operand of a term, but those that stand for other terms."""
+    names = (node.identifier for node in walk(tree) if isinstance(node, n.Name))
+    return tuple(name for name in names if not is_term(name))

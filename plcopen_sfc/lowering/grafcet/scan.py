@@ -86,8 +86,9 @@ class GrafcetScan:
         timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
         code.add(texts.times, [*chain.times.calls(), *timers])
         self._add_actions()
-        if not self._stable or self._grafcet.stored or chain.source.actions or chain.source.step_code:
-            code.add(texts.terms, self._terms.times)  # something may have changed since the last evolution
+        events = any(stored.event is not None for stored in self._grafcet.stored)
+        if not self._stable or events or chain.source.actions or chain.source.step_code:
+            code.add(texts.terms, self._terms.times)  # something may have changed since they were last called
         outputs = replace(chain.source, actions=self._grafcet.continuous)
         add_actions(outputs, code, continuous, chain.memory, replace(chain.rules, profile=_outputs(chain.profile)))
         chain.memory.finish(texts.first_scan)
@@ -217,7 +218,7 @@ class GrafcetScan:
         behind: list[Statement] = []
         if self._stability.most is None:
             number = self._code.declare(texts.evolutions, ElementaryType(name=Elementary.INT))
-            unstable = self._code.declare(texts.unstable, comment=texts.unstable_comment)
+            unstable = self._code.declare_output(texts.unstable, texts.unstable_comment)
             most = n.Literal(str(self._chain.profile.max_evolutions))
             counted = assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
             inside.insert(0, CodeNetwork("", (counted,)))

@@ -16,24 +16,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Edge:
-    """``↑operand``, or ``↓operand`` where it is not `rising`. In conditions `name` stands for it."""
+    """``↑operand``, or ``↓operand`` where it is not `rising`. In conditions `name` stands for it.
+
+    `words` are the names in it, as people wrote them.
+    """
 
     name: str
     operand: n.Expression
     rising: bool
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Delay:
     """``first/operand/last``: TRUE `first` after the operand became TRUE, until `last` after it became FALSE.
 
-    In conditions `name` stands for it. None: no delay at this end.
+    In conditions `name` stands for it. None: no delay at this end. `words` are the names in it, as people wrote them.
     """
 
     name: str
     operand: n.Expression
     first: n.Expression | None
     last: n.Expression | None
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ class TermCode:
         for delay in grafcet.delays:
             self._values[delay.name.casefold()] = self._declare_delay(delay)
         for edge in grafcet.edges:
-            self._values[edge.name.casefold()] = code.declare(texts.edge_name(_names(edge.operand), rising=edge.rising))
+            self._values[edge.name.casefold()] = code.declare(texts.edge_name(edge.words, rising=edge.rising))
         for delay in grafcet.delays:
             self._add_delay(delay)
         for edge in grafcet.edges:
@@ -52,7 +52,7 @@ class TermCode:
     def _declare_delay(self, delay: Delay) -> Expression:
         kinds = [(delay.first, "TON"), (delay.last, "TOF")]
         names = [
-            self._code.declare(self._texts.delay_name(_names(delay.operand), time.text), DerivedType(name=kind))
+            self._code.declare(self._texts.delay_name(delay.words, time.text), DerivedType(name=kind))
             for time, kind in kinds
             if isinstance(time, n.Literal)
         ]
@@ -93,10 +93,6 @@ class TermCode:
         early = any(isinstance(node, n.Name) and node.identifier.casefold() in self._early for node in walk(operand))
         called = any(isinstance(node, n.Call | n.Member) for node in walk(operand))
         return start if found or early or called else None
-
-
-def _names(operand: Expression) -> list[str]:
-    return [node.identifier for node in walk(operand) if isinstance(node, n.Name)]
 
 
 def _written_early(grafcet: GrafcetSource) -> set[str]:

@@ -78,6 +78,11 @@ class TermTexts:
         return self._names[term]
 
 
+def is_term(name: str) -> bool:
+    """Whether a name stands for a term in a text that was read."""
+    return name.startswith(("GRAFCET_EDGE_", "GRAFCET_TIME_"))
+
+
 def has_edge(text: str) -> bool:
     """Whether there is an edge in a text."""
     return _EDGE.search(text) is not None
