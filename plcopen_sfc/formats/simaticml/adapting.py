@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from plcopen_sfc.formats.simaticml.block_calls import say_calls
+from plcopen_sfc.formats.simaticml.block_calls import put_standard_blocks, say_calls
 from plcopen_sfc.formats.simaticml.coils import put_coils
+from plcopen_sfc.formats.simaticml.flip_flops import put_operands
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.formats.simaticml.types import version_of
@@ -30,6 +31,8 @@ _WITH_TEXTS = (
 
 def adapt(project: Project, report: ConversionReport) -> None:
     """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
+    put_standard_blocks(project)
+    put_operands(project, report)
     put_coils(project)
     say_calls(project)
     _say_versions(project)
@@ -66,8 +69,8 @@ def _say_instances(project: Project) -> None:
 
 def _say_versions(project: Project) -> None:
     """Say of instances of timers, counters and edges of which version they are."""
-    interfaces = [thing.interface for thing in (*project.pous, *project.data_blocks) if thing.interface is not None]
-    for variable in (variable for interface in interfaces for variable in interface.variables()):
+    interfaces = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
+    for variable in (v for interface in interfaces if interface is not None for v in interface.variables()):
         version = version_of(variable.type)
         if version is not None and "Version" not in variable.attributes:
             variable.attributes = {"Version": version} | variable.attributes

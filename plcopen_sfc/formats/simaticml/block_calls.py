@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from plcopen_sfc.formats.simaticml.interface_reader import SECTIONS
 from plcopen_sfc.formats.simaticml.types import write_type
+from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.network import Block, BlockCall, BlockVariable
@@ -25,6 +29,38 @@ def say_calls(project: Project) -> None:
                 pou = callable_.get(node.type_name.casefold()) if isinstance(node, Block) else None
                 if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
                     _say(node, pou)
+
+
+def put_standard_blocks(project: Project) -> None:
+    """Let standard blocks of other tools be parts, with the pins of IEC 61131-3: CODESYS says that they are called."""
+    own = {pou.name.casefold() for pou in project.pous}
+    for _, _, body in project.bodies():
+        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+            changed = {
+                node.id: standard
+                for node in network.nodes
+                if isinstance(node, Block) and (standard := _standard_of_others(node, own)) is not None
+            }
+            for node in network.nodes:
+                for wire in wires_of(node):
+                    standard = changed.get(wire.source)
+                    if standard is not None and wire.pin is not None:
+                        wire.pin = standard.output_name(wire.pin) or wire.pin
+
+
+def _standard_of_others(block: Block, own: Collection[str]) -> StandardBlock | None:
+    """The standard block that a box is, with its pins renamed; None for calls of blocks of the project."""
+    standard = standard_block(block.type_name)
+    parameters = (*block.parameters.inputs, *block.parameters.outputs)
+    is_native = any(p.carried is not None and "Type" in p.carried.attributes for p in parameters)
+    if standard is None or block.call is None or is_native or block.type_name.casefold() in own:
+        return None
+    block.call, block.type_name = None, standard.name
+    for parameter in block.parameters.inputs:
+        parameter.name = standard.input_name(parameter.name) or parameter.name
+    for parameter in block.parameters.outputs:
+        parameter.name = standard.output_name(parameter.name) or parameter.name
+    return standard
 
 
 def _say(block: Block, pou: Pou) -> None:

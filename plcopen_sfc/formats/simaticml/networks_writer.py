@@ -378,7 +378,9 @@ def _draft(node: Node) -> _Draft:
 
 def _standard(node: Block) -> StandardBlock | None:
     """The standard block that a block is, if it has the name that IEC 61131-3 gives it."""
-    block = standard_block(node.type_name) if node.call is None or node.call.value not in _CALL_NAMES else None
+    if PART_NAME in _kept(node.carried) or (node.call is not None and node.call.value in _CALL_NAMES):
+        return None
+    block = standard_block(node.type_name)
     return block if block is not None and block.name == node.type_name else None
 
 

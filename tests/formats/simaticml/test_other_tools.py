@@ -1,0 +1,99 @@
+"""Networks of other tools become networks of TIA Portal: boxes, pins and types that it has."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.api import convert
+from plcopen_sfc.formats.simaticml.flip_flops import put_operands
+from plcopen_sfc.languages.networks import DrawingRules, declared_rules, draw_fbd, draw_ld
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.semantics.subjects import resolve
+
+BOOL = m.ElementaryType(name=m.Elementary.BOOL)
+
+
+def pou_with(text: str, language: str, tool: Tool | None, kinds: dict[str, str]) -> m.Pou:
+    """A function block with inputs a, b, c, outputs p, q, and instances; drawn as `tool` has it."""
+
+    def section(kind: m.SectionKind, names: str) -> m.VariableSection:
+        return m.VariableSection(kind=kind, variables=[m.Variable(name=name, type=BOOL) for name in names])
+
+    local = m.VariableSection(
+        kind=m.SectionKind.LOCAL,
+        variables=[m.Variable(name=name, type=m.DerivedType(name=kind)) for name, kind in kinds.items()],
+    )
+    interface = m.Interface(sections=[section(m.SectionKind.INPUT, "abc"), section(m.SectionKind.OUTPUT, "pq"), local])
+    rules: DrawingRules = declared_rules(interface.variables(), tool=tool)
+    statements = parse_statements(text).tree.statements
+    body: m.Body
+    if language == "FBD":
+        body = draw_fbd(statements, rules, divided=True).body
+    else:
+        body = draw_ld(statements, rules, divided=True).body
+    return m.Pou(name="FB_Box", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=[body])
+
+
+CASES = [
+    (None, {"ff": "RS"}, "ff(S := a, R1 := b); q := ff.Q1; p := ff.Q1 AND c;", {"Bool"}),
+    (Tool.CODESYS, {"ff": "RS"}, "ff(SET := a, RESET1 := b); q := ff.Q1;", {"Bool"}),
+    (None, {"ff": "SR"}, "ff(S1 := a, R := b); q := ff.Q1;", {"Bool"}),
+    (None, {"up": "R_TRIG"}, "up(CLK := a); q := up.Q;", {"Bool", "R_TRIG"}),
+    (Tool.CODESYS, {"late": "TON"}, "late(IN := a AND b, PT := T#20ms); q := late.Q;", {"Bool", "TON_TIME"}),
+]
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize(("tool", "kinds", "text", "types"), CASES)
+def test_blocks_of_the_standard(
+    tool: Tool | None, kinds: dict[str, str], text: str, types: set[str], language: str
+) -> None:
+    project = m.Project(pous=[pou_with(text, language, tool, kinds)])
+    data, report = convert(project, "simaticml")
+    content = data.decode("utf-8-sig")
+    assert set(re.findall(r'Datatype="([^"]+)"', content)) == types
+    assert [item for item in report.items if item.what == "network" and item.fate is not Fate.KEPT] == []
+    names = set(re.findall(r'Part Name="([^"]+)"', content))
+    kind = next(iter(kinds.values()))
+    assert {"RS": "Sr", "SR": "Rs"}.get(kind, kind) in names, "the dominance stays; the name does not"
+    assert "CallInfo" not in content
+    found = equivalent(project, sfc.loads(data), "iec")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+def test_an_instance_that_text_calls_keeps_its_type_and_the_report_says_so() -> None:
+    project = m.Project(pous=[pou_with("ff(S := a, R1 := b); q := ff.Q1;", "FBD", None, {"ff": "RS"})])
+    project.pous[0].actions.append(m.Action(name="Reset", body=m.StBody(text="ff(S := FALSE, R1 := TRUE);")))
+    _, report = convert(project, "simaticml")
+    (item,) = [item for item in report.items if item.what == "instance"]
+    assert item.fate is Fate.APPROXIMATED
+    assert item.path == "POU FB_Box / ff"
+
+
+def test_reads_of_the_output_elsewhere_name_the_variable() -> None:
+    project = m.Project(pous=[pou_with("ff(S := a, R1 := b); q := ff.Q1;", "FBD", None, {"ff": "RS"})])
+    project.pous[0].actions.append(m.Action(name="Look", body=m.StBody(text="p := NOT ff.Q1; // why")))
+    put_operands(project, ConversionReport("plcopen", "simaticml"))
+    body = project.pous[0].actions[0].body
+    assert isinstance(body, m.StBody)
+    assert body.text == "p := NOT ff; // why"
+
+
+def test_calls_of_blocks_of_the_project_say_what_their_parameters_are() -> None:
+    inner = pou_with("q := a AND b; p := c;", "FBD", None, {})
+    outer = pou_with("box(a := b, b := c, q => q);", "FBD", None, {"box": "FB_Box"})
+    outer.name = "FB_Outer"
+    project = m.Project(pous=[outer, inner])
+    data, _ = convert(project, "simaticml")
+    content = data.decode("utf-8-sig")
+    assert '<Parameter Name="a" Section="Input" Type="Bool" />' in content
+    assert '<Parameter Name="q" Section="Output" Type="Bool" />' in content
+    found = equivalent(resolve(project, "FB_Outer"), resolve(sfc.loads(data), "FB_Outer"), "iec")
+    assert found.outcome is Outcome.PROVEN, str(found)
