@@ -67,6 +67,16 @@ def test_all_actions_are_decided_on_before_any_is_executed(profile: str) -> None
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_a_variable_is_not_written_before_all_actions_are_decided_on(profile: str) -> None:
+    pou = chain("S1>S2 S2>S1", {"A": "q := NOT q;"})
+    act(chart(pou), chart(pou).step("S1"), "A", m.Qualifier.P1)
+    act(chart(pou), chart(pou).step("S2"), "q", condition="c1")
+    act(chart(pou), chart(pou).step("S2"), "r", m.Qualifier.S, condition="q")
+    act(chart(pou), chart(pou).step("S1"), "r", m.Qualifier.R, condition="q")
+    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("body", ["q := TRUE;", "q := FALSE;", "r := q;", "q := NOT q; r := q;"])
 def test_variables_that_bodies_share_with_actions(body: str, profile: str) -> None:
     pou = chain("S1>S2 S2>S3 S3>S1", {"M": body})

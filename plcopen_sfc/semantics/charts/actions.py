@@ -144,7 +144,7 @@ class Actions:
             )
 
     def act(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> None:
-        """Ask the controls, then execute: first what has ended, then what is active.
+        """Ask all controls, then execute: first what has ended, then what is active.
 
         `situation`, `seen` and `entered` are as in `Control.step`.
         """
@@ -154,6 +154,7 @@ class Actions:
             work = self._plan(situation, seen, v[self._busy])
         ended: list[Action] = []
         active: list[Action] = []
+        resting: list[Write] = []
         busy = 0
         for action in work.actions:
             bits = action.control.step(frame, now, situation, seen, entered)
@@ -162,13 +163,13 @@ class Actions:
             if out:
                 active.append(action)
             elif self._always and action.write is not None:
-                action.write(frame, False)
+                resting.append(action.write)
             elif before and (action.run is None or (self._profile.final_scan and before & ON)):
                 ended.append(action)
             if bits:
                 busy |= action.bit
         v[self._busy] = busy
-        for write in work.idle:
+        for write in (*work.idle, *resting):
             write(frame, False)
         for action in ended:
             if action.run is not None:
