@@ -7,7 +7,7 @@ from typing import Any
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Verdict, equivalent
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, construct
+from plcopen_sfc.lowering.constructing import Constructed, Construction, Language, construct
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES
@@ -66,12 +66,13 @@ def _declared(names: str) -> list[m.Variable]:
     return [m.Variable(name=name, type=type_ or "BOOL") for name, _, type_ in words]
 
 
-def lowered(project: m.Project, **options: Any) -> Constructed:
-    """The block as code."""
+def lowered(project: m.Project, language: Language = Language.ST, **options: Any) -> Constructed:
+    """The block as code: bits in structured text, flip-flops in FBD and LD."""
     (pou,) = project.pous
     assert pou.sfc is not None
     rules = LoweringRules(PROFILES["s7graph"], Texts(), **options)
-    return construct(pou, pou.sfc, Dialect.SCL, rules, project=project)
+    construction = Construction.BITS if language is Language.ST else Construction.FLIPFLOP
+    return construct(pou, pou.sfc, Dialect.SCL, rules, construction=construction, language=language, project=project)
 
 
 def text(project: m.Project) -> str:
@@ -81,9 +82,17 @@ def text(project: m.Project) -> str:
     return body.text
 
 
-def verdict(project: m.Project, *, cap: int = 3_000, runs: int = 20, fixed: dict[str, bool] | None = None) -> Verdict:
+def verdict(
+    project: m.Project,
+    language: Language = Language.ST,
+    *,
+    cap: int = 3_000,
+    runs: int = 20,
+    fixed: dict[str, int] | None = None,
+    **options: Any,
+) -> Verdict:
     """The comparison of the code with the chart."""
-    made = lowered(project)
+    made = lowered(project, language, **options)
     code = m.Project(name="code", pous=[made.pou], dialect=Dialect.SCL, data_types=project.data_types)
     return equivalent(
         project, code, "s7graph", step_flags=made.step_flags, fixed=fixed or made.at_rest, cap=cap, runs=runs

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.constructing import Construction, Language
 from tests.analysis.nets import any_nets, block_chart, chart_of_arcs
 from tests.lowering.sequencers import (
     STANDARD_INPUTS,
@@ -15,6 +20,7 @@ from tests.lowering.sequencers import (
     act,
     block,
     guarded,
+    lowered,
     ring,
     text,
     verdict,
@@ -109,6 +115,12 @@ def test_steps_are_switched(qualifier: str, target: str) -> None:
     chart = ring(act(qualifier, target, "S1"))
     chart.step("S3").actions = [act("ON", "S1", "S0")]
     proven(chart, outputs="")
+
+
+def test_a_step_that_was_just_switched_on_is_not_supervised_yet() -> None:
+    chart = ring(act("ON", "S1", "S1"), act("N"))
+    chart.step("S1").supervision = m.Supervised(condition=m.Expression(text="#fault"))
+    proven(chart, "fault")
 
 
 EVENTS = ["L1", "L0", "V1", "V0", "S1", "S0"]
@@ -286,6 +298,83 @@ def test_a_block_without_steps() -> None:
     assert verdict(block(m.SfcNetwork(), STANDARD_INPUTS, STANDARD_OUTPUTS), cap=100, runs=3).equal
 
 
+# -- flip-flops
+
+
+@pytest.mark.parametrize("target", ["simaticml", "plcopen"])
+@pytest.mark.parametrize("language", [Language.FBD, Language.LD])
+@pytest.mark.parametrize(
+    ("actions", "inputs"),
+    [
+        ([act("N"), act("S", "P", interlock=True)], "ok fault INIT_SQ OFF_SQ"),
+        ([act("D", duration="T#20ms"), act("N", "P", "S0")], "ok fault"),
+        ([act("N", value="NOT #Q"), act("R", "P", "V0")], "ok fault ACK_EF"),
+        ([act("ON", "S1", "S1"), act("OFF", "S_ALL", "V1")], "ok fault"),
+        ([act("CS", "n", "S1", value="3"), act("CD", "n", "L1")], "ok fault"),
+        ([act("N")], "ok fault SW_MAN S_SEL:INT S_ON"),
+    ],
+    ids=["set", "delayed", "toggled", "switched", "counted", "by hand"],
+)
+def test_flip_flops(language: Language, target: str, actions: list[m.ActionAssociation], inputs: str) -> None:
+    chart = guarded(*actions, acknowledge="ACK_EF" in inputs)
+    found = verdict(block(chart, inputs, "Q P n:INT"), language, target=target, cap=1_500, runs=5)
+    assert found.equal, str(found)
+
+
+def test_networks_have_no_loops() -> None:
+    chart = ring(act("N"))
+    chart.graph_settings = m.GraphSettings(skip_steps=True)
+    with pytest.raises(LoweringError, match="skipped"):
+        lowered(block(chart, outputs="Q"), Language.FBD)
+
+
+# -- what sequencers cannot be lowered to
+
+
+@pytest.mark.parametrize("construction", [Construction.CASE, Construction.REGIONS])
+def test_a_case_cannot_hold_a_sequencer(construction: Construction) -> None:
+    with pytest.raises(LoweringError, match="several steps can be active"):
+        sfc.lower(block(ring()), construction, profile="s7graph")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"modes": ["enable"]}, {"actions": "block"}, {"flags": "M20.0"}, {"reset_actions": True}, {"style": "classic"}],
+    ids=str,
+)
+def test_options_that_sequencers_do_not_have_are_refused(options: dict[str, Any]) -> None:
+    with pytest.raises(LoweringError):
+        sfc.lower(block(ring()), profile="s7graph", verify=False, **options)
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (act("P"), "does not say what P does"),
+        (act("ON", "S9", "S1"), "no step"),
+        (act("CU", "n"), "needs an event"),
+        (act("D"), "needs a time"),
+        (act("D", event="S1", duration="T#1s"), "has no event"),
+        (act("N", value="#S1.TV"), "not lowered yet"),
+        (act("CALL", None, body=m.StBody(text="#S1.T := T#0s;")), "data of steps are written"),
+        (act("CALL", None, body=m.StBody(text="F(#S1);")), "in a way that is not lowered"),
+        (act("N", "n"), "no Boolean variable"),
+    ],
+    ids=str,
+)
+def test_what_is_refused(action: m.ActionAssociation, message: str) -> None:
+    with pytest.raises(LoweringError, match=message):
+        lowered(block(ring(action), outputs="Q n:INT"))
+
+
+def test_an_input_that_starts_the_sequence_anew() -> None:
+    project = block(ring(act("N")), outputs="Q")
+    lowered_block = sfc.lower(project, profile="s7graph", init="Restart")
+    assert lowered_block.proof is not None
+    assert lowered_block.proof.proven
+    assert "IF #FirstScan OR #Restart THEN" in lowered_block.pou.body.text
+
+
 # -- charts at random
 
 
@@ -368,3 +457,8 @@ def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
     project = block(chart, inputs, outputs)
     found = verdict(project, cap=300, runs=4)
     assert found.equal, f"{found}\n{text(project)}"
+    try:
+        drawn_code = verdict(project, Language.FBD, cap=100, runs=2)
+    except LoweringError:
+        return  # a loop, or a call on a condition
+    assert drawn_code.equal, str(drawn_code)

@@ -65,7 +65,7 @@ UNKNOWN_FUNCTION = {"FB_GraphSample"}
 """Blocks that call functions which their file does not hold: nobody can run them."""
 
 
-@pytest.mark.parametrize("number", range(10))
+@pytest.mark.parametrize("number", range(11))
 def test_blocks_of_the_corpus(number: int) -> None:
     require_corpus()
     texts = ((path, path.read_bytes()) for path in corpus_files("simaticml"))

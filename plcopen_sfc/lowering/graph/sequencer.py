@@ -103,7 +103,7 @@ class Sequencer:
         place = len(code.networks)
         self._add_checks()
         self._add_transitions()
-        self._add_step_change()
+        self.add_step_change()
         self._add_actions()
         steps = list(zip(self.flags, self.checks, strict=True))
         add_reports(self.source, code, self.commands, steps, own_texts)
@@ -190,11 +190,16 @@ class Sequencer:
                 statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
             condition = self.resolve(self.source.conditions[index], Phase.SWITCH)
             switches = disjunction([conjunction([condition, permitted]), pushed])
-            held = [self.checks[i].held(self.resolve) for i in transition.sources]
+            held = [self._held(i) for i in transition.sources]
             rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
             free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
             statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
         self.code.add(self.texts.transitions, statements)
+
+    def _held(self, step: int) -> Expression:
+        """Whether its supervision keeps a step active; one that was only just switched on is not supervised yet."""
+        held = self.checks[step].held(self.resolve)
+        return conjunction([self.flags[step], held]) if step in self.wanted else held
 
     def stays(self, step: int) -> Expression:
         """Whether a step is active and no transition leaves it."""
@@ -203,12 +208,13 @@ class Sequencer:
 
     def evolves(self) -> Expression:
         """Whether conditions of transitions are evaluated in this cycle."""
-        idle = (self.commands.is_on(Mode.MANUAL), self._started(), self.commands.edge("OFF_SQ"))
+        idle = (self.commands.is_on(Mode.MANUAL), self.started(), self.commands.edge("OFF_SQ"))
         return conjunction(map(negation, idle))
 
     # -- the step change
 
-    def _add_step_change(self) -> None:
+    def add_step_change(self) -> None:
+        """Append the networks that change the situation: all resets, then all sets."""
         resets: list[Statement] = [assignment(self.flags[i], wanted) for i, wanted in self.wanted.items()]
         sets: list[Statement] = []
         for transition in self.net.transitions:
@@ -222,12 +228,12 @@ class Sequencer:
         self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
         steps = range(len(self.net.steps))
         initial = [assignment(self.flags[i], self._initial(i)) for i in steps]
-        start = disjunction([self.first, self._started()])
+        start = disjunction([self.first, self.started()])
         self.code.add(self.own_texts.start, [when(start, *initial, assignment(self.first, FALSE))])
         off = self.commands.edge("OFF_SQ")
         self.code.add(self.own_texts.off, [when(off, *self._off(steps))] if not is_constant(off, FALSE) else [])
 
-    def _started(self) -> Expression:
+    def started(self) -> Expression:
         """Whether the sequence is started anew."""
         return disjunction([self.commands.edge("INIT_SQ"), *([self.init] if self.init is not None else [])])
 
