@@ -37,7 +37,7 @@ from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode
 from plcopen_sfc.lowering.s7_memory import OperandMemory
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.surroundings import names_of
-from plcopen_sfc.lowering.targets import has_one_sheet, tool_of
+from plcopen_sfc.lowering.targets import has_networks, has_one_sheet, tool_of
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -126,7 +126,14 @@ def construct(
         source = read_chart(pou, chart, dialect, rules.profile, surroundings, project=project)
         chosen, why = _choice(source, construction, rules, style=style, language=language)
     if language is None:
-        language = Language.FBD if chosen is Construction.FLIPFLOP else Language.ST
+        drawn = chosen is Construction.FLIPFLOP and has_networks(rules.target)
+        language = Language.FBD if drawn else Language.ST
+    if language is not Language.ST and not has_networks(rules.target):
+        raise LoweringError(
+            f"{rules.target} is structured text and has no networks of {language}",
+            location=Location(path=pou.name),
+            hint="Flip-flops can be written as structured text too: language ST.",
+        )
     if language is not Language.ST and chosen is not Construction.FLIPFLOP:
         raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}")
     if rules.states is not States.NUMBERS and chosen not in (Construction.CASE, Construction.REGIONS):
@@ -138,7 +145,7 @@ def construct(
     code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
     code.known_types = {kind.name.casefold() for kind in project.data_types} if project is not None else ()
-    code.culture = rules.texts.culture if code.tool is Tool.S7 else ""
+    code.culture = rules.texts.culture if code.tool is Tool.S7 and has_networks(rules.target) else ""
     code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
     memory = _memory(code, language)
     if rules.actions is ActionPlace.BLOCK and (

@@ -23,3 +23,8 @@ def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
 def has_one_sheet(target: str | None) -> bool:
     """Whether a format has all networks of a body on one sheet, as TC6 does."""
     return target is not None and (target == "codesys" or target.startswith("plcopen"))
+
+
+def has_networks(target: str | None) -> bool:
+    """Whether a format can hold networks; in one that is text for another tool they would be comments only."""
+    return target != "scl"

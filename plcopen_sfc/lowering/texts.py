@@ -36,7 +36,7 @@ def _numbered(step: Step, path: str) -> str:
 class Texts:
     """English texts."""
 
-    culture = "en-US"
+    culture = ""
     init = "Start the chain anew"
     stop = "holds the chain at its initial step"
     restart = "Restart"

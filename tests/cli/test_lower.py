@@ -87,3 +87,19 @@ def test_what_cannot_be_said_is_refused_and_nothing_is_written(cli: Cli, plant: 
     assert done.code == 2
     assert "cannot be drawn in LD" in done.err
     assert not (plant / "out.xml").exists()
+
+
+def test_scl_has_no_networks(cli: Cli, plant: Path) -> None:
+    done = cli("lower", "plant.xml", "out.scl", "--to", "scl", "--as", "fup")
+    assert (done.code, done.out.splitlines()[0]) == (0, "Ablauf: exact flipflop in ST: asked for")
+    (plant / "out.scl").unlink()
+    done = cli("lower", "plant.xml", "out.scl", "--to", "scl", "--as", "fup", "--language", "LD")
+    assert done.code == 2
+    assert "has no networks of LD" in done.err
+    assert not (plant / "out.scl").exists()
+
+
+def test_what_is_wrong_with_the_chart_is_said(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
+    done = cli("lower", fixtures / "broken" / "jump_to_nowhere.xml", tmp_path / "out.xml", "--to", "plcopen")
+    assert done.code == 1
+    assert "SFC103" in done.err

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.api import load, save
+from plcopen_sfc.cli.reading import exit_code_for
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.files import write_atomic
@@ -52,6 +53,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     What is written has been read back and compared with the chart. Where exact code is different nothing is written.
     """
     project = load(source, progress=lambda files: screen.progress(files, "Loading"))
+    for finding in project.diagnostics:
+        screen.finding(finding, result=False)
     lowered = lower(
         project,
         how.construction,
@@ -88,7 +91,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         screen.json(data)
     else:
         _show(screen, name, lowered, report)
-    return _FINDINGS if lowered.proof is not None and lowered.proof.outcome is Outcome.DIFFERENT else 0
+    different = lowered.proof is not None and lowered.proof.outcome is Outcome.DIFFERENT
+    return _FINDINGS if different else exit_code_for(screen, project.diagnostics)
 
 
 def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou:
