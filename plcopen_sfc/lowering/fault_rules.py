@@ -13,7 +13,7 @@ from plcopen_sfc.lowering.logic import TRUE, is_constant
 from plcopen_sfc.lowering.source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import Rivals, indexes, mask
-from plcopen_sfc.semantics.profile import Profile, ScanOrder
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 
 Place = tuple[str, ...]
 """The steps, and the output, in which a fault has shown itself."""
@@ -102,6 +102,8 @@ def _overlap(facts: Facts, scan: Scan) -> Iterator[Place]:
 
 
 def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if facts.profile.evolution is Evolution.UNTIL_STABLE:
+        return  # the chart does so too
     entered = scan.after & ~scan.before
     if scan.restarted or scan.first:
         entered &= ~facts.net.initial
