@@ -59,6 +59,8 @@ def test_german_titles() -> None:
     titles = [line for line in body.text.splitlines() if line.startswith("//")]
     assert "// Befehle und Betriebsart" in titles
     assert "// Schritt Release: Aktionen beim Verlassen" in titles
+    assert "// Clamp: Schutz" in titles
+    assert "// Cool: Kühlmittel fehlt" in titles
 
 
 UNKNOWN_FUNCTION = {"FB_GraphSample"}

@@ -27,6 +27,7 @@ from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.restart import declare_restart
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetTransition, Rivals
@@ -168,7 +169,7 @@ class Sequencer:
         acknowledge = self.commands.edge("ACK_EF") if any(c.early for c in self.checks) else FALSE
         checked = [s for each in self.checks for s in each.cleared()]
         checked += [s for each in self.checks for s in each.before(self.resolve, acknowledge)]
-        self.code.add(self.own_texts.checks, checked)
+        self.code.add(self.own_texts.checks, checked, "" if self._checked_late else self._alarms())
         self.code.add(self.own_texts.undisturbed, self.clock.counted(self.checks))
 
     def enabled(self, transition: NetTransition) -> Expression:
@@ -271,7 +272,7 @@ class Sequencer:
             for name in self.questions.of(step.index) & _STEP_EVENTS:
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
-        self.code.add(self.own_texts.checks_behind, self._checked())
+        self.code.add(self.own_texts.checks_behind, self._checked(), self._alarms() if self._checked_late else "")
         signals = StepSignals(self.flags.__getitem__, self.event, self._released, self.clock.over, self._gone)
         actions = Actions(self.source, self.code, self.texts, self.own_texts, signals)
         actions.add()
@@ -292,6 +293,22 @@ class Sequencer:
         for i, each in enumerate(self.checks):
             found += each.behind(self.resolve, signal(i, ActionEvent.S1))
         return found
+
+    @property
+    def _checked_late(self) -> bool:
+        """Whether there are no checks before the step change."""
+        return not any(check.early for check in self.checks)
+
+    def _alarms(self) -> str:
+        """What people are told when a check finds something: lowered code makes no alarms."""
+        language = self.own_texts.language
+        lines: list[str] = []
+        for step in self.net.steps:
+            for check in (step.step.interlock, step.step.supervision):
+                texts = [plain(text, language) for text in (check.title, check.alarm)] if check is not None else []
+                if any(texts):
+                    lines.append(f"{step.path}: {', '.join(filter(None, texts))}")
+        return "\n".join(lines)
 
     def _released(self, step: int) -> Expression:
         return self.checks[step].value("LS")

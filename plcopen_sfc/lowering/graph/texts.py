@@ -6,8 +6,9 @@ from plcopen_sfc.lowering.texts import GermanTexts, Texts
 
 
 class GraphTexts:
-    """English texts."""
+    """English texts. `language` is their tag."""
 
+    language = "en-US"
     before = "Permanent operations before the sequence"
     after = "Permanent operations after the sequence"
     commands = "Commands and operating mode"
@@ -53,6 +54,7 @@ class GraphTexts:
 class GermanGraphTexts(GraphTexts):
     """German texts."""
 
+    language = "de-DE"
     before = "Permanente Operationen vor der Kette"
     after = "Permanente Operationen nach der Kette"
     commands = "Befehle und Betriebsart"
