@@ -19,6 +19,7 @@ from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram
 from plcopen_sfc.lowering.flag_places import LOCAL, FlagPlaces
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
+from plcopen_sfc.lowering.grafcet.classic import plain_chart
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.scan import add_grafcet
@@ -120,7 +121,7 @@ def construct(
         chosen, why = _choice_for_sequencer(construction)
         pou = without_step_data(pou)
     elif is_grafcet(chart, rules.profile):
-        source = read_grafcet(pou, dialect, rules.profile, surroundings)
+        source = read_grafcet(pou, dialect, rules.profile, surroundings, project=project)
         chosen, why = _choice_for_grafcet(source, construction, rules.profile)
     else:
         source = read_chart(pou, chart, dialect, rules.profile, surroundings, project=project)
@@ -173,11 +174,13 @@ def construct(
         sequencer = FlipFlopSequencer if chosen is Construction.FLIPFLOP else Sequencer
         maker = sequencer(source, code, memory, rules, surroundings)
     else:
+        if style is Style.CLASSIC:
+            source = plain_chart(source)
         if source.grafcet is not None:
             makers[Construction.FLIPFLOP], makers[Construction.CASE] = GrafcetFlipFlops, GrafcetCase
         maker = makers[chosen](source, code, memory, rules, surroundings)
     if isinstance(maker, Chain) and maker.source.grafcet is not None:
-        add_grafcet(maker, exact=style is Style.EXACT, drawn=language is not Language.ST)
+        add_grafcet(maker, drawn=language is not Language.ST)
     elif style is Style.EXACT:
         maker.exact()
     elif isinstance(maker, FlipFlopChain | CaseChain):
@@ -258,7 +261,7 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     interface.declaration = None
     _declare(interface, SectionKind.INPUT, code.inputs)
     _declare(interface, SectionKind.OUTPUT, code.outputs)
-    constants = SectionKind.CONSTANT if dialect is Dialect.SCL else SectionKind.LOCAL
+    constants = SectionKind.CONSTANT if code.tool is Tool.S7 else SectionKind.LOCAL
     _declare(interface, constants, code.constants, constant=True)
     _declare(interface, SectionKind.LOCAL, code.variables)
     _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])

@@ -13,9 +13,9 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
 from plcopen_sfc.lowering.fault_search import find_faults
 from plcopen_sfc.lowering.faults import Fault
+from plcopen_sfc.lowering.grafcet.classic import read_plain
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove
-from plcopen_sfc.lowering.reading import read_chart
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.pou import Pou
@@ -194,7 +194,7 @@ def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
     return find_faults(
         subject,
         resolve(lowered.project, subject.name),
-        read_chart(subject.pou, chart, subject.project.dialect, lowered.profile),
+        read_plain(subject.pou, chart, subject.project.dialect, lowered.profile),
         lowered.construction,
         lowered.rules,
         situation=lowered.situation,

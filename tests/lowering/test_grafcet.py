@@ -12,7 +12,15 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError, UnstableChartError
+from plcopen_sfc.lowering.bits import StepBits
+from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.grafcet.reading import read_grafcet
+from plcopen_sfc.lowering.grafcet.scan import GrafcetScan
 from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering.memory import BitMemory
+from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
 from tests.lowering.grafcets import pou_with
 from tests.lowering.random_grafcets import random_calm_grafcet, random_grafcet
@@ -292,3 +300,63 @@ def test_step_flags_elsewhere(flags: str) -> None:
         lowered = lower(project, construction, language="ST", profile=ONCE, flags=flags)
         assert lowered.proof is not None
         assert lowered.proof.proven
+
+
+@pytest.mark.parametrize("construction", ["flipflop", "case"])
+def test_the_textbook_forms_of_the_example_are_those_of_the_same_chart_with_qualifiers(construction: str) -> None:
+    own = pou_with(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3")
+    other = own.model_copy(deep=True)
+    chart = other.sfc
+    assert chart is not None
+    for step, qualifier in (("1", m.Qualifier.N), ("2", m.Qualifier.S), ("3", m.Qualifier.N), ("4", m.Qualifier.R)):
+        (only,) = chart.step(step).actions
+        only.kind, only.value, only.qualifier = None, None, qualifier
+    texts = [
+        text_of(lower(pou, construction, style="classic", language="ST", profile=profile, init="Init", lang="de"))
+        for pou, profile in ((own, "grafcet"), (other, "iec"))
+    ]
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize("kind", ["onDeactivation", "onEvent"])
+def test_what_textbook_forms_have_no_place_for_is_refused(kind: str) -> None:
+    chart = seed_chain()
+    chart.step("1").actions = [action(kind, "Q1", "B5" if kind == "onEvent" else None, value="TRUE")]
+    with pytest.raises(LoweringError, match="classic form has no place"):
+        lower(pou_with(chart, "B1 B2 B3 B4 B5", "Q1 Q2 Q3"), "case", style="classic", profile="grafcet")
+
+
+def most_evolutions(conditions: str, stored: str = "") -> int | None:
+    """The most evolutions of a ring with these conditions; `stored` is assigned in step 2."""
+    chart = chain(*"123456"[: len(conditions.split(";"))], conditions=conditions)
+    if stored:
+        chart.step("2").actions = [action("onActivation", stored, value="TRUE")]
+    source = read_grafcet(pou_with(chart, "a b c", "Q"), m.Dialect.IEC, PROFILES["grafcet"])
+    code = Code(Naming(m.Dialect.IEC, source.names()))
+    bits = StepBits(source, code, BitMemory(code), LoweringRules(PROFILES["grafcet"], Texts()))
+    return GrafcetScan(bits).stability.most
+
+
+@pytest.mark.parametrize(
+    ("conditions", "most"),
+    [
+        ("↑a;↑b;↓c", 1),
+        ("↑a;3s/X2;↑b", 1),
+        ("a;NOT a AND b;a", 2),  # from step 3 to step 1 and on
+        ("↑a;b;c;↑b", 3),
+        ("a;b;c", None),
+        ("a;X1;↑c", 3),
+        ("↑a;↑X2;↑c", 2),
+        ("NOT ↑a;↑b;↓c", None),
+        ("a;X2/3s;NOT a", 3),
+        ("3s/X1;NOT 3s/X1;↑b", 2),
+        ("a AND b;NOT a;a AND NOT b", 1),
+    ],
+)
+def test_how_many_evolutions_a_scan_can_have(conditions: str, most: int | None) -> None:
+    assert most_evolutions(conditions) == most
+
+
+def test_a_condition_on_what_a_stored_action_writes_can_become_true_at_any_time() -> None:
+    assert most_evolutions("↑a;Q AND ↑b;↓c", stored="Q") == 1
+    assert most_evolutions("↑a;Q;↓c", stored="Q") is None

@@ -18,6 +18,7 @@ from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.semantics.charts.actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.actions import CONTINUOUS, STORED
@@ -37,7 +38,14 @@ def is_grafcet(chart: SfcNetwork, profile: Profile) -> bool:
     return profile.evolution is Evolution.UNTIL_STABLE or has_grafcet(net, owned, profile)
 
 
-def read_grafcet(pou: Pou, dialect: Dialect, profile: Profile, surroundings: Collection[str] = ()) -> ChartSource:
+def read_grafcet(
+    pou: Pou,
+    dialect: Dialect,
+    profile: Profile,
+    surroundings: Collection[str] = (),
+    *,
+    project: Project | None = None,
+) -> ChartSource:
     """Read the chart of `pou`; the rest as in `read_chart`."""
     copied = pou.model_copy(deep=True)
     chart = copied.sfc
@@ -47,7 +55,7 @@ def read_grafcet(pou: Pou, dialect: Dialect, profile: Profile, surroundings: Col
     reader = _Reader(copied, chart, dialect, profile, net)
     grafcet = reader.grafcet()
     once = replace(profile, evolution=Evolution.SINGLE)
-    plain = read_chart(copied, chart, dialect, once, surroundings, grafcet=True)
+    plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=True)
     initial = reader.hierarchy.start(plain.net.initial)
     ruled = replace(plain.net, initial=initial, hierarchy=bool(reader.hierarchy))
     return replace(plain, pou=pou, net=ruled, grafcet=grafcet)

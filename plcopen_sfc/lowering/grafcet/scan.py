@@ -49,9 +49,9 @@ class GrafcetScan:
         self._grafcet: GrafcetSource = chain.source.grafcet
         self._concurrency = Concurrency(chain.source, chain.profile)
         own = [variable.name for variable in self._code.variables]
-        self._stability = Stability(chain.source, self._terms, active, own, self._concurrency)
+        self.stability = Stability(chain.source, self._terms, active, own, self._concurrency)
         self._searches = chain.profile.evolution is Evolution.UNTIL_STABLE
-        self._stable = self._searches and not self._stability.once
+        self._stable = self._searches and not self.stability.once
         self._evolving: Evolving = EvolvingFlags(chain) if isinstance(chain, StepFlags) else EvolvingState(chain)
         passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
@@ -216,7 +216,7 @@ class GrafcetScan:
         ends = negation(moving)
         ahead: list[Statement] = []
         behind: list[Statement] = []
-        if self._stability.most is None:
+        if self.stability.most is None:
             number = self._code.declare(texts.evolutions, ElementaryType(name=Elementary.INT))
             unstable = self._code.declare_output(texts.unstable, texts.unstable_comment)
             most = n.Literal(str(self._chain.profile.max_evolutions))
@@ -243,15 +243,13 @@ def _outputs(profile: Profile) -> Profile:
     return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, alphabetic_actions=False)
 
 
-def add_grafcet(chain: Chain, *, exact: bool, drawn: bool) -> None:
+def add_grafcet(chain: Chain, *, drawn: bool) -> None:
     """Lower a GRAFCET with a construction. `drawn`: as networks. Raises `LoweringError` for what cannot be said so."""
     path = Location(path=chain.source.pou.name)
     if not isinstance(chain, StepFlags | GrafcetCase):
         raise LoweringError(
             "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
         )
-    if not exact:
-        raise LoweringError("a GRAFCET has no classic form", location=path)
     scan = GrafcetScan(chain)
     if drawn and scan.repeats:
         raise LoweringError(

@@ -93,6 +93,8 @@ class Stability:
     ) -> set[int]:
         """The transitions that can be cleared in the evolution behind that which clears `before`."""
         found = {index for step in indexes(before.pre | before.post) for index in readers.get(step, ())}
+        left = before.pre & ~before.post  # what needs these steps does not follow, unless another one enters them again
+        found = {index for index in found if not self._source.net.transitions[index].pre & left}
         own = self._source.conditions[before.index]
         cleared = disjunction([own, later[before.index]])
         for step in indexes(before.post):
