@@ -78,6 +78,19 @@ def test_constants_of_scl_are_local_names() -> None:
     assert "CASE #step_number OF\n    #STEP_1:" in text_of(lowered)
 
 
+@pytest.mark.parametrize("dialect", ["iec", "scl"])
+def test_tia_portal_knows_them_as_constants(dialect: str) -> None:
+    """A variable could not be the label of a CASE there."""
+    original = project(chain("S1>S2 S2>S1"), dialect=DIALECTS[dialect])
+    lowered = lower(original, states="constants", profile="iec", target="simaticml")
+    written = sfc.dumps(lowered.project, format="simaticml").decode("utf-8-sig")
+    assert '<Section Name="Constant">' in written
+    assert written.count('<Access Scope="LocalConstant"') == 6
+    assert written.count('<Constant Name="STEP_1"') == 3
+    again = sfc.loads(written.encode(), format="simaticml")
+    assert equivalent(original, again, "iec").outcome is Outcome.PROVEN
+
+
 def test_an_enumeration_is_a_type_of_its_own_whose_name_is_free() -> None:
     """Values are written with their type: other types and variables may have values of the same name."""
     pou = chain("S1>IF IF>S1")

@@ -34,7 +34,7 @@ from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, SimpleValue, StructType, Variable
-from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.model.variables import Interface, SectionKind
 from plcopen_sfc.report import Fate
 
 _POU_TAGS = {kind: tag for tag, kind in POUS.items()}
@@ -94,6 +94,9 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     ctx.body_name = pou.name
     variables = pou.interface.variables() if pou.interface is not None else []
     ctx.types = {f"#{variable.name.lower()}": write_type(variable.type) for variable in variables}
+    sections = pou.interface.sections if pou.interface is not None else []
+    constants = [variable for s in sections if s.kind is SectionKind.CONSTANT for variable in s.variables]
+    ctx.constants = [f"#{variable.name}" for variable in constants]
     native = {"interface", "bodies"}
     if pou.kind in _POU_TAGS:
         native.add("kind")

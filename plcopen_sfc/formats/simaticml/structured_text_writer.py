@@ -47,7 +47,8 @@ def write_code(ctx: WriteContext, source: etree._Element, body: StBody) -> None:
         ctx.note(Fate.DROPPED, "comment", why="only one language of a comment stands in a text that was edited")
     if body.text:
         root = ctx.root("StructuredText", "StructuredText", source)
-        kept = body.carried.attributes if body.carried is not None else {}
+        constants = {HINT + name: "LocalConstant" for name in ctx.constants}
+        kept = constants | (body.carried.attributes if body.carried is not None else {})
         write_text(root, legal(body.text), ctx.types, ctx.culture, kept)
         if NUMBERS in kept:
             renumber(root, kept[NUMBERS])
