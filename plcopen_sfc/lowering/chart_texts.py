@@ -40,9 +40,8 @@ class TextReader:
 
     def _accept(self, found: NetworkText, path: str) -> None:
         """Take over the variables that a drawing needs. Refuses what could not be read completely."""
-        if not found.complete:
-            why = next(problem.message for problem in found.problems)
-            self.refuse(f"it cannot be read: {why}", path)
+        for wrong in found.obstacles:
+            self.refuse(f"it cannot be read: {wrong.message}", path)
         self.helpers += found.helpers
 
     def logic(self) -> tuple[n.Statement, ...]:

@@ -19,6 +19,7 @@ from plcopen_sfc.model.conditions import Expression as TextCondition
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
@@ -68,8 +69,9 @@ class _Reader(TextReader):
         self._targets = Targets(pou, project, dialect)
         self._grafcet = grafcet
         self._profile = profile
-        own = {v.name.casefold() for v in pou.interface.variables()} if pou.interface else set()
-        self._declared = own.union(surroundings)
+        own = pou.interface.variables() if pou.interface is not None else []
+        self._types = {variable.name.casefold(): variable.type for variable in own}
+        self._declared = {*self._types, *surroundings}
         self._flags = flags_in_use(chart, profile, lambda name: name.casefold() in self._declared)
         self._net = Net.of(chart)
 
@@ -130,7 +132,16 @@ class _Reader(TextReader):
     # -- conditions
 
     def _transition(self, transition: NetTransition) -> ConditionText:
-        return self.condition(transition.chart, transition.transition, f"transition {transition.path}")
+        path = f"transition {transition.path}"
+        return self._boolean(self.condition(transition.chart, transition.transition, path), path)
+
+    def _boolean(self, found: ConditionText, path: str) -> ConditionText:
+        """The same, if no variable of another type stands where it must be of type BOOL."""
+        for operand in _logical(found.value):
+            kind = self._types.get(operand.identifier.casefold())
+            if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
+                self.refuse(f"{operand.identifier} is a {kind.name}: a condition is of type BOOL", path)
+        return found
 
     # -- actions
 
@@ -142,7 +153,7 @@ class _Reader(TextReader):
 
     def _actions(self) -> Iterator[ActionSource]:
         """Associations with the same target are one action, every body in place is one of its own; as in the chart."""
-        targets: dict[str, tuple[str, list[Use]]] = {}
+        targets: dict[str, tuple[str, str, list[Use]]] = {}
         found: list[str | ActionSource] = []
         for owner in self._owners():
             for number, association in enumerate(owner.step.actions, 1):
@@ -151,11 +162,12 @@ class _Reader(TextReader):
                 path = f"step {owner.path} / action {association.target or number}"
                 use = self._use(owner, association, path)
                 if association.target is not None:
-                    key = association.target.casefold()
+                    assigned = f" := {association.value}" if association.value is not None else ""
+                    key = f"{association.target}{assigned}".casefold()
                     if key not in targets:
-                        targets[key] = association.target, []
+                        targets[key] = association.target, assigned, []
                         found.append(key)
-                    targets[key][1].append(use)
+                    targets[key][2].append(use)
                 if association.body is not None:
                     statements = self.statements(association.body, path)
                     name = f"{owner.step.name}_{number}"
@@ -164,7 +176,10 @@ class _Reader(TextReader):
             if isinstance(each, ActionSource):
                 yield each
                 continue
-            name, uses = targets[each]
+            name, assigned, uses = targets[each]
+            if assigned:
+                yield ActionSource(name, None, self.read(f"{name}{assigned};", f"action {name}"), tuple(uses))
+                continue
             action = self.pou.action(name)
             if action is not None:
                 yield ActionSource(name, None, self._statements_of(action), tuple(uses))
@@ -189,8 +204,6 @@ class _Reader(TextReader):
             self.refuse("events, interlocks and forcing orders are not lowered yet", path)
         if association.kind not in (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
             self.refuse(f"actions of kind {association.kind} are not lowered yet", path)
-        if association.value is not None:
-            self.refuse("assignments as actions are not lowered yet", path)
         qualifier = Qualifier.N if association.qualifier is Qualifier.NONE else association.qualifier
         if qualifier not in self._profile.qualifiers:
             self.refuse(f"the profile {self._profile.name} does not say what {qualifier} does", path)
@@ -206,7 +219,7 @@ class _Reader(TextReader):
         found = self.condition(chart, Transition(id=chart.new_id(), condition=condition), path)
         if found.preparation:
             self.refuse("conditions of actions with blocks that have a state are not lowered yet", path)
-        return found.value
+        return self._boolean(found, path).value
 
     # -- what steps execute
 
@@ -251,6 +264,21 @@ class _Reader(TextReader):
             if isinstance(condition, TextCondition):
                 tree = self.expression(condition.text, f"transition {self._net.transitions[index].path}")
                 yield from _reasons(tree, condition.text, not condition.negated, ())
+
+
+def _logical(node: n.Expression) -> Iterator[n.Name]:
+    """The names that stand where a value of type BOOL must: alone, and below AND, OR, XOR and NOT."""
+    match n.bare(node):
+        case n.Name() as name:
+            yield name
+        case n.Unary(operator=n.Operator.NOT, operand=operand):
+            yield from _logical(operand)
+        case n.Operation(operator=operator, operands=operands) if operator in _LOGICAL:
+            for operand in operands:
+                yield from _logical(operand)
+
+
+_LOGICAL = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
 
 
 def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[Reason]:

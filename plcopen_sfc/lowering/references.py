@@ -13,7 +13,7 @@ from plcopen_sfc.lowering.logic import conjunction, disjunction
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.times import StepTimes
 from plcopen_sfc.semantics.net import Net, indexes
-from plcopen_sfc.semantics.profile import Profile, StepVariables
+from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
 
 StepValue = Callable[[int], Expression]
 """What stands for something of a step, given by its index in the net."""
@@ -73,6 +73,9 @@ class _StepVariables:
     def __init__(self, source: ChartSource, active: StepValue, elapsed: StepValue, profile: Profile) -> None:
         self._active, self._elapsed = active, elapsed
         self._pou = source.pou.name
+        # `_x` changes behind the transitions, where nothing asks for it but drawn logic in the next scan
+        announced = profile.order is ScanOrder.ACTIONS_FIRST and not source.logic
+        self._quantities = {"x", "_x"} if announced else {"x"}
         declared = {v.name.casefold() for v in source.pou.interface.variables()} if source.pou.interface else set()
         steps = _bits_by_name(source.net)
         self._steps = {name: bits for name, bits in steps.items() if name not in declared}
@@ -95,7 +98,7 @@ class _StepVariables:
             case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
                 if quantity.casefold() == "t" and bits & (bits - 1) == 0:
                     return self._elapsed(next(indexes(bits)))
-                if quantity.casefold() != "x":
+                if quantity.casefold() not in self._quantities:
                     raise LoweringError(
                         f"{step}.{quantity} is not lowered yet: the code does not keep it",
                         location=Location(path=self._pou),

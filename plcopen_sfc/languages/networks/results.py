@@ -56,6 +56,12 @@ class NetworkText:
         """Whether everything in the network is said: no problem is an error."""
         return all(problem.severity is not Severity.ERROR for problem in self.problems)
 
+    @property
+    def obstacles(self) -> tuple[NetworkProblem, ...]:
+        """The errors that keep the network from being executed: a value that leads nowhere does not."""
+        errors = (problem for problem in self.problems if problem.severity is Severity.ERROR)
+        return tuple(problem for problem in errors if "leads nowhere" not in problem.message)
+
 
 @dataclass(frozen=True, slots=True)
 class NetworkStatements(NetworkText):

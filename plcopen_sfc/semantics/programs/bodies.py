@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.declarations.names import is_identifier
 from plcopen_sfc.languages.networks import body_statements, chart_statements, condition_expression
@@ -173,11 +172,9 @@ class Bodies:
         return [*names, *self._scope.aliases]
 
     def _check(self, read: NetworkText) -> None:
-        errors = [problem for problem in read.problems if problem.severity is Severity.ERROR]
-        wrong = [problem for problem in errors if "leads nowhere" not in problem.message]
-        if wrong:
-            place = f"element {wrong[0].node}: " if wrong[0].node is not None else ""
-            raise SimulationError(f"the network cannot be executed: {place}{wrong[0].message}")
+        for wrong in read.obstacles:
+            place = f"element {wrong.node}: " if wrong.node is not None else ""
+            raise SimulationError(f"the network cannot be executed: {place}{wrong.message}")
 
     def _declare(self, read: NetworkText) -> None:
         for helper in read.helpers:

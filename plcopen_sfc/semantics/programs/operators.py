@@ -132,7 +132,8 @@ class Operators:
         for code in codes[1:]:
             type_ = self.common(result, code)
             if type_.family is t.Family.BOOL or not type_.is_ranged:
-                raise SimulationError(f"{operator} of {result.type.name} and {code.type.name}")
+                other = next((each for each in codes if not _is_truth(each)), code)
+                raise SimulationError(f"{operator} of {result.type.name} and {other.type.name}")
             left, right = (settled(self._converter.converted(c, type_)) for c in (result, code))
             if left.constant and right.constant:
                 number = {"&": left.value & right.value, "|": left.value | right.value, "^": left.value ^ right.value}
