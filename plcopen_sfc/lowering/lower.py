@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.grafcet.classic import read_plain
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
+from plcopen_sfc.lowering.targets import without_version
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -135,7 +136,7 @@ def lower(
         _chosen(ActionPlace, str(actions)),
         flags,
         frozenset(_chosen(OperatingMode, str(mode)) for mode in modes),
-        target,
+        without_version(target) if target is not None else None,
     )
     with collector_paused():
         made = construct(

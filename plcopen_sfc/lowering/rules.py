@@ -48,7 +48,8 @@ class LoweringRules:
     `profile`: what the chart does. `init`: the name of an input to add that starts the chain anew. `stop`: a condition
     in the dialect of the project, or the name of an input to add; while it is TRUE initial steps are set and all others
     reset. `reset_actions`: `init` and `stop` end stored actions too. `flags`: where step flags are: ``local``, an
-    address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for.
+    address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,
+    without its version.
     """
 
     profile: Profile

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import Tool
 
@@ -28,3 +30,8 @@ def has_one_sheet(target: str | None) -> bool:
 def has_networks(target: str | None) -> bool:
     """Whether a format can hold networks; in one that is text for another tool they would be comments only."""
     return target != "scl"
+
+
+def without_version(target: str) -> str:
+    """The name of a format: ``simaticml`` of ``simaticml-V17``."""
+    return re.sub(r"-V?\d.*", "", target)

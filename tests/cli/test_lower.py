@@ -103,3 +103,11 @@ def test_what_is_wrong_with_the_chart_is_said(cli: Cli, tmp_path: Path, fixtures
     done = cli("lower", fixtures / "broken" / "jump_to_nowhere.xml", tmp_path / "out.xml", "--to", "plcopen")
     assert done.code == 1
     assert "SFC103" in done.err
+
+
+def test_networks_for_a_version_of_tia_portal_are_its_own_and_lose_nothing(cli: Cli, plant: Path) -> None:
+    for number, to in enumerate((["simaticml-V17"], ["simaticml", "--tia", "V17"])):
+        done = cli("lower", "plant.xml", f"out{number}.xml", "--as", "fup", "--to", *to)
+        assert done.code == 0
+        assert done.out.splitlines()[2:] == [f"written: out{number}.xml"]
+        assert '<Part Name="Sr"' in (plant / f"out{number}.xml").read_text(encoding="utf-8-sig")
