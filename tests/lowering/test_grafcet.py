@@ -22,10 +22,12 @@ from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
+from tests.corpus import require_corpus
 from tests.lowering.grafcets import pou_with
 from tests.lowering.random_grafcets import random_calm_grafcet, random_grafcet
 from tests.semantics.charts.rig import chain
 from tests.semantics.charts.test_grafcet import action, emergency_stop, enclosing, seed_chain
+from tests.semantics.charts.test_grafcet_oracle import CHART, read, read_chart, section
 
 SHORT = replace(PROFILES["grafcet"], name="short", max_evolutions=20)
 ONCE = replace(PROFILES["grafcet"], name="one evolution", evolution=Evolution.SINGLE)
@@ -360,3 +362,72 @@ def test_how_many_evolutions_a_scan_can_have(conditions: str, most: int | None) 
 def test_a_condition_on_what_a_stored_action_writes_can_become_true_at_any_time() -> None:
     assert most_evolutions("↑a;Q AND ↑b;↓c", stored="Q") == 1
     assert most_evolutions("↑a;Q;↓c", stored="Q") is None
+
+
+def test_orders_that_contradict_each_other_are_left_out_of_the_proof() -> None:
+    chart = emergency_stop("INIT")
+    chart.partial_charts[1].network.step("1").actions = []
+    above = chain("20", "21", conditions="c3;NOT c3")
+    order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.EMPTY)
+    above.step("21").actions = [m.ActionAssociation(id=8, kind=m.ActionKind.FORCING, forcing=order)]
+    chart.partial_charts.append(m.PartialChart(name="G3", network=above))
+    for construction in ("bits", "flipflop"):
+        lowered = lower(pou_with(chart, "c1 c2 c3 stop", "Q"), construction, language="ST", profile=ONCE)
+        assert lowered.proof is not None
+        assert lowered.proof.proven
+        assert lowered.proof.notes == ("situations in which forcing orders contradict each other are left out",)
+
+
+def test_a_chart_that_does_not_become_stable_says_so() -> None:
+    pou = pou_with(chain("1", "2", conditions="a a"), "a", "Q")
+    lowered = lower(pou, "bits", profile=SHORT)
+    assert lowered.proof is not None
+    assert "situations that never become stable are left out" in lowered.proof.notes
+    trace = sfc.simulate(lowered.project, pou="Ablauf", inputs=lambda scan, _: {"a": scan == 1}, scans=3)
+    assert list(trace["unstable"]) == [False, True, False]
+    interface = lowered.pou.interface
+    assert interface is not None
+    assert "unstable" in [v.name for s in interface.sections if s.kind is m.SectionKind.OUTPUT for v in s.variables]
+
+
+def test_names_that_are_taken_stay_what_they_are() -> None:
+    chart = chain("1", "2", conditions="moving;↑a OR unstable")
+    chart.step("2").actions = [action("onActivation", "X1_old", value="NOT X1_old")]
+    check(chart, "a moving unstable evolutions", "Q X1_old")
+
+
+def test_a_chart_on_which_orders_cannot_act_is_refused() -> None:
+    chart = emergency_stop("INIT")
+    chart.partial_charts.pop()
+    with pytest.raises(LoweringError, match="no partial chart G1"):
+        lower(pou_with(chart, "c1 c2 c3 stop", "Q n"), "bits", profile="grafcet")
+
+
+@pytest.mark.parametrize(
+    ("kind", "fields", "message"),
+    [
+        ("delayed", {}, "no time"),
+        ("delayed", {"duration": "T#1s", "negated": True}, "no meaning"),
+        ("continuous", {"value": "5"}, "only Booleans"),
+        ("onEvent", {}, "no event"),
+        ("onActivation", {"value": "("}, "expected"),
+    ],
+)
+def test_actions_without_meaning_are_refused(kind: str, fields: dict[str, object], message: str) -> None:
+    chart = chain("1", "2")
+    chart.step("1").actions = [action(kind, **fields)]  # type: ignore[arg-type]
+    with pytest.raises(LoweringError, match=message):
+        lower(pou_with(chart, "c1 c2", "Q"), "bits", profile="grafcet")
+
+
+def test_actions_of_grafcet_are_refused_where_actions_come_first() -> None:
+    with pytest.raises(LoweringError, match="codesys does not have"):
+        lower(pou_with(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3"), "bits", profile="codesys")
+
+
+@pytest.mark.corpus
+def test_a_chart_of_another_tool() -> None:
+    corpus = require_corpus()
+    text = read(corpus / CHART)
+    inputs, outputs = (" ".join(entry[0] for entry in section(text, name)) for name in ("INPUTS", "OUTPUTS"))
+    compare(pou_with(read_chart(text), inputs, outputs))

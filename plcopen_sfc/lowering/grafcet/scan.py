@@ -256,7 +256,7 @@ def add_grafcet(chain: Chain, *, drawn: bool) -> None:
             "the search for a stable situation is a loop, which networks do not have: transitions may follow each other"
             " with the same inputs",
             location=path,
-            hint="Lower it to structured text, or with a profile of one evolution in a scan; or let the conditions of"
+            hint="Lower it to structured text, or with a profile of one evolution (iec); or let the conditions of"
             " neighbours exclude each other, by edges or times.",
         )
     scan.append()
