@@ -117,7 +117,7 @@ def construct(
     surroundings = names_of(project) if project is not None else set()
     source: ChartSource | GraphSource
     if rules.profile.graph_parameters:
-        source = read_sequencer(pou, chart, dialect, rules)
+        source = read_sequencer(pou, chart, dialect, rules, project)
         chosen, why = _choice_for_sequencer(construction)
         pou = without_step_data(pou)
     elif is_grafcet(chart, rules.profile):

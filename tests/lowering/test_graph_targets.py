@@ -9,6 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou
 from plcopen_sfc.semantics.subjects import resolve
 from tests.corpus import corpus_files, require_corpus
@@ -61,6 +62,33 @@ def test_german_titles() -> None:
     assert "// Schritt Release: Aktionen beim Verlassen" in titles
     assert "// Clamp: Schutz" in titles
     assert "// Cool: Kühlmittel fehlt" in titles
+
+
+def station(asking: str) -> m.Project:
+    """The drilling machine, and a block that asks for something of its steps."""
+    project = sfc.load(FIXTURE)
+    body = project.pou("FB_Chips").body
+    assert isinstance(body, m.StBody)
+    body.text += f"\n{asking}\n"
+    body.markup = None
+    return project
+
+
+@pytest.mark.parametrize("format", ["simaticml", "scl"])
+def test_data_of_steps_that_other_blocks_read_stay_where_they_were(format: str) -> None:
+    asking = '#chips := "FB_Drilling_DB".Drill.X AND "FB_Drilling_DB".Drill.T > T#1s OR "FB_Drilling_DB".Home.S1;'
+    project = station(asking)
+    lowered = sfc.lower(project, pou="FB_Drilling", target=format, verify=False)
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    assert "#Drill.X := #X3;\n#Drill.T := #X3_T;\n#Home.S1 := #X1_S1;" in body.text
+    read_back(project, lowered, format, cap=50)
+
+
+@pytest.mark.parametrize("asking", ['#chips := "FB_Drilling_DB".Drill.X;', '"FC"("FB_Drilling_DB".Drill);'])
+def test_data_of_steps_that_the_target_cannot_show_are_refused(asking: str) -> None:
+    with pytest.raises(LoweringError, match="Drill"):
+        sfc.lower(station(asking), pou="FB_Drilling", target="codesys", verify=False)
 
 
 UNKNOWN_FUNCTION = {"FB_GraphSample"}

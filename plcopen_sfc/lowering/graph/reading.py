@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
+from plcopen_sfc.lowering.graph.shown import asked_outside
 from plcopen_sfc.lowering.graph.source import COILS, COUNTERS, SWITCHES, TIMERS, GraphSource, Row
 from plcopen_sfc.lowering.graph.surface import check_rules
 from plcopen_sfc.lowering.logic import TRUE, assignment
@@ -14,6 +16,7 @@ from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.graph.conditions import programmed
@@ -27,13 +30,17 @@ _NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qu
 _ALL_STEPS = "s_all"
 
 
-def read_sequencer(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules) -> GraphSource:
-    """Read a sequencer of `pou`.
+def read_sequencer(
+    pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project | None = None
+) -> GraphSource:
+    """Read a sequencer of `pou`, a part of `project`.
 
     Raises `LoweringError` for what has no meaning that could be lowered, and for options that sequencers do not have.
     """
     check_rules(rules)
-    return _Reader(pou, chart, dialect, rules.profile).source()
+    source = _Reader(pou, chart, dialect, rules.profile).source()
+    shown = asked_outside(project, pou, source.net, rules.target) if project is not None else ()
+    return replace(source, shown=shown)
 
 
 class _Reader(TextReader):

@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.graph.actions import Actions, StepSignals
 from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
 from plcopen_sfc.lowering.graph.reports import add_reports
+from plcopen_sfc.lowering.graph.shown import show
 from plcopen_sfc.lowering.graph.skipping import add_skips
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Phase, Questions, step_quantity
@@ -109,6 +110,8 @@ class Sequencer:
         steps = list(zip(self.flags, self.checks, strict=True))
         add_reports(self.source, code, self.commands, steps, own_texts)
         code.add(own_texts.after, [*self._resolved(self.source.after, Phase.ACT)])
+        values = [self._value(*asked, Phase.ACT) for asked in self.source.shown]
+        code.add(own_texts.shown_data, show(self.source.shown, values, self.net, code))
         self._insert_commands(place)
 
     def _insert_commands(self, place: int) -> None:

@@ -46,6 +46,7 @@ class GraphSource(ChartSource):
     `interlocks` and `supervisions` are those of steps, by index; `rows` the actions of each step; `before` and `after`
     the permanent operations. `parameters` are those that the block declares, by their names in upper case.
     `acknowledged`: disturbances must be; `locked`: the operating mode cannot be changed; `skips`: steps can be skipped.
+    `shown` are the quantities of steps that other blocks ask for.
     """
 
     interlocks: dict[int, ConditionText]
@@ -57,6 +58,7 @@ class GraphSource(ChartSource):
     acknowledged: bool
     locked: bool
     skips: bool
+    shown: tuple[tuple[int, str], ...] = ()
 
     def _trees(self) -> Iterator[n.Node]:
         yield from super()._trees()

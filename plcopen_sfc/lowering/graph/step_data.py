@@ -84,6 +84,9 @@ def texts_of(source: GraphSource) -> Iterator[Text]:
                 yield Text(tree, Phase.ACT, owner, f"step {source.net.steps[step].path} / action {row.name}")
     for tree in source.after:
         yield Text(tree, Phase.ACT, (), "permanent operations after")
+    for index, quantity in source.shown:
+        step_name = n.Name(source.net.steps[index].step.name, n.Quoting.LOCAL)
+        yield Text(n.Member(step_name, n.Name(quantity)), Phase.ACT, (), "other blocks")
 
 
 def steps_by_name(source: GraphSource) -> dict[str, int]:
