@@ -228,11 +228,28 @@ def test_qualifiers_of_iec_also_in_steps_that_are_only_passed(qualifier: str) ->
     check(chart, "c1 c2", "Q R")
 
 
-def test_the_search_for_stability_cannot_be_drawn() -> None:
-    pou = pou_with(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3")
-    with pytest.raises(LoweringError, match="loop") as raised:
+@pytest.mark.parametrize(
+    ("chart", "why"),
+    [
+        (seed_chain(), "transition 2 -> 3 may follow 1 -> 2 with the same inputs"),
+        (emergency_stop("INIT"), "charts that are ruled by others"),
+        (chain("1", "2", conditions="NOT ↑a;↑a"), "transition 1 -> 2 may be cleared in each"),
+    ],
+)
+def test_a_search_for_stability_that_is_a_loop_cannot_be_drawn(chart: m.SfcNetwork, why: str) -> None:
+    pou = pou_with(chart, "a B1 B2 B3 B4 B5 c1 c2 c3 stop", "Q Q1 Q2 Q3 n")
+    with pytest.raises(LoweringError, match="is a loop") as raised:
         lower(pou, "flipflop", profile="grafcet")
+    assert why in raised.value.message
     assert "one evolution" in raised.value.hint
+
+
+@pytest.mark.parametrize(("kind", "why"), [("conditional", "asks for an edge"), ("onEvent", "an event can happen")])
+def test_actions_that_need_several_evolutions_cannot_be_drawn(kind: str, why: str) -> None:
+    chart = chain("1", "2", conditions="↑a;↓a")
+    chart.step("1").actions = [action(kind, condition="↑b" if kind == "conditional" else "NOT ↑b")]
+    with pytest.raises(LoweringError, match=why):
+        lower(pou_with(chart, "a b", "Q"), "flipflop", profile="grafcet")
 
 
 @pytest.mark.parametrize("seed", range(6))

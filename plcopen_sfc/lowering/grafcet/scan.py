@@ -253,8 +253,7 @@ def add_grafcet(chain: Chain, *, drawn: bool) -> None:
     scan = GrafcetScan(chain)
     if drawn and scan.repeats:
         raise LoweringError(
-            "the search for a stable situation is a loop, which networks do not have: transitions may follow each other"
-            " with the same inputs",
+            f"the search for a stable situation is a loop, which networks do not have: {scan.stability.several}",
             location=path,
             hint="Lower it to structured text, or with a profile of one evolution (iec); or let the conditions of"
             " neighbours exclude each other, by edges or times.",

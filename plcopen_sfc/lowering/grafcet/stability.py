@@ -10,6 +10,7 @@ ends, whatever the inputs are.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.languages.st import nodes as n
@@ -49,25 +50,33 @@ class Stability:
         self._timers = {value.base for value in self._delays if isinstance(value, n.Member)}
         edges = self._edges.items()
         self._over = {pulse for pulse, e in edges if not self._changes(e.operand) and not self._steps_in(e.operand)}
+        self._objection = ""
         self.most = self._most()
         """The most evolutions of a scan in which a transition is cleared; None: there may be any number of them."""
 
     @property
     def once(self) -> bool:
         """Whether one evolution in each scan does the same as the search for stability."""
-        if self.most is None or self.most > 1:
-            return False
+        return not self.several
+
+    @cached_property
+    def several(self) -> str:
+        """Why a scan may need several evolutions; empty if one is enough."""
+        if self._objection:
+            return self._objection
         events = [stored.event for stored in self._grafcet.stored if stored.event is not None]
         if not all(is_constant(self._later(event), FALSE) for event in events):
-            return False
+            return "an event can happen in each of several evolutions"
         actions = (tree for a in (*self._source.actions, *self._grafcet.continuous) for tree in a.trees())
-        pulses = set(self._edges)
-        return not any(node in pulses for tree in actions for node in walk(tree) if isinstance(node, n.Name))
+        if any(node in self._edges for tree in actions for node in walk(tree) if isinstance(node, n.Name)):
+            return "an action asks for an edge, which only lasts for one evolution"
+        return ""
 
     def _most(self) -> int | None:
         """The longest chain of transitions that can follow each other."""
         if self._grafcet.ruled:
-            return None  # orders hold charts and set them free again
+            self._objection = "charts that are ruled by others are held and set free again"
+            return None
         transitions = self._source.net.transitions
         later = [self._later(condition) for condition in self._source.conditions]
         readers: dict[int, list[int]] = {}
@@ -75,10 +84,15 @@ class Stability:
             if is_constant(later[transition.index], FALSE):
                 continue
             if not transition.pre or self._is_volatile(transition, later[transition.index]):
-                return None  # it can follow itself
+                self._objection = f"transition {transition.path} may be cleared in each of several evolutions"
+                return None
             for step in indexes(self._reads(later[transition.index])):
                 readers.setdefault(step, []).append(transition.index)
         followers = {t.index: self._followers(t, later, readers) for t in transitions}
+        pair = next(((t, u) for t in transitions for u in sorted(followers[t.index])), None)
+        if pair is not None:
+            first, second = pair[0].path, transitions[pair[1]].path
+            self._objection = f"transition {second} may follow {first} with the same inputs"
         try:
             order = list(TopologicalSorter(followers).static_order())
         except CycleError:
