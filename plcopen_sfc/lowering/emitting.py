@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
@@ -59,9 +60,11 @@ def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRu
         if isinstance(network, TextNetwork):
             raise LoweringError("structured text is no network", location=Location(path=f"network {network.title}"))
         drawn = draw(network.statements, rules, first_id=free, divided=code.tool is not None)
-        if drawn.problems:
+        for problem in drawn.problems:
+            if code.tool is Tool.CODESYS and problem.severity is Severity.WARNING:
+                continue  # the text of an EXECUTE box, which CODESYS executes
             raise LoweringError(
-                f"this cannot be drawn: {drawn.problems[0].message}", location=Location(path=f"network {network.title}")
+                f"this cannot be drawn: {problem.message}", location=Location(path=f"network {network.title}")
             )
         free = max((node.id + 1 for sheet in drawn.body.networks for node in sheet.nodes), default=free)
         for sheet in drawn.body.networks:

@@ -7,6 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import act, boolean, pou_with
@@ -100,3 +101,20 @@ def test_calls_come_back_from_a_file(language: str) -> None:
     lowered = lower(project, "flipflop", pou="Ablauf", language=language, target="codesys", verify=False)
     again = sfc.loads(sfc.dumps(lowered.project, format="codesys"), format="codesys")
     assert equivalent(resolve(project, "Ablauf"), resolve(again, "Ablauf"), "codesys", cap=500, runs=10).equal
+
+
+def test_what_networks_cannot_say_is_text_in_a_box_of_codesys() -> None:
+    project = plant()
+    pou = project.pou("Ablauf")
+    chart = pou.sfc
+    assert chart is not None
+    assert pou.interface is not None
+    kind = m.ElementaryType(name=m.Elementary.INT)
+    pou.interface.sections[1].variables.append(m.Variable(name="n", type=kind))
+    text = "FOR n := 1 TO 3 DO q_deep := NOT q_deep; END_FOR;"
+    chart.steps[1].actions = [m.ActionAssociation(id=chart.new_id(), body=m.StBody(text=text))]
+    lowered = lower(project, "flipflop", pou="Ablauf", language="FBD", target="codesys", verify=False)
+    again = sfc.loads(sfc.dumps(lowered.project, format="codesys"), format="codesys")
+    assert equivalent(resolve(project, "Ablauf"), resolve(again, "Ablauf"), "codesys", cap=500, runs=10).equal
+    with pytest.raises(LoweringError, match="EXECUTE"):
+        lower(project, "flipflop", pou="Ablauf", language="FBD", target="plcopen-2.01", verify=False)

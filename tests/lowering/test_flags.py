@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 
 from plcopen_sfc import model as m
@@ -12,6 +14,7 @@ from plcopen_sfc.lowering.constructing import Construction, Language, Style, con
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES
+from tests.analysis.nets import block_chart
 from tests.lowering.charts import act, boolean, pou_with, training_chain
 from tests.lowering.test_exact import FORMS, verdict
 
@@ -153,3 +156,22 @@ def test_what_a_library_of_codesys_declares_is_refused() -> None:
     pou = chain_with(outputs=("SFCError", "SFCErrorAnalyzationTable"))
     with pytest.raises(LoweringError, match="SFCErrorAnalyzationTable"):
         lowered_text(pou)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_charts_under_random_flags(seed: int) -> None:
+    random = Random(seed)  # noqa: S311
+    chart = block_chart(seed, 6)
+    for number, transition in enumerate(chart.transitions, 1):
+        transition.condition = m.Expression(text=f"c{number % 4}")
+    for step in chart.steps:
+        if random.random() < 0.6:
+            act(chart, step, random.choice(["q1", "q2"]), m.Qualifier(random.choice(["N", "S", "R", "P", "P1", "P0"])))
+    pou = pou_with(chart)
+    assert pou.interface is not None
+    flags = random.sample(["SFCInit", "SFCReset", "SFCPause", "SFCTip", "SFCTipMode"], 2)
+    pou.interface.sections[0].variables += [boolean(flag) for flag in flags]
+    pou.interface.sections[1].variables.append(m.Variable(name="SFCCurrentStep", type=STRING))
+    for construction, language in [FORMS[seed % 3], (Construction.AUTO, Language.ST), FORMS[4]]:
+        found = verdict(pou, construction, language, "codesys")
+        assert found.equal, f"{flags} {construction} {language}: {found}"
