@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.clocking import clocking
-from plcopen_sfc.model import ActionAssociation, Qualifier, SfcNetwork
+from plcopen_sfc.model import ActionAssociation, PartialChart, Qualifier, SfcNetwork
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
 MS = 1_000_000
@@ -50,14 +50,22 @@ def test_the_scan_time_divides_every_duration_twice() -> None:
         ("A.T > Delay", None, False),
         ("T#1s < A.T", None, False),
         ("Go", "Delay", False),
-        ("3s/X1", None, False),
-        ("X1 / 3 s", None, False),
+        ("3s/X1", None, True),
+        ("X1 / 3 s", None, True),
     ],
 )
 def test_elapsed_times_are_limited_where_they_are_compared_with_constants(
     condition: str, duration: str | None, *, limited: bool
 ) -> None:
     assert (clocking([chart(condition, duration)], None).limit is not None) is limited
+
+
+def test_times_of_grafcet_are_durations_too() -> None:
+    assert clocking([chart("3s/X1 AND a/500ms")], None).constants == (500 * MS, 3000 * MS)
+    inner = chart("20ms/(a OR b)/40ms").pou.sfc
+    assert inner is not None
+    outer = SfcNetwork(partial_charts=[PartialChart(name="G1", network=inner)])
+    assert clocking([resolve(outer)], None).constants == (20 * MS, 40 * MS)
 
 
 def test_a_program_that_reads_the_clock_has_no_finite_states() -> None:
