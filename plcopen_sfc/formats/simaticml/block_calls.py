@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from plcopen_sfc.formats.simaticml.interface_reader import SECTIONS
 from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.languages.networks.graph import wires_of
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
@@ -15,7 +14,6 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import SectionKind
 
-_SECTION_NAMES = {kind: name for name, kind in SECTIONS.items()}
 _CALLS = {PouKind.FUNCTION_BLOCK: BlockCall.FUNCTION_BLOCK, PouKind.FUNCTION: BlockCall.FUNCTION}
 _PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 
@@ -72,7 +70,7 @@ def _say(block: Block, pou: Pou) -> None:
             kind, type_ = declared.get(parameter.name.casefold(), (None, None))
             if kind not in _PARAMETERS or type_ is None:
                 continue
-            _mark(parameter, Section=_SECTION_NAMES[kind], Type=write_type(type_))
+            _mark(parameter, Type=write_type(type_))  # its section is that of the list that it is in
             if kind is SectionKind.IN_OUT and group is block.parameters.inputs:
                 group.remove(parameter)
                 block.parameters.in_outs.append(parameter)
