@@ -206,6 +206,24 @@ def test_the_step_displayed(inputs: str) -> None:
     proven(chart, inputs, "S_NO:INT S_MORE S_ACTIVE")
 
 
+def test_the_step_displayed_of_many() -> None:
+    chart = chain(*(f"S{number}" for number in range(1, 9)), conditions="#c1 #c2 #c1 #c2 #c1 #c2 #c1 #c2")
+    other = chart.add_step("S9", initial=True)
+    chart.add_transition(other, chart.step("S4"), "#c3")
+    inputs = "S_NEXT SW_MAN S_SEL:INT S_ON"
+    outputs = "S_NO:INT S_MORE S_ACTIVE"
+    assert verdict(block(chart, inputs, outputs), cap=300, runs=20).equal
+    assert verdict(block(chart, inputs, outputs), Language.FBD, cap=100, runs=5).equal
+    proven(chart, "", outputs)
+
+
+def test_parameters_that_the_profile_does_not_know_are_refused() -> None:
+    chart = ring(act("N"))
+    chart.graph_settings = m.GraphSettings()
+    with pytest.raises(LoweringError, match="HALT_SQ"):
+        lowered(block(chart, "HALT_SQ", "Q"))
+
+
 def test_a_locked_mode() -> None:
     chart = ring(act("N"))
     chart.graph_settings = m.GraphSettings(lock_operating_mode=True)

@@ -28,6 +28,12 @@ _NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
 _WITHOUT_EVENT = frozenset({Qualifier.D, Qualifier.L, Qualifier.TF})
 _NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
 _ALL_STEPS = "s_all"
+_NOT_KNOWN = frozenset(
+    """HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL S_SELOK ACK_S T_PREV T_NEXT
+    S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD T_CRITFLT SQ_ISOFF SQ_HALTED
+    TM_HALTED OP_ZEROED IL_ENABLED SV_ENABLED ACKREQ_ENABLED SSKIP_ENABLED SACT_DISP SEF_DISP SALL_DISP""".split()
+)
+"""Parameters of S7-GRAPH beyond the standard set (V6, user-defined), which the profile does not know."""
 
 
 def read_sequencer(
@@ -58,6 +64,8 @@ class _Reader(TextReader):
         if net.macros or net.hierarchy:
             self.refuse("S7-GRAPH has no macro-steps, enclosing steps and forcing orders", "")
         settings = chart.graph_settings
+        if settings is not None and (unknown := sorted(filter(self._declares, _NOT_KNOWN))):
+            self.refuse(f"the profile does not say what the parameters {', '.join(unknown)} do", "")
         before = [s for p in chart.permanent_pre for s in self.statements(p.body, "permanent operations before")]
         logic = self.logic()
         conditions = [self._stated(t.chart, t.transition.condition, f"transition {t.path}") for t in net.transitions]

@@ -11,10 +11,12 @@ from plcopen_sfc.lowering.graph.checks import StepChecks
 from plcopen_sfc.lowering.graph.commands import INT, Commands
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.texts import GraphTexts
-from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant
+from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
 from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode
 
 _NONE = n.Literal("0")
+_FEW = 6
+"""Steps that one expression can ask for and still be read."""
 
 
 def add_reports(
@@ -40,9 +42,10 @@ class _Display:
     def __init__(
         self, source: GraphSource, code: Code, commands: Commands, flags: Sequence[n.Name], texts: GraphTexts
     ) -> None:
-        self._commands = commands
+        self._commands, self._code, self._texts = commands, code, texts
         numbered = [(step.step.number or 0, flags[step.index]) for step in source.net.steps]
         self._steps = sorted(numbered, key=lambda item: item[0])
+        self._active: n.Name | None = None
         self._shown = code.declare(texts.shown, INT, comment=texts.shown_comment)
 
     def statements(self) -> Iterator[Statement]:
@@ -54,10 +57,11 @@ class _Display:
             yield assignment(number, self._shown)
         more = commands.variable("S_MORE")
         if more is not None:
-            yield assignment(more, self._several())
+            yield from self._several(more)
         active = commands.variable("S_ACTIVE")
         if active is not None:
-            yield assignment(active, self._is_shown_active())
+            statements, value = self._shown_is_active()
+            yield from (*statements, assignment(active, value))
 
     def _choice(self) -> Iterator[Statement]:
         by_hand = self._commands.is_on(Mode.MANUAL)
@@ -66,7 +70,9 @@ class _Display:
         if selection is not None and not is_constant(by_hand, FALSE):
             selected = n.Operation(n.Operator.UNEQUAL, (selection, _NONE))
             branches.append(n.Branch(conjunction([by_hand, selected]), (assignment(self._shown, selection),)))
-        branches.append(n.Branch(_not(self._is_shown_active()), tuple(self._first())))
+        statements, active = self._shown_is_active()
+        yield from statements
+        branches.append(n.Branch(negation(active), tuple(self._first())))
         for command, steps, beyond in (
             ("S_NEXT", self._steps, n.Operator.GREATER),
             ("S_PREV", self._steps[::-1], n.Operator.LESS),
@@ -76,10 +82,22 @@ class _Display:
                 branches.append(n.Branch(edge, tuple(self._other(steps, beyond))))
         yield n.If(tuple(branches))
 
-    def _is_shown_active(self) -> Expression:
-        return disjunction(
-            conjunction([flag, equal(self._shown, n.Literal(str(number)))]) for number, flag in self._steps
+    def _shown_is_active(self) -> tuple[Sequence[Statement], Expression]:
+        """Whether the step displayed is active, and what finds that out."""
+        if len(self._steps) <= _FEW or self._code.drawn:
+            return (), disjunction(
+                conjunction([flag, equal(self._shown, n.Literal(str(number)))]) for number, flag in self._steps
+            )
+        if self._active is None:
+            self._active = self._code.declare(self._texts.shown_active)
+        flags: dict[int, list[Expression]] = {}
+        for number, flag in self._steps:
+            flags.setdefault(number, []).append(flag)
+        branches = tuple(
+            n.CaseBranch((n.Literal(str(number)),), (assignment(self._active, disjunction(found)),))
+            for number, found in flags.items()
         )
+        return (n.Case(self._shown, branches, (assignment(self._active, FALSE),)),), self._active
 
     def _first(self) -> list[Statement]:
         none = assignment(self._shown, _NONE)
@@ -100,11 +118,16 @@ class _Display:
     def _show(self, number: int) -> Statement:
         return assignment(self._shown, n.Literal(str(number)))
 
-    def _several(self) -> Expression:
+    def _several(self, more: n.Name) -> Iterator[Statement]:
+        """Whether more than one step is active."""
         flags = [flag for _, flag in self._steps]
-        pairs = (conjunction([a, disjunction(flags[i + 1 :])]) for i, a in enumerate(flags[:-1]))
-        return disjunction(pairs)
-
-
-def _not(expression: Expression) -> Expression:
-    return n.Unary(n.Operator.NOT, n.bare(expression))
+        if len(flags) <= _FEW:
+            pairs = (conjunction([a, disjunction(flags[i + 1 :])]) for i, a in enumerate(flags[:-1]))
+            yield assignment(more, disjunction(pairs))
+            return
+        any_ = self._code.declare(self._texts.any_active)
+        yield assignment(more, FALSE)
+        yield assignment(any_, FALSE)
+        for flag in flags:
+            yield assignment(more, disjunction([more, conjunction([any_, flag])]))
+            yield assignment(any_, disjunction([any_, flag]))

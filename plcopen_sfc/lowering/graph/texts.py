@@ -32,6 +32,8 @@ class GraphTexts:
     pushed = "all_switch"
     shown = "displayed_step"
     shown_comment = "number of the step displayed"
+    shown_active = "displayed_step_active"
+    any_active = "any_step_active"
     timer_mode = "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay"
     first_cycle = "the sequence has not been started yet"
 
@@ -79,6 +81,8 @@ class GermanGraphTexts(GraphTexts):
     pushed = "alle_schalten"
     shown = "angezeigter_schritt"
     shown_comment = "Nummer des angezeigten Schritts"
+    shown_active = "angezeigter_schritt_aktiv"
+    any_active = "ein_schritt_aktiv"
     timer_mode = "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung"
     first_cycle = "die Kette wurde noch nicht gestartet"
 
