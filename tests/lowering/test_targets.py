@@ -217,3 +217,18 @@ def test_the_dominance_is_that_of_the_tool(tmp_path: Path) -> None:
         text = content.decode("utf-8-sig")
         assert f'"{name}"' in text
         assert not {"SR", "Rs"} & set(re.findall(r'(?:typeName|Part Name)="([^"]+)"', text))
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "simaticml"])
+def test_numbers_that_are_written_under_a_condition_keep_their_values(target: str) -> None:
+    plant = project()
+    pou = plant.pous[0]
+    assert pou.interface is not None
+    assert pou.sfc is not None
+    pou.interface.sections[1].variables.append(m.Variable(name="n", type=m.ElementaryType(name=m.Elementary.INT)))
+    body = m.StBody(text="IF B5 THEN n := n + 1; END_IF; IF n > 3 THEN n := 1; END_IF;")
+    pou.sfc.steps[1].actions.append(m.ActionAssociation(id=pou.sfc.new_id(), qualifier=m.Qualifier.N, body=body))
+    lowered = lower(plant, "flipflop", language="FBD", target=target, profile="iec", verify=False)
+    again = sfc.loads(sfc.dumps(lowered.project, format=target), format=target)
+    found = equivalent(plant, again, "iec", cap=5_000, runs=20)
+    assert found.outcome is Outcome.PROVEN, str(found)

@@ -284,12 +284,24 @@ class BlockReader:
                 call = n.CallStatement(expression_of(product))
                 self._wires.execute_all(self._guarded(guard, (call,)))
                 product = None
+        elif product is not None and guard is not None and not extra and self._writes_at_pin_only(outputs, moves=moves):
+            target = self._wires.expression(_target(outputs[0]), block.id)
+            self._wires.execute_all(self._guarded(guard, (n.Assignment(target, expression_of(product)),)))
+            source = (block.id, outputs[0].name)
+            self._wires.store(source, (Factor(source, target),))
+            return
         elif product is not None and (guard is not None or extra):
             product = self._conditional(block, outputs[0], expression_of(product), guard)
         for variable in outputs if moves else outputs[:1]:
             self._give_product(block, variable, product)
         for variable, helper in extra:
             self._give(block, variable, helper)
+
+    def _writes_at_pin_only(self, outputs: list[BlockVariable], *, moves: bool) -> bool:
+        """Whether the result goes to one variable, at the pin, as it is: that keeps its value while nothing is done."""
+        result = outputs[0]
+        plain = result.storage is Storage.NONE and not result.negated and result.edge is Edge.NONE
+        return bool(_target(result)) and plain and (len(outputs) == 1 or not moves)
 
     def _is_used(self, block: Block, variable: BlockVariable) -> bool:
         return bool(self._graph.uses[block.id, variable.name] or _target(variable))
