@@ -81,3 +81,10 @@ def test_durations_of_what_is_called_count_too() -> None:
     """
     project = sfc.loads(text.encode(), format="iec-text")
     assert clocking([resolve(project, "Main")], None).constants == (3000 * MS,)
+
+
+def test_times_of_steps_with_names_in_quotes() -> None:
+    assert clocking([chart('#"Step 1".T >= T#2s AND "DB"."Other step".U > T#1s')], None).read == {
+        "step 1",
+        "other step",
+    }

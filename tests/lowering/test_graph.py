@@ -390,7 +390,9 @@ def test_an_input_that_starts_the_sequence_anew() -> None:
     lowered_block = sfc.lower(project, profile="s7graph", init="Restart")
     assert lowered_block.proof is not None
     assert lowered_block.proof.proven
-    assert "IF #FirstScan OR #Restart THEN" in lowered_block.pou.body.text
+    body = lowered_block.pou.body
+    assert isinstance(body, m.StBody)
+    assert "IF #FirstScan OR #Restart THEN" in body.text
 
 
 # -- charts at random

@@ -24,6 +24,7 @@ from plcopen_sfc.model import (
     StBody,
     Supervised,
 )
+from plcopen_sfc.semantics.simulation import simulate
 from tests.semantics.charts.rig import MS, Rig, chain
 
 
@@ -89,6 +90,24 @@ def test_neighbours_that_drive_one_operand_leave_no_gap() -> None:
     chart.step("S1").actions = [act("N")]
     chart.step("S3").actions = [act("N")]
     assert log(rig(chart, "Q")) == "111|111"
+
+
+def test_what_the_next_step_sets_is_not_undone_by_the_coil_of_the_step_before() -> None:
+    chart = with_actions(act("N"))
+    chart.step("S3").actions = [act("S", event="S1")]
+    assert log(rig(chart, "Q")) == "111|111"
+
+
+def test_a_trace_shows_the_steps() -> None:
+    trace = simulate(rig(with_actions(act("N")), "Q").project, profile="s7graph", scans=2)
+    assert trace.steps == ("S1", "S2", "S3")
+    assert trace.active(1) == ("S1",)
+
+
+def test_no_step_is_skipped_twice_in_one_cycle() -> None:
+    chart = chain("S1", "S2", "S3", conditions="#c1 TRUE TRUE")
+    chart.graph_settings = GraphSettings(skip_steps=True)
+    assert rig(chart).scan().scan(c1=True).active == "S2"
 
 
 def test_a_call_and_an_assignment_are_executed_in_every_cycle() -> None:
