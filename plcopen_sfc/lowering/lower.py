@@ -19,6 +19,7 @@ from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.targets import without_version
 from plcopen_sfc.lowering.texts import TEXTS
+from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -37,7 +38,8 @@ class LoweredPou:
     `construction` was taken, `why` says why. `proof` is what the comparison with the chart came to, None where none was
     wanted. `at_rest` and `left_out` say for what it holds: while inputs that were added have these values, and in all
     scans but those in which a variable of the code is TRUE. `faults` are those that textbook code has (`find_faults`),
-    as far as it was compared; `step_flags` and `situation` are those of `Constructed`.
+    as far as it was compared; `step_flags` and `situation` are those of `Constructed`. `name` says whose chart it was:
+    ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too.
     """
 
     project: Project
@@ -52,6 +54,13 @@ class LoweredPou:
     left_out: str | None
     step_flags: Mapping[str, str]
     situation: Mapping[str, str]
+    name: str
+
+    @property
+    def code(self) -> Body | None:
+        """The code that was made."""
+        action = next((a for a in self.pou.actions if f"{self.pou.name}.{a.name}" == self.name), None)
+        return action.body if action is not None else self.pou.body
 
     @property
     def profile(self) -> Profile:
@@ -61,11 +70,11 @@ class LoweredPou:
     @property
     def language(self) -> str:
         """The language of the code: ``ST``, ``FBD`` or ``LD``."""
-        return str(self.pou.body.language) if self.pou.body is not None else ""
+        return str(self.code.language) if self.code is not None else ""
 
     def __str__(self) -> str:
         """What was made and why, what the comparison came to, and the faults."""
-        lines = [f"{self.pou.name}: {self.style} {self.construction} in {self.language}: {self.why}"]
+        lines = [f"{self.name}: {self.style} {self.construction} in {self.language}: {self.why}"]
         if self.proof is not None:
             verdict = str(self.proof).splitlines()
             lines.append(f"under the profile {self.profile.name}: {verdict[0]}")
@@ -75,7 +84,7 @@ class LoweredPou:
     def as_dict(self) -> dict[str, Any]:
         """What `str` says as plain data, for JSON."""
         return {
-            "pou": self.pou.name,
+            "pou": self.name,
             "construction": self.construction.value,
             "style": self.style.value,
             "language": self.language,
@@ -183,6 +192,7 @@ def lower(
         made.left_out,
         made.step_flags,
         made.situation,
+        found.name,
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
 

@@ -90,6 +90,12 @@ def test_the_code_of_the_chart_of_an_action_stands_in_the_action() -> None:
     actions = {action.name: action.body for action in written.actions}
     assert isinstance(actions["Inner"], m.StBody)
     assert isinstance(actions["Deep"], m.StBody)
+    assert (lowered.name, lowered.language, lowered.code) == ("Ablauf.Inner", "ST", actions["Inner"])
+    assert str(lowered).startswith("Ablauf.Inner: exact case in ST")
+    textbook = lower(project, "case", pou="Ablauf.Inner", style="classic")
+    assert textbook.proof is not None
+    assert textbook.proof.outcome is Outcome.DIFFERENT
+    assert textbook.faults
     assert equivalent(
         resolve(project, "Ablauf"), resolve(lowered.project, "Ablauf"), "codesys", cap=2_000, runs=5
     ).equal

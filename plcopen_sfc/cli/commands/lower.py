@@ -120,7 +120,7 @@ def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou
 
 def _show(screen: Screen, target: str, lowered: LoweredPou, report: ConversionReport) -> None:
     head, *rest = str(lowered).splitlines()
-    screen.line((lowered.pou.name, "bold"), head.removeprefix(lowered.pou.name))
+    screen.line((lowered.name, "bold"), head.removeprefix(lowered.name))
     for line in rest if lowered.proof is not None else ["not compared with the chart"]:
         screen.line(line)
     losses = report.losses
