@@ -261,8 +261,7 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     interface.declaration = None
     _declare(interface, SectionKind.INPUT, code.inputs)
     _declare(interface, SectionKind.OUTPUT, code.outputs)
-    constants = SectionKind.CONSTANT if code.tool is Tool.S7 else SectionKind.LOCAL
-    _declare(interface, constants, code.constants, constant=True)
+    _declare(interface, SectionKind.LOCAL, code.constants, constant=True)
     _declare(interface, SectionKind.LOCAL, code.variables)
     _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])
     body = _body(code, dialect, language, interface.variables())

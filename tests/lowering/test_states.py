@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.api import convert
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.states import step_numbers
@@ -87,6 +88,9 @@ def test_tia_portal_knows_them_as_constants(dialect: str) -> None:
     assert '<Section Name="Constant">' in written
     assert written.count('<Access Scope="LocalConstant"') == 6
     assert written.count('<Constant Name="STEP_1"') == 3
+    source, report = convert(lowered.project, "scl")
+    assert "VAR CONSTANT" in source.decode("utf-8-sig")
+    assert not [item for item in report.items if "section" in item.what]
     again = sfc.loads(written.encode(), format="simaticml")
     assert equivalent(original, again, "iec").outcome is Outcome.PROVEN
 

@@ -28,7 +28,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_model,
     read_object_text,
 )
-from plcopen_sfc.formats.simaticml.structured_text_writer import read_code
+from plcopen_sfc.formats.simaticml.structured_text_writer import Names, read_code
 from plcopen_sfc.formats.xml.foreign import Markup, exchange
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -122,7 +122,8 @@ def _body(ctx: ReadContext, name: str, parts: list[etree._Element], own: Fields,
             return {"language": LANGUAGES[plain], "networks": [_merged(network, own)], **marks}
     elif name == "SCL" and kind in ([], ["StructuredText"]):
         try:
-            return {"language": "ST", **_merged(read_code(parts[0], ctx.types) if parts else {}, own)}
+            names = Names(ctx.types, ctx.constants)
+            return {"language": "ST", **_merged(read_code(parts[0], names) if parts else {}, own)}
         except NotUnderstoodError:
             pass
     carry_attribute(own, "ProgrammingLanguage", name)
@@ -143,15 +144,16 @@ def _merged(fields: Fields, own: Fields) -> Fields:
 
 
 def _chart(ctx: ReadContext, element: etree._Element, own: Fields, late: Fields) -> SfcBody:
-    place, types = list(ctx.place), ctx.types
+    place, types, constants = list(ctx.place), ctx.types, ctx.constants
 
     def read() -> SfcNetwork:
         outer, ctx.place = ctx.place, place
-        others, ctx.types = ctx.types, types
+        others = ctx.types, ctx.constants
+        ctx.types, ctx.constants = types, constants
         try:
             chart = read_model(ctx, element, SfcNetwork, lambda ctx, element: read_graph(ctx, element, late))
         finally:
-            ctx.place, ctx.types = outer, others
+            ctx.place, (ctx.types, ctx.constants) = outer, others
         if not ctx.of_tia:
             exchange(chart, Markup.SIMATICML, Markup.TC6)
         return chart

@@ -37,7 +37,7 @@ def write_interface(
     for content in interface.carried.elements if interface.carried is not None else ():
         add_element(ctx, sections, content)
     for section in interface.sections:
-        name = _NAMES.get(section.kind)
+        name = "Constant" if holds_constants(section) else _NAMES.get(section.kind)
         if name is None:
             ctx.note(Fate.CARRIED, "section", section.kind.value, "TIA Portal has no such section")
             continue
@@ -58,7 +58,16 @@ def _section(
         add_element(ctx, element, content)
     for variable in section.variables:
         write_member(ctx, element, variable, renamed.get(variable.name))
-    finish(ctx, element, section, frozenset({"kind", "variables"}))
+    if _NAMES.get(section.kind) == name:
+        finish(ctx, element, section, frozenset({"kind", "variables"}))
+    else:
+        also = {"kind": section.kind.value, "constant": True}
+        finish(ctx, element, section, frozenset({"kind", "variables", "constant"}), also=also)
+
+
+def holds_constants(section: VariableSection) -> bool:
+    """Whether the variables of a section are constants of their block, which have a section of their own here."""
+    return section.kind is SectionKind.CONSTANT or (section.kind is SectionKind.LOCAL and section.constant)
 
 
 def write_members(ctx: WriteContext, parent: etree._Element, struct: StructType) -> None:

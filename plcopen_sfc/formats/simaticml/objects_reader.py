@@ -70,6 +70,9 @@ def read_pou(ctx: ReadContext, element: etree._Element) -> Fields:
         ctx.types = {
             f"#{m.get('Name', '').lower()}": m.get("Datatype", "") for m in interface.iterfind("*/*/{*}Member")
         }
+        ctx.constants = frozenset(
+            f"#{m.get('Name', '').lower()}" for m in interface.iterfind("*/*[@Name='Constant']/{*}Member")
+        )
     language = _take(values, "ProgrammingLanguage")
     units = _object_list(element, fields, "SW.Blocks.CompileUnit")
     late: Fields = {}

@@ -6,7 +6,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.bodies_reader import block_language
 from plcopen_sfc.formats.simaticml.bodies_writer import language_of, write_units
-from plcopen_sfc.formats.simaticml.interface_writer import spelling, write_interface, write_members
+from plcopen_sfc.formats.simaticml.interface_writer import holds_constants, spelling, write_interface, write_members
 from plcopen_sfc.formats.simaticml.objects_reader import (
     CONSTANT,
     DATA_BLOCKS,
@@ -34,7 +34,7 @@ from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration, SimpleValue, StructType, Variable
-from plcopen_sfc.model.variables import Interface, SectionKind
+from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import Fate
 
 _POU_TAGS = {kind: tag for tag, kind in POUS.items()}
@@ -95,8 +95,8 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     variables = pou.interface.variables() if pou.interface is not None else []
     ctx.types = {f"#{variable.name.lower()}": write_type(variable.type) for variable in variables}
     sections = pou.interface.sections if pou.interface is not None else []
-    constants = [variable for s in sections if s.kind is SectionKind.CONSTANT for variable in s.variables]
-    ctx.constants = [f"#{variable.name}" for variable in constants]
+    constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
+    ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)
     native = {"interface", "bodies"}
     if pou.kind in _POU_TAGS:
         native.add("kind")

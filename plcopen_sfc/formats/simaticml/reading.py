@@ -62,6 +62,8 @@ class ReadContext:
         """Whether fields that stand in comments are read."""
         self.types: dict[str, str] = {}
         """The types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
+        self.constants: frozenset[str] = frozenset()
+        """The constants of that block, as its texts name them, in lower case."""
         self.place: list[str] = []
         """Names of the objects around the one being read, for messages."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from xml.etree import ElementTree as ET
 
@@ -47,23 +48,22 @@ def write_code(ctx: WriteContext, source: etree._Element, body: StBody) -> None:
         ctx.note(Fate.DROPPED, "comment", why="only one language of a comment stands in a text that was edited")
     if body.text:
         root = ctx.root("StructuredText", "StructuredText", source)
-        constants = {HINT + name: "LocalConstant" for name in ctx.constants}
-        kept = constants | (body.carried.attributes if body.carried is not None else {})
-        write_text(root, legal(body.text), ctx.types, ctx.culture, kept)
+        kept = body.carried.attributes if body.carried is not None else {}
+        write_text(root, legal(body.text), Names(ctx.types, ctx.constants), ctx.culture, kept)
         if NUMBERS in kept:
             renumber(root, kept[NUMBERS])
 
 
-def read_code(element: etree._Element, types: dict[str, str]) -> Fields:
+def read_code(element: etree._Element, names: Names) -> Fields:
     """The text of a ``StructuredText``, and its tokens as markup where we would write others.
 
-    Raises `NotUnderstoodError`. `types` as in `write_text`.
+    Raises `NotUnderstoodError`. `names` as in `write_text`.
     """
     program = light(text_of(element))
     fields: Fields = {"text": scl_text(program)}
     copy = ET.Element(program.tag)
-    hints = _hints(program)
-    write_text(copy, fields["text"], types, _culture(program), hints)
+    hints = {name: hint for name, hint in _hints(program).items() if not names.says(name, hint)}
+    write_text(copy, fields["text"], names, _culture(program), hints)
     short = ""
     if not equal(program, copy):
         numbers = _numbers(program) if _alike(program, copy) else None
@@ -150,15 +150,31 @@ def _text_of(ctx: WriteContext, markup: str) -> str | None:
         return None
 
 
-def write_text(
-    root: XmlNode, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str] | None = None
-) -> None:
-    """Fill ``StructuredText`` with the tokens of `text`.
+@dataclass(frozen=True)
+class Names:
+    """What the interface of a block says of the names in its texts, by ``#name`` in lower case.
 
     `types` are those of local variables: an instance of a block of the user is called otherwise than one of the system.
-    `hints` are the carried attributes of the body, which say what the text does not.
+    `constants` are those of the block, which have a scope of their own.
     """
-    _Writer(root, text.replace("\r\n", "\n"), types, culture, hints or {}).run()
+
+    types: Mapping[str, str]
+    constants: frozenset[str] = frozenset()
+
+    def says(self, hint: str, value: str) -> bool:
+        """Whether a hint says nothing besides."""
+        return value == _LOCAL and hint.removeprefix(HINT).lower() in self.constants
+
+
+_LOCAL = "LocalConstant"
+
+
+def write_text(root: XmlNode, text: str, names: Names, culture: str, hints: Mapping[str, str] | None = None) -> None:
+    """Fill ``StructuredText`` with the tokens of `text`.
+
+    `hints` are the carried attributes of the body, which say what neither the text nor `names` do.
+    """
+    _Writer(root, text.replace("\r\n", "\n"), names, culture, hints or {}).run()
 
 
 def _number(owner: XmlNode, following: int) -> int:
@@ -185,11 +201,12 @@ _WITHOUT_RESULT = ("POKE",)
 
 
 class _Writer:
-    def __init__(self, root: XmlNode, text: str, types: dict[str, str], culture: str, hints: Mapping[str, str]) -> None:
+    def __init__(self, root: XmlNode, text: str, names: Names, culture: str, hints: Mapping[str, str]) -> None:
         self.root = root
         self.hints = hints
         self.text = text
-        self.types = types
+        self.types = names.types
+        self.constants = names.constants
         self.culture = culture
         found = tokenize(text, Dialect.SCL)
         self.items: list[Token | Comment] = sorted([*found.tokens, *found.comments], key=lambda item: item.span)
@@ -290,7 +307,7 @@ class _Writer:
         if not is_path:
             self._word(parent, name)
             return
-        constant = self.hints.get(HINT + name)
+        constant = self.hints.get(HINT + name, _LOCAL if name.lower() in self.constants else None)
         if constant in CONSTANTS:
             sub(sub(parent, "Access", {"Scope": constant}), "Constant", {"Name": name.lstrip("#").strip('"')})
             return

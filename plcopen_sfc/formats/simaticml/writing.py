@@ -44,8 +44,8 @@ class WriteContext:
         self.place: list[str] = []
         self.types: dict[str, str] = {}
         """The types of the variables of the block being written, as TIA Portal spells them, by ``#name``."""
-        self.constants: list[str] = []
-        """The constants of that block, as its texts name them (``#name``)."""
+        self.constants: frozenset[str] = frozenset()
+        """The constants of that block, as its texts name them (``#name``), in lower case."""
         self.body_name = ""
         """The name of the body being written, as `Pou.named_bodies` gives it."""
 
