@@ -261,8 +261,8 @@ def _pou(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou
     interface.declaration = None
     _declare(interface, SectionKind.INPUT, code.inputs)
     _declare(interface, SectionKind.OUTPUT, code.outputs)
-    _declare(interface, SectionKind.LOCAL, code.constants, constant=True)
     _declare(interface, SectionKind.LOCAL, code.variables)
+    _declare(interface, SectionKind.LOCAL, code.constants, constant=True)  # behind the variables, as in TIA Portal
     _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])
     body = _body(code, dialect, language, interface.variables())
     lowered = original.model_copy(deep=True, update={"bodies": [], "object_id": None})

@@ -85,7 +85,7 @@ def test_tia_portal_knows_them_as_constants(dialect: str) -> None:
     original = project(chain("S1>S2 S2>S1"), dialect=DIALECTS[dialect])
     lowered = lower(original, states="constants", profile="iec", target="simaticml")
     written = sfc.dumps(lowered.project, format="simaticml").decode("utf-8-sig")
-    assert '<Section Name="Constant">' in written
+    assert written.index('<Section Name="Static">') < written.index('<Section Name="Constant">')
     assert written.count('<Access Scope="LocalConstant"') == 6
     assert written.count('<Constant Name="STEP_1"') == 3
     source, report = convert(lowered.project, "scl")
