@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Construction, Language
 from tests.analysis.nets import any_nets, block_chart, chart_of_arcs
 from tests.lowering.sequencers import (
@@ -482,3 +483,18 @@ def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
     except LoweringError:
         return  # a loop, or a call on a condition
     assert drawn_code.equal, str(drawn_code)
+
+
+def test_a_chart_of_another_tool_as_a_sequencer() -> None:
+    """Texts of IEC 61131-3 with the semantics and parameters of S7-GRAPH."""
+    chart = m.SfcNetwork()
+    wait, fill = chart.add_step("Wait", initial=True), chart.add_step("Fill")
+    chart.add_transition(wait, fill, "c1")
+    chart.add_transition(fill, wait, "Fill.T >= T#20ms")
+    fill.actions = [m.ActionAssociation(id=1, target="Q"), m.ActionAssociation(id=2, target="P")]
+    fill.actions[1].qualifier, fill.actions[1].duration = m.Qualifier.D, "T#10ms"
+    project = block(chart, "INIT_SQ OFF_SQ", "P Q S_NO:INT ERR_FLT")
+    project.dialect = Dialect.IEC
+    for construction in (Construction.BITS, Construction.FLIPFLOP):
+        made = sfc.lower(project, construction, profile="s7graph", verify=False)
+        assert equivalent(project, made.project, "s7graph", step_flags=made.step_flags).proven

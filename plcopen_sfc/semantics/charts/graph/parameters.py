@@ -6,6 +6,7 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY
 
@@ -71,11 +72,12 @@ class Parameters:
 
     def translate(self) -> None:
         """Find the parameters."""
+        mark = "#" if self._scope.library.dialect is Dialect.SCL else ""
         for name in self._declared:
             if name in self._edges or name == "S_SEL":
-                self._get[name] = self._scope.getter(f"#{name}")
+                self._get[name] = self._scope.getter(f"{mark}{name}")
             else:
-                self._set[name] = self._scope.setter(f"#{name}")
+                self._set[name] = self._scope.setter(f"{mark}{name}")
 
     def commands(self, frame: Frame) -> Commands:
         """What has changed at the inputs."""
