@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator
+from random import Random
 
 import pytest
 
@@ -85,3 +86,15 @@ def test_random_charts_have_every_shape_and_every_action_and_are_safe() -> None:
         rivals += any(t.rivals for t in net.transitions)
     assert {str(qualifier) for qualifier in qualifiers} >= set(QUALIFIERS)
     assert min(loops, starts, joins, rivals) >= 64 // len(Shape)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_the_order_of_steps_in_the_chart_does_not_matter(seed: int) -> None:
+    """Step by step they are networks of their own; only transitions and actions have an order that tells."""
+    pou = random_chart(seed, size=7)
+    shuffled = pou.model_copy(deep=True)
+    assert shuffled.sfc is not None
+    Random(seed).shuffle(shuffled.sfc.steps)  # noqa: S311
+    for form, program, step_flags in lowered(shuffled, "iec"):
+        found = equivalent(pou, program, "iec", step_flags=step_flags or None, cap=1_500, runs=10, scans=100)
+        assert found.equal, f"{pou.name} {form}: {found}"

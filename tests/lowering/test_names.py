@@ -13,6 +13,7 @@ from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.naming import Naming
 from tests.analysis.nets import chart_of
 from tests.lowering.charts import act, pou_with
+from tests.lowering.random_charts import Shape, random_chart
 
 
 def code_of(chart: m.SfcNetwork, construction: str = "bits") -> str:
@@ -90,3 +91,24 @@ def test_wanted_names_that_are_taken_get_numbers_whatever_their_case() -> None:
         "motor_5",
         "Motor_2_2",
     ]
+
+
+@pytest.mark.parametrize("construction", ["case", "regions", "bits", "flipflop"])
+def test_a_chart_is_always_lowered_to_the_same_project(construction: str) -> None:
+    for seed in (2, 5, 7):
+        pou = random_chart(seed, shape=Shape.NESTED if construction != "case" else Shape.SELECTIONS)
+        first, second = (lower(pou.model_copy(deep=True), construction, verify=False).project for _ in range(2))
+        assert first == second
+
+
+@pytest.mark.parametrize("construction", ["case", "regions"])
+def test_a_step_that_is_added_leaves_the_numbers_of_all_others(construction: str) -> None:
+    chart = chart_of(" ".join(f"{i}>{i % 12 + 1}" for i in range(1, 13)))
+    for step in chart.steps:
+        step.name = f"S{step.name}"
+    before = code_of(chart, construction)
+    new = chart.add_step("S99")
+    chart.transitions[4].sources = [new.id]
+    chart.add_transition(chart.steps[4], new, "ready")
+    changed = changed_lines(before, code_of(chart, construction))
+    assert len(changed) <= 8, changed
