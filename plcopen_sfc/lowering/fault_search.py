@@ -207,7 +207,7 @@ class _Search:
                     return found
         except NotProvableError:
             found.clear()
-        self._at_random(found)
+        self._at_random(found, min(_RUNS, most // _RUN_SCANS))
         return found
 
     def _is_calm(self, marking: int) -> bool:
@@ -269,10 +269,10 @@ class _Search:
             for place in rule(self._facts, scan):
                 yield kind, place
 
-    def _at_random(self, found: _Faults) -> None:
+    def _at_random(self, found: _Faults, runs: int) -> None:
         """Try typical and random inputs, for faults in places where none was found yet."""
         clock = self._code.program.clock
-        for rows in stimuli(self._signals, self._domains, clock, seed=0, runs=_RUNS, scans=_RUN_SCANS):
+        for rows in stimuli(self._signals, self._domains, clock, seed=0, runs=runs, scans=_RUN_SCANS):
             before = self._code.reset()
             for number, row in enumerate(rows):
                 after = self._code.scan(row.__getitem__, first=number == 0)
