@@ -50,8 +50,8 @@ class Code:
 
     `data_types` are what the project gets besides. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
     `tool`: whose, where that matters. `culture` (``de-DE``): that of what is made for people, where the target has
-    another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes. `pulse`: the name of
-    the variable that is TRUE in the first scan.
+    another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes. `pulse`: the name
+    of the variable that is TRUE in the first scan.
     `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
     is FALSE. `flags`: where step flags are; None: among the local variables. `known_types`: the data types of the
     project, in lower case.
