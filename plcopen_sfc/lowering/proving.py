@@ -7,7 +7,11 @@ from dataclasses import replace
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError, SfcError
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.lowering.surroundings import names_of
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.charts.flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
@@ -33,8 +37,12 @@ def prove(
     are wrong in their types.
 
     The parameters of an S7-GRAPH block multiply its states: whether each of a dozen commands has just risen. So there
-    is a proof only for parameters at rest, and what they do is tested on random runs.
+    is a proof only for parameters at rest, and what they do is tested on random runs. SFC flags of CODESYS that are
+    local count as inputs: a visualisation writes them, or a call of the chart from elsewhere.
     """
+    commands = _commands(chart, profile)
+    if commands:
+        chart, code = (_with_inputs(each, commands) for each in (chart, code))
     try:
         found = _compared(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
     except SfcError as error:
@@ -91,3 +99,30 @@ def _operating(chart: Subject, profile: Profile) -> dict[str, int]:
     if not profile.graph_parameters or interface is None:
         return {}
     return {v.name: 0 for v in interface.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}
+
+
+def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
+    """The SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
+    charts = [body.chart for _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
+    interface = chart.pou.interface
+    own = {v.name.casefold() for v in interface.variables()} if interface is not None else set()
+    known = own | names_of(chart.project)
+    used = {flag for each in charts for flag in flags_in_use(each, profile, lambda name: name.casefold() in known)}
+    around = known - own
+    names = sorted(flag.variable for flag in used & COMMANDS)
+    return {name.casefold(): name for name in names if name.casefold() not in around}
+
+
+def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
+    """The same with variables of these names as inputs, if they are local, or if only the tool declares them."""
+    old = subject.pou.interface
+    interface = old.model_copy(deep=True, update={"declaration": None}) if old is not None else Interface()
+    declared = {variable.name.casefold() for variable in interface.variables()}
+    boolean = ElementaryType(name=Elementary.BOOL)
+    inputs = [Variable(name=name, type=boolean) for key, name in names.items() if key not in declared]
+    for section in interface.sections:
+        if section.kind is SectionKind.LOCAL:
+            inputs += [v for v in section.variables if v.name.casefold() in names]
+            section.variables = [v for v in section.variables if v.name.casefold() not in names]
+    interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=inputs))
+    return replace(subject, pou=subject.pou.model_copy(update={"interface": interface}))

@@ -11,6 +11,7 @@ from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES
@@ -150,6 +151,24 @@ def test_flags_that_only_the_tool_declares_are_declared() -> None:
     assert made.pou.interface is not None
     local = [s for s in made.pou.interface.sections if s.kind is m.SectionKind.LOCAL]
     assert "SFCInit" in [variable.name for section in local for variable in section.variables]
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_flags_that_are_local_are_tried_in_the_proof(declared: bool) -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    assert pou.interface is not None
+    if declared:
+        local = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[boolean("SFCInit")])
+        pou.interface.sections.append(local)
+    chart.settings = m.SfcSettings(flags={m.SfcFlag.INIT: m.FlagUse(use=True)})
+    lowered = lower(m.Project(pous=[pou]), "bits", profile="codesys")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert "SFCInit" in lowered.proof.inputs
+    assert lowered.pou.interface is not None
+    assert "SFCInit" not in [v.name for v in lowered.pou.interface.variables(m.SectionKind.INPUT)]
 
 
 def test_what_a_library_of_codesys_declares_is_refused() -> None:

@@ -33,6 +33,19 @@ _NEED_ERROR = frozenset(
 _REPORTS = _TEXTS | {SfcFlag.ERROR, SfcFlag.TRANS}
 """Flags that the chart writes."""
 
+COMMANDS = frozenset(
+    {
+        SfcFlag.INIT,
+        SfcFlag.RESET,
+        SfcFlag.PAUSE,
+        SfcFlag.QUIT_ERROR,
+        SfcFlag.ENABLE_LIMIT,
+        SfcFlag.TIP,
+        SfcFlag.TIP_MODE,
+    }
+)
+"""Flags that the chart obeys."""
+
 
 class Order(Enum):
     """What the flags want in a scan: go on, stand still, or go back to the initial step."""
