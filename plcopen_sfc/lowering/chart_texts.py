@@ -8,7 +8,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import Helper, NetworkText, body_statements, chart_statements, condition_expression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_expression, parse_statements
+from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
@@ -60,7 +60,7 @@ class TextReader:
         self._accept(found, path)
         if found.tree is None:
             self.refuse("the condition has no value", path)
-        return ConditionText(n.bare(found.tree), found.before)
+        return ConditionText(n.bare(found.tree), self._staying(found.before, path))
 
     def expression(self, text: str, path: str) -> n.Expression:
         """An expression."""
@@ -81,9 +81,17 @@ class TextReader:
         if body is None:
             return ()
         if isinstance(body, StBody):
-            return self.read(body.text, path)
+            return self._staying(self.read(body.text, path), path)
         if not isinstance(body, FbdBody | LdBody):
             self.refuse(f"actions in {body.language} are not lowered", path)
         found = body_statements(body, self.dialect, taken=self._taken())
         self._accept(found, path)
-        return found.tree.statements
+        return self._staying(found.tree.statements, path)
+
+    def _staying(self, statements: tuple[n.Statement, ...], path: str) -> tuple[n.Statement, ...]:
+        """Statements that do not leave where they stand: among others, these would be left too."""
+        for statement in statements:
+            for node in walk(statement):
+                if isinstance(node, n.Return | n.Goto | n.Label):
+                    self.refuse("RETURN and jumps are not lowered: in the code they would leave more than this", path)
+        return statements

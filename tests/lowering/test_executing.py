@@ -8,6 +8,7 @@ import pytest
 
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Construction, construct
 from plcopen_sfc.lowering.rules import LoweringRules
@@ -136,6 +137,24 @@ def test_independent_actions_stay_one_after_the_other() -> None:
     assert "Which actions are active" not in text_of(pou)
     pou.actions[1].body = m.StBody(text="motor.on := c1;")
     assert "Which actions are active" in text_of(pou)
+
+
+@pytest.mark.parametrize("body", ["IF q THEN RETURN; END_IF; n := 1;", "IF q THEN n := 2; RETURN; END_IF;"])
+def test_what_leaves_an_action_is_refused(body: str) -> None:
+    """Among the code of others it would leave that too."""
+    pou = chain("S1>S2 S2>S1", {"A": body})
+    act(chart(pou), chart(pou).step("S1"), "A")
+    with pytest.raises(LoweringError, match="RETURN and jumps"):
+        text_of(pou)
+    pou = chain("S1>S2 S2>S1")
+    chart(pou).step("S2").exit_action = m.StBody(text=body)
+    with pytest.raises(LoweringError, match="RETURN and jumps"):
+        text_of(pou)
+    pou = chain("S1>S2 S2>S1")
+    condition = m.StBody(text="ready := FALSE; IF q THEN RETURN; END_IF; ready := c1;")
+    chart(pou).transitions[0].condition = m.BodyCondition(body=condition, name="ready")
+    with pytest.raises(LoweringError, match="RETURN and jumps"):
+        text_of(pou)
 
 
 BODIES = ["q := r;", "r := NOT q;", "q := TRUE;", "q := FALSE;", "n := 1;", "n := 2;", "r := n = 1;", "r := FALSE;"]
