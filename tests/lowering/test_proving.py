@@ -15,6 +15,9 @@ def test_texts_that_are_wrong_in_their_types_are_no_error_of_the_lowering() -> N
     assert pou.interface is not None
     number = next(variable for variable in pou.interface.variables() if variable.name == "B1")
     number.type = m.ElementaryType(name=m.Elementary.DINT)
+    chart = pou.sfc
+    assert chart is not None
+    chart.transitions[0].condition = m.Expression(text="B1 + 1")
     with pytest.raises(LoweringError, match=r"cannot be compared with the chart: .*BOOL") as caught:
         lower(pou, "bits", profile="iec")
     assert "--no-verify" in str(caught.value)
