@@ -52,10 +52,22 @@ def test_a_classic_chain_is_written_and_its_faults_are_shown(cli: Cli, plant: Pa
 def test_as_json(cli: Cli, plant: Path) -> None:
     done = cli("lower", "plant.xml", "out.xml", "--to", "codesys", "--as", "bits", "--profile", "iec", "--json")
     data = json.loads(done.out)
-    assert (data["construction"], data["profile"], data["file"]) == ("bits", "iec", "out.xml")
-    assert data["proof"]["outcome"] == "equal (proof)"
-    assert {"Q1", "S1.X", "S4.X"} <= set(data["proof"]["compared"])
-    assert data["faults"] == []
+    (pou,) = data["pous"]
+    assert (pou["construction"], pou["profile"], data["file"]) == ("bits", "iec", "out.xml")
+    assert pou["proof"]["outcome"] == "equal (proof)"
+    assert {"Q1", "S1.X", "S4.X"} <= set(pou["proof"]["compared"])
+    assert pou["faults"] == []
+
+
+def test_all_charts_of_a_project_are_lowered(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
+    conveyor = fixtures / "codesys" / "sorting_conveyor.xml"
+    done = cli("lower", conveyor, tmp_path / "out.xml", "--to", "codesys", "--no-verify", "--json")
+    assert done.code == 0
+    assert {pou["pou"] for pou in json.loads(done.out)["pous"]} >= {"PLC_PRG", "FB_Pusher"}
+    assert not list(sfc.load(tmp_path / "out.xml").charts())
+    done = cli("lower", conveyor, tmp_path / "one.xml", "--to", "codesys", "--pou", "FB_Pusher", "--as", "bits")
+    assert "FB_Pusher: exact bits" in done.out
+    assert [chart.name for chart in sfc.load(tmp_path / "one.xml").charts()] == ["PLC_PRG", "PLC_PRG.ACT_Home"]
 
 
 def test_the_report_has_the_faults_and_what_the_format_cannot_say(cli: Cli, plant: Path) -> None:
@@ -65,10 +77,10 @@ def test_the_report_has_the_faults_and_what_the_format_cannot_say(cli: Cli, plan
     assert done.code == 0
     assert "V16" in (plant / "out.xml").read_text(encoding="utf-8-sig")
     data = json.loads((plant / "r.json").read_text(encoding="utf-8"))
-    assert (data["language"], data["conversion"]["target_format"]) == ("ST", "simaticml-V16")
+    assert (data["pous"][0]["language"], data["conversion"]["target_format"]) == ("ST", "simaticml-V16")
     assert data["conversion"]["written"] == ["out.xml"]
     done = cli("lower", "plant.xml", "out.xml", "--to", "codesys", "--as", "case", "--style", "classic", "--json")
-    assert json.loads(done.out)["faults"][0]["code"] == "LOW202"
+    assert json.loads(done.out)["pous"][0]["faults"][0]["code"] == "LOW202"
 
 
 def test_a_folder_becomes_a_folder(cli: Cli, tmp_path: Path, fixtures: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tempfile
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -51,53 +52,73 @@ class How:
 
 
 def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
-    """Lower a chart of `source` and write the project with the code to `target` (None: next to it).
+    """Lower the charts of `source`, or one of them, and write the project with the code to `target` (None: next to it).
 
     What is written has been read back and compared with the chart. Where exact code is different nothing is written.
     """
     project = load(source, progress=lambda files: screen.progress(files, "Loading"))
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
-    lowered = lower(
-        project,
-        how.construction,
-        pou=how.pou,
-        style=how.style,
-        language=how.language,
-        profile=how.profile,
-        init=how.init,
-        stop=how.stop,
-        reset_actions=how.reset_actions,
-        states=how.states,
-        actions=how.actions,
-        flags=how.flags,
-        modes=how.modes,
-        target=how.to,
-        lang=how.lang,
-        verify=False,
-    )
+    lowered = list(_lowered(project, how))
     name = target or _beside(Path(source), how.to)
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / Path(name).name
-        report = save(lowered.project, draft, format=how.to, tia=how.tia)
+        report = save(lowered[-1].project, draft, format=how.to, tia=how.tia)
         if how.verify:
-            lowered = _compared(resolve(project, how.pou), load(draft, format=how.to), lowered)
+            again = load(draft, format=how.to)
+            lowered = [_compared(resolve(project, each.name), again, each) for each in lowered]
         if draft.is_dir():
-            report = save(lowered.project, name, format=how.to, tia=how.tia)
+            report = save(lowered[-1].project, name, format=how.to, tia=how.tia)
         else:
             write_atomic(Path(name), draft.read_bytes())
             report.written = [name]
-    if lowered.proof is not None:
+    if how.verify:
         report.items = [item for item in report.items if not _DRAWN.match(item.path)]
-    data = {"file": name} | lowered.as_dict() | {"conversion": report.as_dict()}
+    data = {"file": name, "pous": [each.as_dict() for each in lowered], "conversion": report.as_dict()}
     if report_to is not None:
         write_atomic(report_to, (json.dumps(data, ensure_ascii=False, indent=2) + "\n").encode())
     if screen.as_json:
         screen.json(data)
     else:
         _show(screen, name, lowered, report)
-    different = lowered.proof is not None and lowered.proof.outcome is Outcome.DIFFERENT
+    different = any(each.proof is not None and each.proof.outcome is Outcome.DIFFERENT for each in lowered)
     return _FINDINGS if different else exit_code_for(screen, project.diagnostics)
+
+
+def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
+    """The chart that was asked for, or all charts, each in the project that the one before it has left."""
+    name = how.pou or _first_chart(project)
+    while True:
+        lowered = lower(
+            project,
+            how.construction,
+            pou=name,
+            style=how.style,
+            language=how.language,
+            profile=how.profile,
+            init=how.init,
+            stop=how.stop,
+            reset_actions=how.reset_actions,
+            states=how.states,
+            actions=how.actions,
+            flags=how.flags,
+            modes=how.modes,
+            target=how.to,
+            lang=how.lang,
+            verify=False,
+        )
+        yield lowered
+        project = lowered.project
+        name = _first_chart(project)
+        if how.pou is not None or name is None:
+            return
+
+
+def _first_chart(project: Project) -> str | None:
+    """The name of a chart: of a POU, as that brings the charts of its actions along, else of an action."""
+    charts = list(project.charts())
+    bodies = [chart.name for chart in charts if chart.name == chart.pou.name]
+    return next(iter(bodies or [chart.name for chart in charts]), None)
 
 
 def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou:
@@ -118,11 +139,12 @@ def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou
     return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 
 
-def _show(screen: Screen, target: str, lowered: LoweredPou, report: ConversionReport) -> None:
-    head, *rest = str(lowered).splitlines()
-    screen.line((lowered.name, "bold"), head.removeprefix(lowered.name))
-    for line in rest if lowered.proof is not None else ["not compared with the chart"]:
-        screen.line(line)
+def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: ConversionReport) -> None:
+    for each in lowered:
+        head, *rest = str(each).splitlines()
+        screen.line((each.name, "bold"), head.removeprefix(each.name))
+        for line in rest if each.proof is not None else ["not compared with the chart"]:
+            screen.line(line)
     losses = report.losses
     for item in losses if screen.verbose else losses[:_SHOWN]:
         screen.line((item.fate.value, "yellow"), f": {item.what} {item.path}: {item.why}")
