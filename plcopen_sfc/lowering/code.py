@@ -96,6 +96,11 @@ class Code:
         self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=said))
         return self.naming.local(name)
 
+    @property
+    def needs_flat_statements(self) -> bool:
+        """Whether it becomes networks that hold no IF and CASE; those of CODESYS do, as the text of a box."""
+        return self.drawn and self.tool is not Tool.CODESYS
+
     def beside(self) -> Code:
         """Code for another block of the same target, whose names are none of this one."""
         return replace(

@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.code import Code
 from plcopen_sfc.lowering.drive import DriveBlock
 from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.flag_places import LOCAL, FlagPlaces
+from plcopen_sfc.lowering.flattening import flatten
 from plcopen_sfc.lowering.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
 from plcopen_sfc.lowering.grafcet.classic import plain_chart
@@ -188,6 +189,8 @@ def construct(
         maker.classic()
     else:
         raise LoweringError(f"{chosen} has no classic style")
+    if code.needs_flat_statements:
+        flatten(code)
     tells = {path: _told(expression, dialect) for path, expression in maker.tells().items()}
     situation = {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps}
     left_out = code.left_out.identifier if code.left_out is not None else None

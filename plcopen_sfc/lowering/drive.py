@@ -10,6 +10,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code import Code, CodeNetwork
+from plcopen_sfc.lowering.flattening import flatten
 from plcopen_sfc.lowering.memory import Memory
 from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
@@ -57,6 +58,8 @@ class DriveBlock:
         Raises `LoweringError` for instances and actions of the POU: they stay there.
         """
         self.memory.finish(self._texts.first_scan)
+        if self.code.needs_flat_statements:
+            flatten(self.code)
         flags = self._chain.flags
         named = {name.identifier for name in self._names()}
         seen = [v for v in flags.external if v.name in named] if flags is not None else []
