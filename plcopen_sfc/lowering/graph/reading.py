@@ -104,7 +104,7 @@ class _Reader(TextReader):
         stated = programmed(condition)
         if stated is None:
             return None
-        return self.condition(chart, Transition(id=chart.new_id(), condition=stated), path)
+        return self.condition(chart, Transition(id=0, condition=stated), path)
 
     def _conditions(self, kind: str) -> Iterator[tuple[int, ConditionText]]:
         for step in self._net.steps:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.languages.names.uses import Names
+from plcopen_sfc.languages.names.declarations import Declaration
+from plcopen_sfc.languages.names.pieces import pieces
+from plcopen_sfc.languages.names.references import references
+from plcopen_sfc.languages.names.uses import Names, Occurrence
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.lowering.code import BOOL, Code
@@ -16,6 +19,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DataType, Elementary, ElementaryType, StructType, Variable
 from plcopen_sfc.semantics.net import Net
 
+_WORD = re.compile(r"\w+")
 _MEMBER = re.compile(r'"?\s*\.\s*"?(\w+)')
 _TYPES = dict.fromkeys(("T", "U", "T_MAX", "T_WARN"), Elementary.TIME) | {"SNO": Elementary.INT}
 
@@ -32,10 +36,8 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
     names = Names(project)
     steps = {step.step.name.casefold(): step for step in net.steps}
     found: dict[Asked, None] = {}
-    declarations = {}
-    for occurrence in names.occurrences(*steps):
-        if occurrence.piece.site.pou is pou:
-            continue
+    declarations: dict[int, Declaration] = {}
+    for occurrence in _outside(names, pou, steps):
         step = steps[occurrence.reference.name.casefold()]
         if step.index not in declarations:
             declarations[step.index] = names.resolver.original(names.declaration_of(step.step))
@@ -54,6 +56,17 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
             )
         found[step.index, quantity] = None
     return tuple(found)
+
+
+def _outside(names: Names, pou: Pou, steps: Collection[str]) -> Iterator[Occurrence]:
+    """Every place in other POUs where one of these names (lower case) stands."""
+    words = {word for step in steps for word in _WORD.findall(step)}
+    for piece in pieces(names.project):
+        if piece.site.pou is pou or words.isdisjoint(_WORD.findall(piece.text.casefold())):
+            continue
+        for reference in references(piece, names.dialect):
+            if reference.name.casefold() in steps:
+                yield Occurrence(piece, reference, names.resolver.meaning(reference, piece))
 
 
 def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code: Code) -> list[n.Statement]:
