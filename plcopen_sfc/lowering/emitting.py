@@ -15,7 +15,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
 from plcopen_sfc.lowering.code import Code, CodeNetwork, TextNetwork
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
-from plcopen_sfc.model.network import LogicNetwork, RightPowerRail
+from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
 from plcopen_sfc.model.types import Variable
 
 
@@ -63,8 +63,12 @@ def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRu
         for problem in drawn.problems:
             if code.tool is Tool.CODESYS and problem.severity is Severity.WARNING:
                 continue  # the text of an EXECUTE box, which CODESYS executes
+            boxes = (node for sheet in drawn.body.networks for node in sheet.nodes if node.id == problem.node)
+            text = next((node.code for node in boxes if isinstance(node, Block) and node.code), "")
             raise LoweringError(
-                f"this cannot be drawn: {problem.message}", location=Location(path=f"network {network.title}")
+                f"this cannot be drawn: {' '.join(text.split()) or problem.message}",
+                location=Location(path=f"network {network.title}"),
+                hint="Structured text can hold it, and so can the networks of CODESYS." if text else "",
             )
         free = max((node.id + 1 for sheet in drawn.body.networks for node in sheet.nodes), default=free)
         for sheet in drawn.body.networks:

@@ -69,6 +69,6 @@ def test_whatever_the_branches_are(text: str, language: str) -> None:
 def test_what_must_not_be_asked_in_vain_is_refused() -> None:
     """A division by what the condition before has checked."""
     text = "IF n = 0 THEN p := TRUE; q := TRUE; ELSIF 10 / n > 3 THEN p := FALSE; END_IF;"
-    with pytest.raises(LoweringError, match="cannot be drawn"):
+    with pytest.raises(LoweringError, match="cannot be drawn: IF n = 0 THEN"):
         lower(with_action(text), "flipflop", target="simaticml")
     assert lower(with_action(text), "flipflop", target="codesys").proof is not None
