@@ -24,14 +24,15 @@ class Scan:
     """What one scan of the code has done.
 
     `before` and `after` are the active steps, `wanted` the transitions that were enabled with a TRUE condition at its
-    beginning, all as bits. `restarted`: the chain was initialised. `was` and `now` are the outputs of `Facts.outputs`
-    before and after it.
+    beginning, `waiting` those that are at its end, where that was asked; all as bits. `restarted`: the chain was
+    initialised. `was` and `now` are the outputs of `Facts.outputs` before and after it.
     """
 
     first: bool
     before: int
     after: int
     wanted: int
+    waiting: int
     restarted: bool
     was: Sequence[bool]
     now: Sequence[bool]
@@ -216,6 +217,14 @@ def _late(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(scan.after)), name)
 
 
+def _not_stable(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted:
+        return
+    for transition in (facts.net.transitions[t] for t in indexes(scan.waiting)):
+        if transition.post and not transition.post & scan.after:  # else it has fired, and its step is late to go
+            yield facts.names(next(indexes(transition.pre), 0), next(indexes(transition.post)))
+
+
 Rule = Callable[[Facts, Scan], Iterator[Place]]
 
 FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
@@ -226,6 +235,7 @@ FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.DUPLICATED: _duplicated,
     FaultKind.LOST: _lost,
     FaultKind.NOT_STARTED: _not_started,
+    FaultKind.NOT_STABLE: _not_stable,
 }
 """What can be wrong with a chain of flip-flops."""
 
@@ -236,5 +246,6 @@ CASE_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.STUCK: _stuck,
     FaultKind.INIT_IGNORED: _init_ignored,
     FaultKind.LATE: _late,
+    FaultKind.NOT_STABLE: _not_stable,
 }
 """What can be wrong with a CASE whose branches hold their actions."""

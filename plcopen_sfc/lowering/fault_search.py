@@ -8,7 +8,7 @@ inputs that were found.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any, NamedTuple
@@ -24,8 +24,9 @@ from plcopen_sfc.lowering.fault_rules import CASE_RULES, FLIP_FLOP_RULES, Facts,
 from plcopen_sfc.lowering.faults import Fault, FaultKind, FaultScan
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.watching import watched_pou
+from plcopen_sfc.lowering.watching import WatchedPou, watched_pou
 from plcopen_sfc.semantics.net import indexes, mask
+from plcopen_sfc.semantics.profile import Evolution
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
 
@@ -65,15 +66,16 @@ def find_faults(
     restarts = {rules.init, rules.stop} & set(at_rest) | ({left_out} if left_out is not None else set())
     clock = clocking([chart, code], None)
     original = ProgramSystem(chart, rules.profile, clock)
-    watched, wanted = watched_pou(code.pou, source, situation)
-    program = ProgramSystem(replace(code, pou=watched), rules.profile, clock)
+    until_stable = rules.profile.evolution is Evolution.UNTIL_STABLE
+    watched = watched_pou(code.pou, source, situation, behind=until_stable)
+    program = ProgramSystem(replace(code, pou=watched.pou), rules.profile, clock)
     known = {name.casefold() for name in program.variables}
     outputs = [each for each in outputs_of(source.actions) if each.name.casefold() in known]
     flags = {path: seen for path, _, seen in step_observations(original, program, situation)}
     observed = _Observed(
         program,
         [flags[step.path] for step in source.net.steps],
-        wanted,
+        watched,
         sorted(name for name in restarts if name is not None and name.casefold() in known),
         [output.name for output in outputs],
     )
@@ -102,10 +104,11 @@ def _connect(code: ProgramSystem, chart: ProgramSystem, fixed: Mapping[str, bool
 
 
 class _Seen(NamedTuple):
-    """The end of a scan: active steps and transitions that wanted to fire (bits), an initialisation, and outputs."""
+    """The end of a scan: active steps, transitions that wanted to fire and still do (bits), a restart, and outputs."""
 
     marking: int
     wanted: int
+    waiting: int
     restarted: bool
     outputs: tuple[bool, ...]
 
@@ -117,15 +120,16 @@ class _Observed:
         self,
         program: ProgramSystem,
         steps: Sequence[Observation],
-        wanted: Mapping[int, str],
+        watched: WatchedPou,
         restarts: Sequence[str],
         outputs: Sequence[str],
     ) -> None:
         self.program = program
-        self._counts = len(steps), len(wanted), len(restarts)
-        self._transitions = list(wanted)
-        self._cells = [program.instance.cell(name) for name in wanted.values()]
-        program.observe([*steps, *(Observation(name) for name in (*wanted.values(), *restarts, *outputs))])
+        self._counts = len(steps), len(watched.before), len(watched.behind), len(restarts)
+        self._before, self._behind = list(watched.before), list(watched.behind)
+        names = [*watched.before.values(), *watched.behind.values()]
+        self._cells = [program.instance.cell(name) for name in names]
+        program.observe([*steps, *(Observation(name) for name in (*names, *restarts, *outputs))])
 
     def reset(self) -> _Seen:
         """Go to the state before the first scan."""
@@ -144,10 +148,18 @@ class _Observed:
 
     def _seen(self) -> _Seen:
         values = tuple(map(bool, self.program.observed()))
-        steps, wanted, restarts = accumulate(self._counts)
-        marking = sum(1 << step for step, active in enumerate(values[:steps]) if active)
-        fires = sum(1 << t for t, value in zip(self._transitions, values[steps:wanted], strict=True) if value)
-        return _Seen(marking, fires, any(values[wanted:restarts]), values[restarts:])
+        steps, before, behind, restarts = accumulate(self._counts)
+        return _Seen(
+            _bits(range(steps), values[:steps]),
+            _bits(self._before, values[steps:before]),
+            _bits(self._behind, values[before:behind]),
+            any(values[behind:restarts]),
+            values[restarts:],
+        )
+
+
+def _bits(places: Iterable[int], values: Iterable[bool]) -> int:
+    return sum(1 << place for place, value in zip(places, values, strict=True) if value)
 
 
 @dataclass(frozen=True)
@@ -264,7 +276,16 @@ class _Search:
         return True
 
     def _shown(self, before: _Seen, after: _Seen, *, first: bool) -> Iterator[tuple[FaultKind, Place]]:
-        scan = Scan(first, before.marking, after.marking, after.wanted, after.restarted, before.outputs, after.outputs)
+        scan = Scan(
+            first,
+            before.marking,
+            after.marking,
+            after.wanted,
+            after.waiting,
+            after.restarted,
+            before.outputs,
+            after.outputs,
+        )
         for kind, rule in self._rules.items():
             for place in rule(self._facts, scan):
                 yield kind, place

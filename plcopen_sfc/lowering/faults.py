@@ -60,6 +60,11 @@ class FaultKind(Enum):
         "no step is active until the first initialisation",
         "The chart starts at its initial step; the flip-flop of that step waits for a pulse.",
     )
+    NOT_STABLE = (
+        "LOW108",
+        "the situation is not stable at the end of a scan",
+        "A GRAFCET passes all situations in which it cannot stay within one scan; the code passes one in a scan.",
+    )
     GAP = (
         "LOW201",
         "an output is off for a scan between two steps that both drive it",

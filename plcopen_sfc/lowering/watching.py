@@ -1,8 +1,9 @@
-"""A copy of lowered code that tells what its transitions want: Boolean variables that are assigned before all else."""
+"""A copy of lowered code that tells what its transitions want, by Boolean variables before and behind all else."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.networks.numbering import apart
@@ -17,19 +18,45 @@ from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import Variable
-from plcopen_sfc.model.variables import SectionKind, VariableSection
+from plcopen_sfc.model.variables import VariableSection
 
 
-def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str]) -> tuple[Pou, dict[int, str]]:
-    """The copy, and the variables by the index of their transitions.
+class WatchedPou(NamedTuple):
+    """The copy, and the variables by the index of their transitions: those before all else, and those behind."""
+
+    pou: Pou
+    before: dict[int, str]
+    behind: dict[int, str]
+
+
+def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *, behind: bool) -> WatchedPou:
+    """The copy of `code`.
 
     A variable is TRUE while the steps before its transition are active and its condition is TRUE. `situation` says what
     tells in the code that a step is active, by the path of the step. Transitions whose condition can be evaluated
-    nowhere but in its place, because it asks for the time of a step, have no variable.
+    nowhere but in its place, because it asks for the time of a step, have no variable. `behind`: there are variables
+    that tell what transitions want at the end of a scan, too.
     """
     flags = {path.casefold(): parse_expression(text, source.dialect).tree for path, text in situation.items()}
     declared = {v.name.casefold() for v in code.interface.variables()} if code.interface is not None else set()
-    watching = Code(Naming(source.dialect, declared | source.names()))
+    first = Code(Naming(source.dialect, declared | source.names()))
+    last = Code(first.naming)
+    names: list[dict[int, str]] = []
+    for place, wanted in ((first, "wanted"), (last, "waits")):
+        names.append(_watch(place, source, flags, wanted) if place is first or behind else {})
+    if not names[0]:
+        return WatchedPou(code, {}, {})
+    copy = code.model_copy(deep=True)
+    if copy.interface is not None:
+        copy.interface.sections.append(VariableSection(variables=[*first.variables, *last.variables]))
+    bodies = list(copy.bodies)
+    bodies[0] = _around(bodies[0], first, last, source, copy.interface.variables() if copy.interface else [])
+    copy.bodies = bodies
+    return WatchedPou(copy, *names)
+
+
+def _watch(code: Code, source: ChartSource, flags: Mapping[str, Expression], wanted: str) -> dict[int, str]:
+    """Append what is assigned to the variables."""
     statements: list[n.Statement] = []
     names: dict[int, str] = {}
     for transition in source.net.transitions:
@@ -37,19 +64,11 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str]) ->
         if condition is None:
             continue
         enabled = [flags[source.net.steps[i].path.casefold()] for i in transition.sources]
-        variable = watching.declare(f"wanted_{transition.index + 1}")
+        variable = code.declare(f"{wanted}_{transition.index + 1}")
         statements.append(assignment(variable, conjunction([*enabled, condition])))
         names[transition.index] = variable.identifier
-    watching.add("", statements)
-    if not statements:
-        return code, {}
-    copy = code.model_copy(deep=True)
-    if copy.interface is not None:
-        copy.interface.sections.append(VariableSection(kind=SectionKind.LOCAL, variables=watching.variables))
-    bodies = list(copy.bodies)
-    bodies[0] = _before(bodies[0], watching, source, copy.interface.variables() if copy.interface is not None else [])
-    copy.bodies = bodies
-    return copy, names
+    code.add("", statements)
+    return names
 
 
 def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression | None:
@@ -68,15 +87,15 @@ def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression 
     return told
 
 
-def _before(body: Body, watching: Code, source: ChartSource, declared: list[Variable]) -> Body:
-    """The body with the assignments before it."""
-    match body:
-        case StBody(text=text):
-            return StBody(text=structured_text(watching, source.dialect).text + text)
-        case FbdBody(networks=networks):
-            first = function_block_diagram(watching, source.dialect, declared).networks
-            return FbdBody(networks=apart([*first, *networks])[0])
-        case LdBody(networks=networks):
-            first = ladder_diagram(watching, source.dialect, declared).networks
-            return LdBody(networks=apart([*first, *networks])[0])
-    raise LoweringError(f"nothing can be put before a body in {body.language}")
+def _around(body: Body, first: Code, last: Code, source: ChartSource, declared: list[Variable]) -> Body:
+    """The body with code before and behind it."""
+    if isinstance(body, StBody):
+        texts = (structured_text(code, source.dialect).text for code in (first, last))
+        return StBody(text=body.text.join(texts))
+    if isinstance(body, FbdBody):
+        drawn = [function_block_diagram(code, source.dialect, declared).networks for code in (first, last)]
+        return FbdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
+    if isinstance(body, LdBody):
+        drawn = [ladder_diagram(code, source.dialect, declared).networks for code in (first, last)]
+        return LdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
+    raise LoweringError(f"nothing can be put around a body in {body.language}")

@@ -216,6 +216,19 @@ def test_under_codesys_outputs_of_a_case_end_early() -> None:
     assert table(found) == ["scan | inputs | chart Q1 | code Q1", "1 | B1 | S1 1 | S2 0"]
 
 
+# -- GRAFCET
+
+
+@pytest.mark.parametrize("construction", ["case", "fup"])
+def test_textbook_code_of_a_grafcet_does_not_search_for_stability(construction: str) -> None:
+    found = faults(ring("a", "b", "c"), construction, profile="grafcet")
+    assert FaultKind.RUN_THROUGH not in found  # the chart does so too
+    late = found[FaultKind.NOT_STABLE]
+    assert (late.place, late.shortest) == (("S2", "S3"), True)
+    assert [scan.chart for scan in late.trace] == [("S3",)]
+    assert "S3" not in late.trace[0].code
+
+
 # -- reports
 
 
