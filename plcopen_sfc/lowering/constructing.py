@@ -190,7 +190,7 @@ def construct(
     else:
         raise LoweringError(f"{chosen} has no classic style")
     if code.needs_flat_statements:
-        flatten(code)
+        flatten(code, pou.interface.variables() if pou.interface is not None else ())
     tells = {path: _told(expression, dialect) for path, expression in maker.tells().items()}
     situation = {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps}
     left_out = code.left_out.identifier if code.left_out is not None else None

@@ -2,29 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 from plcopen_sfc.languages.networks.effects import is_impure
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code import Code, CodeNetwork
-from plcopen_sfc.lowering.logic import TRUE, assignment, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.code import BOOL, Code, CodeNetwork
+from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.model.types import Variable
 
+_BOOLEAN = frozenset(
+    {
+        Operator.AND,
+        Operator.OR,
+        Operator.XOR,
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+    }
+)
 _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
 
 
-def flatten(code: Code) -> None:
-    """Make statements of each network that a network can hold. What it cannot make flat is left as it is."""
+def flatten(code: Code, declared: Iterable[Variable] = ()) -> None:
+    """Make statements of each network that a network can hold. What it cannot make flat is left as it is.
+
+    `declared` are variables besides those of `code`.
+    """
+    variables = [*declared, *code.variables, *code.inputs]
+    flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
     for place, network in enumerate(code.networks):
         if isinstance(network, CodeNetwork):
-            flat = _Flattener(lambda: code.declare("Condition")).statements(network.statements, TRUE)
+            flat = _Flattener(lambda: code.declare("Condition"), flags).statements(network.statements, TRUE)
             code.networks[place] = CodeNetwork(network.title, tuple(flat), network.comment)
 
 
 class _Flattener:
-    def __init__(self, declare: Callable[[], n.Name]) -> None:
-        self._declare = declare
+    def __init__(self, declare: Callable[[], n.Name], flags: Collection[str]) -> None:
+        self._declare, self._flags = declare, flags
 
     def statements(self, statements: Iterable[Statement], guard: Expression) -> Iterator[Statement]:
         """Statements that are executed while `guard` is TRUE."""
@@ -32,17 +51,75 @@ class _Flattener:
             if isinstance(statement, n.Empty):
                 continue
             branches = _branches(statement)
-            if branches is None or (is_constant(guard, TRUE) and _is_simple(statement)):
-                yield statement if is_constant(guard, TRUE) else when(guard, statement)
-                continue
-            # all is decided on before anything is done, which could change what is asked
-            bits: list[n.Name] = []
+            if branches is not None:
+                yield from self._decided(branches, guard)
+            elif is_constant(guard, TRUE):
+                yield statement
+            elif isinstance(statement, n.Assignment) and self._is_switched(statement):
+                yield from self._switched(statement, guard)
+            else:
+                yield when(guard, statement)
+
+    def _decided(self, branches: Sequence[n.Branch], guard: Expression) -> Iterator[Statement]:
+        """Branches; all is decided on before anything is done, where that could change what is asked."""
+        guards: list[Expression] = []
+        for number, branch in enumerate(branches):
+            others = (negation(other.condition) for other in branches[:number])
+            guards.append(conjunction([guard, *others, branch.condition]))
+        if _needs_bits(branches, guards):
+            bits: list[Expression] = []
             for branch in branches:
                 bit = self._declare()
                 yield assignment(bit, conjunction([guard, *map(negation, bits), branch.condition]))
                 bits.append(bit)
-            for bit, branch in zip(bits, branches, strict=True):
-                yield from self.statements(branch.statements, bit)
+            guards = bits
+        for each, branch in zip(guards, branches, strict=True):
+            yield from self.statements(branch.statements, each)
+
+    def _is_switched(self, statement: n.Assignment) -> bool:
+        """Whether it gives a Boolean value that is no constant."""
+        value = n.bare(statement.value)
+        match value:
+            case n.Operation(operator):
+                return operator in _BOOLEAN
+            case n.Unary(operator):
+                return operator is Operator.NOT
+            case n.Name(name):
+                return name.casefold() in self._flags
+            case n.Member(_, n.Name(name)):
+                return name.upper() in ("Q", "Q1")
+        return False
+
+    def _switched(self, statement: n.Assignment, guard: Expression) -> Iterator[Statement]:
+        """Set where the value is TRUE, reset where it is FALSE: TIA Portal has no box that moves a BOOL."""
+        value = statement.value
+        if not _names(value).isdisjoint(_names(statement.target)):
+            value = self._declare()
+            yield assignment(value, statement.value)
+        yield when(conjunction([guard, value]), assignment(statement.target, TRUE))
+        yield when(conjunction([guard, negation(value)]), assignment(statement.target, FALSE))
+
+
+def _needs_bits(branches: Sequence[n.Branch], guards: Sequence[Expression]) -> bool:
+    """Whether what is done could change what is asked, or long conditions would stand there again and again."""
+    statements = [statement for branch in branches for statement in branch.statements]
+    if len(statements) == 1 and not isinstance(statements[0], n.If | n.Case):
+        return False
+    if any(len(branch.statements) > 1 and not _is_short(g) for branch, g in zip(branches, guards, strict=True)):
+        return True
+    nodes = [node for statement in statements for node in walk(statement)]
+    if any(isinstance(node, n.CallStatement | n.Call | n.Address) for node in nodes):
+        return True
+    written = {name for node in nodes if isinstance(node, n.Assignment) for name in _names(node.target)}
+    return not written.isdisjoint(name for guard in guards for name in _names(guard))
+
+
+def _is_short(guard: Expression) -> bool:
+    return isinstance(guard, n.Name) or (isinstance(guard, n.Unary) and isinstance(guard.operand, n.Name))
+
+
+def _names(tree: n.Node) -> set[str]:
+    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
 
 
 def _branches(statement: Statement) -> list[n.Branch] | None:
@@ -63,14 +140,6 @@ def _branches(statement: Statement) -> list[n.Branch] | None:
     if otherwise:
         found.append(n.Branch(TRUE, otherwise))
     return found if all(_may_be_asked(branch.condition) for branch in found) else None
-
-
-def _is_simple(statement: Statement) -> bool:
-    """An IF that is drawn as it is: of one statement that is none."""
-    if not isinstance(statement, n.If) or len(statement.branches) != 1 or statement.otherwise:
-        return False
-    inner = statement.branches[0].statements
-    return len(inner) == 1 and not isinstance(inner[0], n.If | n.Case | n.Empty)
 
 
 def _chosen(selector: Expression, branch: n.CaseBranch) -> Expression:

@@ -8,7 +8,7 @@ from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.graph.drawable import make_drawable
+from plcopen_sfc.lowering.flattening import flatten
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
 from plcopen_sfc.model.text import plain
@@ -26,7 +26,7 @@ class FlipFlopSequencer(Sequencer):
         super().exact()
         if self.code.drawn:
             interface = self.source.pou.interface
-            make_drawable(self.code, self.own_texts, interface.variables() if interface is not None else ())
+            flatten(self.code, interface.variables() if interface is not None else ())
 
     def _refuse(self, message: str) -> None:
         raise LoweringError(message, location=Location(path=self.source.pou.name))
