@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
@@ -167,7 +168,10 @@ class Chain(ABC):
             )
         self.drive = DriveBlock(self.source, self.code, self.memory, self.texts, self.active)
         control = ActionControl(self.drive.memory, self.drive.active, ending)
-        add_actions(self.source, self.drive.code, control, self.drive.memory, self.rules)
+        # the block has other names: the texts of the actions, as they were written, do not fit
+        actions = tuple(replace(action, text="") for action in self.source.actions)
+        source = replace(self.source, actions=actions)
+        add_actions(source, self.drive.code, control, self.drive.memory, self.rules)
         self.drive.finish(self.surroundings)
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:

@@ -6,11 +6,15 @@ Where no action sees what another one does that is the same as one after the oth
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from textwrap import dedent
 
 from plcopen_sfc.languages.networks.effects import ANYTHING, Path, path_of, reads, writes
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.code import Code, TextNetwork
 from plcopen_sfc.lowering.control import ActionControl
 from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.memory import Memory
@@ -48,6 +52,7 @@ class _Execution:
     ) -> None:
         self._source, self._code, self._control, self._memory = source, code, control, memory
         self._texts = rules.texts
+        self._verbatim = not code.drawn
         self._final_scan = rules.profile.final_scan
         self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
         self._blocks = _standard_instances(source)
@@ -70,8 +75,9 @@ class _Execution:
                 lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
                 ended = self._memory.falling(f"{action.name}_end", lasting, statements)
                 executed = disjunction([lasting, single, ended])
-            statements += self._memory.conditional(f"{action.name}_A", executed, action.statements)
-        elif self._always or self._is_own(action.target):
+            self._add(action, executed, statements)
+            return
+        if self._always or self._is_own(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
@@ -101,20 +107,20 @@ class _Execution:
         """Append what decides on all actions, what executes those that have ended, and what executes the others."""
         deciding: list[Statement] = []
         ending: list[Statement] = []
-        acting: list[tuple[ActionSource, list[Statement]]] = []
+        acting: list[tuple[ActionSource, Expression]] = []
         idle: list[Statement] = []
         for action in actions:
             lasting, single = self._control.outputs(action, deciding)
             name = action.name
             if action.target is not None:
                 driven = self._memory.named(f"{name}_Q", disjunction([lasting, single]), deciding)
-                off, on = [assignment(action.target, FALSE)], [assignment(action.target, TRUE)]
+                off, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
                     idle += self._memory.conditional("", negation(driven), off)
                 else:
                     ended = self._memory.falling(f"{name}_end", driven, deciding)
                     ending += self._memory.conditional("", ended, off)
-                acting.append((action, self._memory.conditional("", driven, on)))
+                acting.append((replace(action, statements=(on,)), driven))
                 continue
             if not is_constant(single, FALSE):
                 single = self._memory.named(f"{name}_pulse", single, deciding)
@@ -124,12 +130,23 @@ class _Execution:
                     ended = self._memory.falling(f"{name}_end", lasting, deciding)
                     last = conjunction([ended, negation(single)])
                     ending += self._memory.conditional(f"{name}_last", last, action.statements)
-            executed = disjunction([lasting, single])
-            acting.append((action, self._memory.conditional(f"{name}_A", executed, action.statements)))
+            acting.append((action, disjunction([lasting, single])))
         self._code.add(self._texts.control, deciding)
         self._code.add(self._texts.ended, [*idle, *ending])
-        for action, statements in acting:
-            self._code.add(self._texts.action(action.name), statements)
+        for action, executed in acting:
+            self._add(action, executed)
+
+    def _add(self, action: ActionSource, executed: Expression, before: Sequence[Statement] = ()) -> None:
+        """Append a network that executes an action: with its comments where its text can stand there."""
+        title = self._texts.action(action.name)
+        if not self._verbatim or not action.statements or not has_comments(action.text):
+            acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
+            self._code.add(title, [*before, *acting])
+            return
+        lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
+        lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
+        lines += [f"    {line}".rstrip() for line in dedent(action.text).strip("\n").splitlines()]
+        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"])))
 
     # -- whether it matters
 
@@ -157,6 +174,11 @@ class _Execution:
                 if not plain >= {index, other} and (self._final_scan or plain & {index, other}):
                     return True
         return False
+
+
+def has_comments(text: str) -> bool:
+    """Whether there may be comments in structured text."""
+    return any(start in text for start in ("//", "(*", "/*"))
 
 
 class _Paths:

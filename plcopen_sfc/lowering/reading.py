@@ -13,7 +13,7 @@ from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
 from plcopen_sfc.lowering.logic import TRUE, conjunction, negation
 from plcopen_sfc.lowering.source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.conditions import Expression as TextCondition
 from plcopen_sfc.model.pou import Action, Pou
@@ -171,7 +171,8 @@ class _Reader(TextReader):
                 if association.body is not None:
                     statements = self.statements(association.body, path)
                     name = f"{owner.step.name}_{number}"
-                    found.append(ActionSource(name, None, statements, (use,), in_place=True))
+                    text = _text_of(association.body)
+                    found.append(ActionSource(name, None, statements, (use,), in_place=True, text=text))
         for each in found:
             if isinstance(each, ActionSource):
                 yield each
@@ -182,7 +183,8 @@ class _Reader(TextReader):
                 continue
             action = self.pou.action(name)
             if action is not None:
-                yield ActionSource(name, None, self._statements_of(action), tuple(uses))
+                text = _text_of(action.body)
+                yield ActionSource(name, None, self._statements_of(action), tuple(uses), text=text)
                 continue
             target = self.expression(name, f"action {name}")
             if self._targets.is_called(target):
@@ -298,3 +300,7 @@ def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Express
             return
     start, end = node.span or (0, len(text))
     yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]))
+
+
+def _text_of(body: Body | None) -> str:
+    return body.text if isinstance(body, StBody) else ""

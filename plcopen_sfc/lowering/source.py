@@ -38,7 +38,8 @@ class Use:
 class ActionSource:
     """An action: a Boolean variable (`target`), or code (`statements`), with all its uses in the order of the chart.
 
-    `in_place`: its code stands at its only use, where it has no name.
+    `in_place`: its code stands at its only use, where it has no name. `text`: its code as it was written, as long as it
+    says the same; empty for code that is drawn.
     """
 
     name: str
@@ -46,6 +47,7 @@ class ActionSource:
     statements: tuple[n.Statement, ...]
     uses: tuple[Use, ...]
     in_place: bool = False
+    text: str = ""
 
     def changed(self, change: Change) -> ActionSource:
         """The same action with `change` applied to every text but its target."""
@@ -55,7 +57,8 @@ class ActionSource:
             return replace(use, condition=change(use.condition), duration=duration)
 
         statements = tuple(change(statement) for statement in self.statements)
-        return replace(self, statements=statements, uses=tuple(used(use) for use in self.uses))
+        text = self.text if statements == self.statements else ""
+        return replace(self, statements=statements, uses=tuple(used(use) for use in self.uses), text=text)
 
     def trees(self) -> Iterator[n.Node]:
         """Every text."""

@@ -139,6 +139,23 @@ def test_independent_actions_stay_one_after_the_other() -> None:
     assert "Which actions are active" in text_of(pou)
 
 
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize("others", [{}, {"B": "n := 2;"}])
+def test_comments_in_actions_are_kept(others: dict[str, str], profile: str) -> None:
+    pou = chain("S1>S2 S2>S1", {"A": "\t(* count *)\n\tn := n + 1; // one more\n", **others})
+    act(chart(pou), chart(pou).step("S1"), "A")
+    for name in others:
+        act(chart(pou), chart(pou).step("S2"), name)
+    text = text_of(pou, profile)
+    assert " THEN\n    (* count *)\n    n := n + 1; // one more\nEND_IF;" in text
+    assert verdict(pou, profile=profile).equal
+    pou.actions[0].body = m.StBody(text="// nothing yet")
+    assert verdict(pou, profile=profile).equal
+    pou.actions[0].body = m.StBody(text="// of the step\nq := S1.X;")
+    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert "S1.X" not in text_of(pou, profile)
+
+
 @pytest.mark.parametrize("body", ["IF q THEN RETURN; END_IF; n := 1;", "IF q THEN n := 2; RETURN; END_IF;"])
 def test_what_leaves_an_action_is_refused(body: str) -> None:
     """Among the code of others it would leave that too."""
