@@ -37,12 +37,9 @@ def prove(
     are wrong in their types.
 
     The parameters of an S7-GRAPH block multiply its states: whether each of a dozen commands has just risen. So there
-    is a proof only for parameters at rest, and what they do is tested on random runs. SFC flags of CODESYS that are
-    local count as inputs: a visualisation writes them, or a call of the chart from elsewhere.
+    is a proof only for parameters at rest, and what they do is tested on random runs.
     """
-    commands = _commands(chart, profile)
-    if commands:
-        chart, code = (_with_inputs(each, commands) for each in (chart, code))
+    chart, code = compared_subjects(chart, code, profile)
     try:
         found = _compared(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
     except SfcError as error:
@@ -52,6 +49,17 @@ def prove(
     if failure:
         raise _incomparable(chart, failure)
     return found
+
+
+def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[Subject, Subject]:
+    """The same with SFC flags of CODESYS that are local as inputs.
+
+    A visualisation writes them, or a call of the chart from elsewhere.
+    """
+    commands = _commands(chart, profile)
+    if not commands:
+        return chart, code
+    return _with_inputs(chart, commands), _with_inputs(code, commands)
 
 
 def _incomparable(chart: Subject, why: str) -> LoweringError:
