@@ -46,6 +46,15 @@ def test_every_target_holds_the_code(format: str) -> None:
     assert read_back(project, lowered, format, cap=20_000) is Outcome.PROVEN
 
 
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize("format", ["simaticml", "codesys", "plcopen"])
+def test_networks_in_files(format: str, language: str) -> None:
+    chart = guarded(act("D", duration="T#20ms"), act("S", "P", "V1"), act("N", "R", interlock=True))
+    project = block(chart, "ok fault", "P Q R ERR_FLT")
+    lowered = sfc.lower(project, "fup", profile="s7graph", language=language, target=format, verify=False)
+    read_back(project, lowered, format, cap=300)
+
+
 @pytest.mark.parametrize("format", FORMATS)
 def test_the_drilling_machine(format: str) -> None:
     project = sfc.load(FIXTURE)
