@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import Path, is_impure, is_variable, path_of, reads
+from plcopen_sfc.languages.networks.drawable import by_name, constant_of, is_harmless, is_power
+from plcopen_sfc.languages.networks.effects import Path, is_impure, path_of, reads
 from plcopen_sfc.languages.networks.graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
@@ -30,7 +31,7 @@ from plcopen_sfc.languages.networks.values import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.languages.st.walking import transform, walk
+from plcopen_sfc.languages.st.walking import transform
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, operator_block, standard_block
 from plcopen_sfc.model.network import (
     Block,
@@ -130,7 +131,7 @@ class Drafter:
             return False
         type_name = self._types.get(path_of(call.callee))
         block = standard_block(type_name) if type_name is not None else None
-        return block is not None and block.stateful and _by_name(call)
+        return block is not None and block.stateful and by_name(call)
 
     def statement(self, statement: Statement) -> Item:
         """The rung of a statement."""
@@ -165,7 +166,7 @@ class Drafter:
         inner = branch.statements[0] if len(branch.statements) == 1 else None
         item = None
         if isinstance(inner, n.Assignment) and inner.kind is AssignmentKind.ASSIGN:
-            constant = _constant(inner.value)
+            constant = constant_of(inner.value)
             if constant is not None:
                 storage = Storage.SET if constant else Storage.RESET
                 return self.sink(inner.target, branch.condition, storage)
@@ -178,7 +179,7 @@ class Drafter:
 
     def _enabled_assignment(self, assignment: n.Assignment, condition: Expression) -> Item | None:
         value = n.bare(assignment.value)
-        if not _is_harmless(value):
+        if not is_harmless(value):
             return None
         draft = self._operation_draft(value, enable=condition)
         if draft is None:
@@ -351,8 +352,8 @@ class Drafter:
 
     def _call(self, statement: n.CallStatement, enable: Expression | None) -> Item | None:
         call = statement.call
-        if isinstance(call, n.Call) and path_of(call.callee) in self._types and _by_name(call, outputs=True):
-            safe = enable is None or all(a.value is not None and _is_harmless(a.value) for a in call.arguments)
+        if isinstance(call, n.Call) and path_of(call.callee) in self._types and by_name(call, outputs=True):
+            safe = enable is None or all(a.value is not None and is_harmless(a.value) for a in call.arguments)
             return self._with_sinks(call, self._function_block(call, None, enable)) if safe else None
         if isinstance(call, n.Call) and not call.arguments and self.rules.tool is Tool.CODESYS:
             return self._action(call, enable)
@@ -413,7 +414,7 @@ class Drafter:
                 draft.outputs.append(argument.name.identifier)
             elif argument.name is not None and argument.value is not None:
                 name = argument.name.identifier
-                powered = block is not None and _is_power(block, name)
+                powered = block is not None and is_power(block, name)
                 item = self.power(argument.value) if powered else self.value(argument.value)
                 draft.inputs.append((name, item))
         if is_operand:
@@ -466,7 +467,6 @@ _STORAGES = {
     AssignmentKind.RESET: Storage.RESET,
 }
 _FLAT = frozenset({Operator.AND, Operator.OR, Operator.XOR})
-_RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
 
 
 def _calls(statements: Iterable[Statement]) -> list[n.Call]:
@@ -481,57 +481,3 @@ def _without_storing(node: n.Node) -> n.Node:
         constant = n.Literal("TRUE" if node.kind is AssignmentKind.SET else "FALSE")
         return n.If((n.Branch(node.value, (n.Assignment(node.target, constant),)),))
     return node
-
-
-def _constant(expression: Expression) -> bool | None:
-    text = n.bare(expression)
-    if isinstance(text, n.Literal) and text.text.upper() in ("TRUE", "FALSE"):
-        return text.text.upper() == "TRUE"
-    return None
-
-
-def is_boolean_result(expression: Expression) -> bool | None:
-    """Whether what is no variable is of type BOOL; None: unknown."""
-    if isinstance(expression, n.Literal):
-        return expression.text.upper().removeprefix("BOOL#") in ("TRUE", "FALSE")
-    block = None
-    if isinstance(expression, n.Operation | n.Unary):
-        block = operator_block(expression.operator)
-    elif isinstance(expression, n.Call) and isinstance(expression.callee, n.Name):
-        block = standard_block(expression.callee.identifier)
-        if block is None:
-            return None
-    known = {"BOOL": True, "ANY": None, "ANY_BIT": None, "ANY_ELEMENTARY": None}
-    return known.get(block.result.type, False) if block is not None else None
-
-
-def _by_name(call: n.Call, *, outputs: bool = False) -> bool:
-    """Whether all its arguments have names, and so pins; are all inputs, or `outputs` that go to variables too."""
-    return all(
-        a.name is not None
-        and a.value is not None
-        and (not a.output or (outputs and not a.negated and is_variable(a.value)))
-        for a in call.arguments
-    )
-
-
-def _is_power(block: StandardBlock, name: str) -> bool:
-    """Whether an input is of type BOOL."""
-    iec = block.input_name(name)
-    return any(pin.name == iec and pin.type == "BOOL" for pin in block.inputs)
-
-
-def _is_harmless(expression: Expression) -> bool:
-    """Whether its operands may be evaluated though their operation is not enabled: none can fail or do anything."""
-    inner = n.bare(expression)
-    operands: Sequence[n.Node] = (inner,)
-    if isinstance(inner, n.Operation):
-        operands = inner.operands
-    elif isinstance(inner, n.Call) and not is_variable(inner):
-        operands = inner.arguments
-    return not any(
-        isinstance(node, n.Call | n.Index | n.Dereference | n.Unreadable | n.AssignmentExpression)
-        or (isinstance(node, n.Operation) and node.operator in _RISKY)
-        for operand in operands
-        for node in walk(operand)
-    )

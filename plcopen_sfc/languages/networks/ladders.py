@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from plcopen_sfc.languages.networks.drafting import Drafter, is_boolean_result
+from plcopen_sfc.languages.networks.drafting import Drafter
+from plcopen_sfc.languages.networks.drawable import is_boolean_result
 from plcopen_sfc.languages.networks.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.pictures import (
