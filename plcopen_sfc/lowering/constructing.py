@@ -10,15 +10,23 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Name, Node, Quoting
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.bits import StepBits
-from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
-from plcopen_sfc.lowering.chain import Chain
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.drive import DriveBlock
-from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
-from plcopen_sfc.lowering.flag_places import LOCAL, FlagPlaces
-from plcopen_sfc.lowering.flattening import flatten
-from plcopen_sfc.lowering.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.actions.drive import DriveBlock
+from plcopen_sfc.lowering.chains.bits import StepBits
+from plcopen_sfc.lowering.chains.case import CaseChain, one_step_at_a_time
+from plcopen_sfc.lowering.chains.chain import Chain
+from plcopen_sfc.lowering.chains.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.chains.regions import RegionChain, no_regions
+from plcopen_sfc.lowering.chains.restart import names_in_conditions
+from plcopen_sfc.lowering.chains.rivals import firing_together
+from plcopen_sfc.lowering.code.emitting import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.code.flag_places import LOCAL, FlagPlaces
+from plcopen_sfc.lowering.code.flattening import flatten
+from plcopen_sfc.lowering.code.memory import BitMemory, BlockMemory, Memory
+from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.s7_memory import OperandMemory
+from plcopen_sfc.lowering.code.surroundings import names_of
+from plcopen_sfc.lowering.code.targets import has_networks, has_one_sheet, tool_of
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase, no_case
 from plcopen_sfc.lowering.grafcet.classic import plain_chart
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
@@ -29,17 +37,9 @@ from plcopen_sfc.lowering.graph.reading import read_sequencer
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.surface import without_step_data
-from plcopen_sfc.lowering.memory import BitMemory, BlockMemory, Memory
-from plcopen_sfc.lowering.naming import Naming
-from plcopen_sfc.lowering.reading import read_chart
-from plcopen_sfc.lowering.regions import RegionChain, no_regions
-from plcopen_sfc.lowering.restart import names_in_conditions
-from plcopen_sfc.lowering.rivals import firing_together
+from plcopen_sfc.lowering.reading.chart import read_chart
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
-from plcopen_sfc.lowering.s7_memory import OperandMemory
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.surroundings import names_of
-from plcopen_sfc.lowering.targets import has_networks, has_one_sheet, tool_of
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project

@@ -10,14 +10,14 @@ from typing import Any, TypeVar
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.lowering.code.targets import without_version
 from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
-from plcopen_sfc.lowering.fault_search import find_faults
-from plcopen_sfc.lowering.faults import Fault
+from plcopen_sfc.lowering.faults.kinds import Fault
+from plcopen_sfc.lowering.faults.search import find_faults
 from plcopen_sfc.lowering.grafcet.classic import read_plain
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
-from plcopen_sfc.lowering.targets import without_version
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou

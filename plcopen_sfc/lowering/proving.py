@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError, SfcError
-from plcopen_sfc.lowering.surroundings import names_of
+from plcopen_sfc.lowering.code.surroundings import names_of
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

@@ -12,13 +12,13 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.bits import StepBits
-from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.chains.bits import StepBits
+from plcopen_sfc.lowering.code.memory import BitMemory
+from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.grafcet.reading import read_grafcet
 from plcopen_sfc.lowering.grafcet.scan import GrafcetScan
 from plcopen_sfc.lowering.lower import LoweredPou, lower
-from plcopen_sfc.lowering.memory import BitMemory
-from plcopen_sfc.lowering.naming import Naming
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.grafcet.source import StoredAction
-from plcopen_sfc.lowering.logic import (
+from plcopen_sfc.lowering.code.logic import (
     FALSE,
     TRUE,
     assignment,
@@ -18,7 +17,8 @@ from plcopen_sfc.lowering.logic import (
     negation,
     simplified,
 )
-from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.grafcet.source import StoredAction
 from plcopen_sfc.model.actions import ActionKind
 
 StepValue = Callable[[int], Expression]

@@ -6,12 +6,12 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.lowering.case import CaseChain, one_step_at_a_time
-from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.chains.case import CaseChain, one_step_at_a_time
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.grafcet.concurrency import exclude
-from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.semantics.net import Rivals
 from plcopen_sfc.semantics.profile import Profile
 

@@ -9,11 +9,11 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, is_constant
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.source import StoredAction
-from plcopen_sfc.lowering.logic import FALSE, TRUE, is_constant
-from plcopen_sfc.lowering.reading import read_chart
-from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
+from plcopen_sfc.lowering.reading.chart import read_chart
+from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcNetwork

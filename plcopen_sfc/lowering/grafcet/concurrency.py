@@ -9,8 +9,8 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.lowering.logic import FALSE, is_constant
-from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.code.logic import FALSE, is_constant
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
 from plcopen_sfc.semantics.net import Net, NetTransition, Rivals, indexes, mask
 from plcopen_sfc.semantics.profile import Profile

@@ -6,9 +6,9 @@ from typing import Protocol
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.chains.steps import StepFlags
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, disjunction, equal, negation
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase
-from plcopen_sfc.lowering.logic import FALSE, assignment, disjunction, equal, negation
-from plcopen_sfc.lowering.steps import StepFlags
 
 
 class Evolving(Protocol):

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.lowering.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.chains.flipflops import FlipFlopChain
+from plcopen_sfc.lowering.code.logic import FALSE, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
 from plcopen_sfc.lowering.grafcet.hierarchy import Ruling
-from plcopen_sfc.lowering.logic import FALSE, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.semantics.net import NetStep
 
 

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
 from plcopen_sfc.semantics.net import indexes
 

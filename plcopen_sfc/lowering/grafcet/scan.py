@@ -9,10 +9,22 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.chain import Chain
-from plcopen_sfc.lowering.code import BOOL, CodeNetwork, TextNetwork
-from plcopen_sfc.lowering.emitting import paragraph
-from plcopen_sfc.lowering.executing import add_actions
+from plcopen_sfc.lowering.actions.executing import add_actions
+from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
+from plcopen_sfc.lowering.chains.chain import Chain
+from plcopen_sfc.lowering.chains.steps import StepFlags
+from plcopen_sfc.lowering.code.emitting import paragraph
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.program import BOOL, CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.grafcet.actions import StepSights, StoredActions, written_if
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
@@ -23,10 +35,7 @@ from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
 from plcopen_sfc.lowering.grafcet.source import GrafcetSource
 from plcopen_sfc.lowering.grafcet.stability import Stability
 from plcopen_sfc.lowering.grafcet.terms import TermCode
-from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation, when
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.step_code import add_changes, add_main_actions
-from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.net import indexes

@@ -11,7 +11,7 @@ from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
 
 if TYPE_CHECKING:
-    from plcopen_sfc.lowering.source import ActionSource, Change
+    from plcopen_sfc.lowering.reading.source import ActionSource, Change
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,18 @@ from collections.abc import Collection
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statement
-from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    is_constant,
+    negation,
+    simplified,
+)
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import DerivedType
 

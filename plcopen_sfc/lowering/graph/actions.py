@@ -12,12 +12,21 @@ from dataclasses import dataclass, replace
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.graph.source import COUNTERS, TIMERS, GraphSource, Row
 from plcopen_sfc.lowering.graph.step_data import texts_of
 from plcopen_sfc.lowering.graph.texts import GraphTexts
 from plcopen_sfc.lowering.graph.timers import Timer
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.variables import SectionKind

@@ -12,10 +12,19 @@ from typing import Any
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import Code
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Phase, Questions
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
 
 INTERLOCK = ("LS", "LA", "L1", "L0")
 SUPERVISION = ("VS", "VA", "V1", "V0", "A1")

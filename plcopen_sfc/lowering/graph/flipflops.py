@@ -8,9 +8,9 @@ from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.flattening import flatten
+from plcopen_sfc.lowering.code.flattening import flatten
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
-from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetStep

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
+from plcopen_sfc.lowering.code.logic import TRUE, assignment
 from plcopen_sfc.lowering.graph.shown import asked_outside
 from plcopen_sfc.lowering.graph.source import COILS, COUNTERS, SWITCHES, TIMERS, GraphSource, Row
 from plcopen_sfc.lowering.graph.surface import check_rules
-from plcopen_sfc.lowering.logic import TRUE, assignment
+from plcopen_sfc.lowering.reading.texts import ConditionText, TextReader
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.conditions import Condition

@@ -12,7 +12,19 @@ from typing import Any
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import BOOL, Code
+from plcopen_sfc.lowering.chains.restart import declare_restart
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import BOOL, Code
 from plcopen_sfc.lowering.graph.actions import Actions, StepSignals
 from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
@@ -23,9 +35,6 @@ from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Phase, Questions, step_quantity
 from plcopen_sfc.lowering.graph.texts import graph_texts
 from plcopen_sfc.lowering.graph.times import StepClock
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.restart import declare_restart
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.text import plain

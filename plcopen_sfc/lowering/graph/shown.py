@@ -12,7 +12,7 @@ from plcopen_sfc.languages.names.references import references
 from plcopen_sfc.languages.names.uses import Names, Occurrence
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.words import needs_quotes
-from plcopen_sfc.lowering.code import BOOL, Code
+from plcopen_sfc.lowering.code.program import BOOL, Code
 from plcopen_sfc.lowering.graph.step_data import QUANTITIES
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project

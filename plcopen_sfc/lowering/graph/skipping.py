@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation, when
 from plcopen_sfc.lowering.graph.step_data import Phase
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation, when
 
 if TYPE_CHECKING:
     from plcopen_sfc.lowering.graph.sequencer import Sequencer

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.lowering.chart_texts import ConditionText
-from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.reading.source import ChartSource
+from plcopen_sfc.lowering.reading.texts import ConditionText
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 
 COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})

@@ -8,8 +8,17 @@ from plcopen_sfc.languages.networks.effects import is_impure
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code import BOOL, Code, CodeNetwork
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation, when
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.program import BOOL, Code, CodeNetwork
 from plcopen_sfc.model.types import Variable
 
 _BOOLEAN = frozenset(

@@ -20,11 +20,11 @@ from plcopen_sfc.analysis.product import Branching, failure_of
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem, step_observations
 from plcopen_sfc.lowering.constructing import Construction
-from plcopen_sfc.lowering.fault_rules import CASE_RULES, FLIP_FLOP_RULES, Facts, Place, Rule, Scan, outputs_of
-from plcopen_sfc.lowering.faults import Fault, FaultKind, FaultScan
+from plcopen_sfc.lowering.faults.kinds import Fault, FaultKind, FaultScan
+from plcopen_sfc.lowering.faults.rules import CASE_RULES, FLIP_FLOP_RULES, Facts, Place, Rule, Scan, outputs_of
+from plcopen_sfc.lowering.faults.watching import WatchedPou, watched_pou
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.watching import WatchedPou, watched_pou
 from plcopen_sfc.semantics.net import indexes, mask
 from plcopen_sfc.semantics.profile import Evolution
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.references import StepValue
-from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
-from plcopen_sfc.lowering.times import StepTimes
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.times import StepTimes
+from plcopen_sfc.lowering.reading.references import StepValue
+from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net

@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import conjunction, disjunction, negation
+from plcopen_sfc.lowering.chains.steps import StepFlags
+from plcopen_sfc.lowering.code.logic import conjunction, disjunction, negation
 from plcopen_sfc.lowering.rules import OperatingMode
-from plcopen_sfc.lowering.steps import StepFlags
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder

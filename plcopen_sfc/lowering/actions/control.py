@@ -10,9 +10,9 @@ from collections.abc import Callable
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.source import ActionSource, Use
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.reading.source import ActionSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import Elementary, ElementaryType
 

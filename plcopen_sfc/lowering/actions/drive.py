@@ -9,10 +9,10 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import Code, CodeNetwork
-from plcopen_sfc.lowering.flattening import flatten
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.code.flattening import flatten
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import Code, CodeNetwork
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection

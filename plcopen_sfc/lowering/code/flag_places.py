@@ -11,10 +11,10 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.code import BOOL
-from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.program import BOOL
+from plcopen_sfc.lowering.code.surroundings import global_sections, names_of
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.surroundings import global_sections, names_of
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Configuration, Project, Tag, TagTable
 from plcopen_sfc.model.types import SimpleValue, Variable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.lowering.code.naming import Naming
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.types import (
     DataType,
@@ -21,7 +21,7 @@ from plcopen_sfc.model.types import (
 )
 
 if TYPE_CHECKING:
-    from plcopen_sfc.lowering.flag_places import FlagPlaces
+    from plcopen_sfc.lowering.code.flag_places import FlagPlaces
 
 BOOL = ElementaryType(name=Elementary.BOOL)
 

@@ -11,8 +11,8 @@ from typing import Protocol
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, call, conjunction, disjunction, negation, when
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, call, conjunction, disjunction, negation, when
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.model.types import DataType, DerivedType
 
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.logic import FALSE, assignment, call
-from plcopen_sfc.lowering.memory import BlockMemory
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, call
+from plcopen_sfc.lowering.code.memory import BlockMemory
 
 
 class OperandMemory(BlockMemory):

@@ -11,12 +11,12 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code import BOOL, Code
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.source import ChartSource, Watch
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.code.times import StepTimes
+from plcopen_sfc.lowering.reading.source import ChartSource, Watch
 from plcopen_sfc.lowering.texts import Texts
-from plcopen_sfc.lowering.times import StepTimes
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import StringType
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code import BOOL, Code
-from plcopen_sfc.lowering.logic import FALSE, TRUE, conjunction, disjunction, negation
-from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.chains.states import step_numbers
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, conjunction, disjunction, negation
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules, OperatingMode
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.states import step_numbers
 from plcopen_sfc.model.types import Elementary, ElementaryType
 
 _LARGEST_INT = 2**15 - 1

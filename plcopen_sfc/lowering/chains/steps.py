@@ -8,11 +8,11 @@ from functools import cached_property
 from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.chain import Chain
-from plcopen_sfc.lowering.code import CodeNetwork
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
-from plcopen_sfc.lowering.rivals import exclusive_rivals, firing_together
-from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.chains.chain import Chain
+from plcopen_sfc.lowering.chains.rivals import exclusive_rivals, firing_together
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.code.program import CodeNetwork
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetTransition
 

@@ -9,9 +9,9 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node
-from plcopen_sfc.lowering.logic import conjunction, disjunction
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.times import StepTimes
+from plcopen_sfc.lowering.code.logic import conjunction, disjunction
+from plcopen_sfc.lowering.code.times import StepTimes
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
 

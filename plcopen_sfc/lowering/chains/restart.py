@@ -10,10 +10,10 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import assignment, disjunction
+from plcopen_sfc.lowering.code.logic import assignment, disjunction
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.model.types import Elementary, ElementaryType
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
 
 

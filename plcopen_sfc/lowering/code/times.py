@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.logic import FALSE, assignment, call, when
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, call, when
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 
 FOREVER = n.Literal("T#24d")

@@ -17,10 +17,10 @@ from plcopen_sfc.languages.names.words import objection
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.naming import Naming
+from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules, States
-from plcopen_sfc.lowering.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import (
     DataType,

@@ -16,9 +16,10 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.chain import Chain
-from plcopen_sfc.lowering.code import TextNetwork
-from plcopen_sfc.lowering.logic import (
+from plcopen_sfc.lowering.chains.chain import Chain
+from plcopen_sfc.lowering.chains.rivals import firing_together
+from plcopen_sfc.lowering.chains.states import StateNames
+from plcopen_sfc.lowering.code.logic import (
     FALSE,
     TRUE,
     assignment,
@@ -29,10 +30,9 @@ from plcopen_sfc.lowering.logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.rivals import firing_together
+from plcopen_sfc.lowering.code.program import TextNetwork
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import States
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.states import StateNames
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder

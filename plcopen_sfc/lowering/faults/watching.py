@@ -10,11 +10,11 @@ from plcopen_sfc.languages.networks.numbering import apart
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.lowering.code import Code
-from plcopen_sfc.lowering.emitting import function_block_diagram, ladder_diagram, structured_text
-from plcopen_sfc.lowering.logic import assignment, conjunction
-from plcopen_sfc.lowering.naming import Naming
-from plcopen_sfc.lowering.source import ChartSource
+from plcopen_sfc.lowering.code.emitting import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.code.logic import assignment, conjunction
+from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import Variable

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
-from plcopen_sfc.lowering.code import Code, CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.program import Code, CodeNetwork, TextNetwork
 from plcopen_sfc.model.body import FbdBody, LdBody, StBody
 from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
 from plcopen_sfc.model.types import Variable

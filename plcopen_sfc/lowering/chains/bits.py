@@ -7,8 +7,8 @@ it holds for every chart, also for one that is not safe.
 from __future__ import annotations
 
 from plcopen_sfc.languages.st.nodes import Statement
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, negation, when
-from plcopen_sfc.lowering.steps import StepFlags
+from plcopen_sfc.lowering.chains.steps import StepFlags
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, negation, when
 from plcopen_sfc.semantics.profile import ScanOrder
 
 

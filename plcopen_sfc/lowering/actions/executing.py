@@ -14,13 +14,13 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.lowering.code import Code, TextNetwork
-from plcopen_sfc.lowering.control import ActionControl
-from plcopen_sfc.lowering.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
-from plcopen_sfc.lowering.memory import Memory
+from plcopen_sfc.lowering.actions.control import ActionControl
+from plcopen_sfc.lowering.actions.stepwise import StepwiseControl
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import Code, TextNetwork
+from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.source import ActionSource, ChartSource
-from plcopen_sfc.lowering.stepwise import StepwiseControl
 from plcopen_sfc.model.types import DerivedType, SimpleValue
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.profile import BooleanTargets

@@ -9,21 +9,21 @@ from dataclasses import replace
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code import BOOL, Code
-from plcopen_sfc.lowering.control import ActionControl
-from plcopen_sfc.lowering.drive import DriveBlock
-from plcopen_sfc.lowering.executing import add_actions
-from plcopen_sfc.lowering.flags import FlagCode
-from plcopen_sfc.lowering.logic import FALSE, TRUE, conjunction, is_constant
-from plcopen_sfc.lowering.memory import Memory
-from plcopen_sfc.lowering.modes import Modes
-from plcopen_sfc.lowering.references import resolve_steps
-from plcopen_sfc.lowering.restart import declare_restart
+from plcopen_sfc.lowering.actions.control import ActionControl
+from plcopen_sfc.lowering.actions.drive import DriveBlock
+from plcopen_sfc.lowering.actions.executing import add_actions
+from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
+from plcopen_sfc.lowering.actions.stepwise import StepwiseControl, stepwise_timed
+from plcopen_sfc.lowering.chains.flags import FlagCode
+from plcopen_sfc.lowering.chains.modes import Modes
+from plcopen_sfc.lowering.chains.restart import declare_restart
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, conjunction, is_constant
+from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.code.times import StepTimes
+from plcopen_sfc.lowering.reading.references import resolve_steps
+from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules
-from plcopen_sfc.lowering.source import ChartSource
-from plcopen_sfc.lowering.step_code import add_changes, add_main_actions
-from plcopen_sfc.lowering.stepwise import StepwiseControl, stepwise_timed
-from plcopen_sfc.lowering.times import StepTimes
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import ScanOrder

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
-from plcopen_sfc.lowering.faults import FaultKind
-from plcopen_sfc.lowering.logic import TRUE, is_constant
-from plcopen_sfc.lowering.source import ActionSource, ChartSource
+from plcopen_sfc.lowering.code.logic import TRUE, is_constant
+from plcopen_sfc.lowering.faults.kinds import FaultKind
+from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import Rivals, indexes, mask
 from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder

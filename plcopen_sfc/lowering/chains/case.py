@@ -11,10 +11,10 @@ from typing import NoReturn
 
 from plcopen_sfc.analysis.regions import Region, Regions
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.lowering.code import TextNetwork
-from plcopen_sfc.lowering.logic import TRUE, is_constant
-from plcopen_sfc.lowering.regions import INDENT, RegionChain
-from plcopen_sfc.lowering.source import ActionSource, ChartSource, Use
+from plcopen_sfc.lowering.chains.regions import INDENT, RegionChain
+from plcopen_sfc.lowering.code.logic import TRUE, is_constant
+from plcopen_sfc.lowering.code.program import TextNetwork
+from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.net import NetStep, indexes
 

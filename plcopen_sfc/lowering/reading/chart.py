@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.lowering.called import Targets
-from plcopen_sfc.lowering.chart_texts import ConditionText, TextReader
-from plcopen_sfc.lowering.logic import TRUE, conjunction, negation
-from plcopen_sfc.lowering.source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
+from plcopen_sfc.lowering.code.logic import TRUE, conjunction, negation
+from plcopen_sfc.lowering.reading.called import Targets
+from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
+from plcopen_sfc.lowering.reading.texts import ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.conditions import Condition

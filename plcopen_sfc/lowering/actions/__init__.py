@@ -1,0 +1,1 @@
+"""What lowered code executes, and when."""

@@ -1,0 +1,1 @@
+"""The constructions: what keeps the situation of a chart and how that changes."""

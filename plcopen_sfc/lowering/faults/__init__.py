@@ -1,0 +1,1 @@
+"""The faults of textbook forms: what they are and how they are found."""

@@ -1,0 +1,1 @@
+"""Reading a chart for lowering."""
