@@ -11,9 +11,10 @@ from plcopen_sfc.analysis.equivalence import Outcome, Verdict
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.code.targets import without_version
-from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.constructing import construct
 from plcopen_sfc.lowering.faults.kinds import Fault
 from plcopen_sfc.lowering.faults.search import find_faults
+from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.classic import read_plain
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove

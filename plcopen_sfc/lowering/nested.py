@@ -6,7 +6,8 @@ import re
 from dataclasses import replace
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, Construction, Language, construct
+from plcopen_sfc.lowering.constructing import Constructed, construct
+from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Action, Pou

@@ -7,7 +7,8 @@ from typing import Any
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Verdict, equivalent
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, Construction, Language, construct
+from plcopen_sfc.lowering.constructing import Constructed, construct
+from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES

@@ -17,7 +17,8 @@ from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.constructing import construct
+from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.net import Net

@@ -10,7 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.constructing import Construction
+from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.semantics.simulation import simulate
 from tests.lowering.charts import boolean, pou_with, training_chain

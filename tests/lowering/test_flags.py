@@ -10,7 +10,8 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Construction, Language, Style, construct
+from plcopen_sfc.lowering.constructing import construct
+from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts

@@ -7,7 +7,7 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.constructing import Construction, Language
+from plcopen_sfc.lowering.forms import Construction, Language
 from tests.lowering.charts import boolean, training_chain
 from tests.lowering.test_exact import FORMS, verdict
 

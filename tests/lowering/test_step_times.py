@@ -7,7 +7,8 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Construction, Language, construct
+from plcopen_sfc.lowering.constructing import construct
+from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES

@@ -11,7 +11,8 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, Construction, Language, construct
+from plcopen_sfc.lowering.constructing import Constructed, construct
+from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES, Profile

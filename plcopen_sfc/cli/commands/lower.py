@@ -16,7 +16,7 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.lowering.constructing import Style
+from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.model.project import Project

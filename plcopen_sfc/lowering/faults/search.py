@@ -19,10 +19,10 @@ from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.analysis.product import Branching, failure_of
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem, step_observations
-from plcopen_sfc.lowering.constructing import Construction
 from plcopen_sfc.lowering.faults.kinds import Fault, FaultKind, FaultScan
 from plcopen_sfc.lowering.faults.rules import CASE_RULES, FLIP_FLOP_RULES, Facts, Place, Rule, Scan, outputs_of
 from plcopen_sfc.lowering.faults.watching import WatchedPou, watched_pou
+from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.semantics.net import indexes, mask
