@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from plcopen_sfc.formats.simaticml.bit_moves import BOOLEAN, keep_bits_by_logic
 from plcopen_sfc.formats.simaticml.parts import RESULTS
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.network import Block, Coil, LogicNetwork, Node, OutputVariable
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import Elementary, ElementaryType
-
-_BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
-"""Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
 
 
 def put_coils(project: Project) -> None:
@@ -35,6 +33,7 @@ def put_coils(project: Project) -> None:
             variables = pou.interface.variables() if pou.interface is not None else []
             bits = {v.name.casefold() for v in variables if v.type == ElementaryType(name=Elementary.BOOL)}
             for network in body.networks:
+                keep_bits_by_logic(network, bits)
                 _assignments(network, bits, blocks)
 
 
@@ -54,7 +53,7 @@ def _assignments(network: LogicNetwork, bits: Collection[str], blocks: Collectio
     What comes from one of the `blocks` of the project stays at its pin.
     """
     called = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.casefold() in blocks}
-    boolean = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() in _BOOLEAN}
+    boolean = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() in BOOLEAN}
     for index, node in enumerate(network.nodes):
         if isinstance(node, OutputVariable) and node.input is not None:
             sources = {connection.source for connection in node.input.connections}

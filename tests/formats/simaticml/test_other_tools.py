@@ -11,11 +11,13 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.formats.simaticml.flip_flops import put_operands
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.report import ConversionReport, Fate
 from plcopen_sfc.semantics.subjects import resolve
+from tests.lowering.charts import boolean
 
 BOOL = m.ElementaryType(name=m.Elementary.BOOL)
 
@@ -97,3 +99,19 @@ def test_calls_of_blocks_of_the_project_say_what_their_parameters_are() -> None:
     assert '<Parameter Name="q" Section="Output" Type="Bool" />' in content
     found = equivalent(resolve(project, "FB_Outer"), resolve(sfc.loads(data), "FB_Outer"), "iec")
     assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("value", ["NOT Q", "a", "a AND NOT b", "k > 3"])
+def test_a_bit_that_is_written_on_a_condition_is_kept_otherwise(value: str) -> None:
+    """No box of TIA Portal with EN writes bits: without a word it would be written in every cycle."""
+    declared = [boolean("c"), boolean("Q"), boolean("a"), boolean("b")]
+    declared.append(m.Variable(name="k", type=m.ElementaryType(name=m.Elementary.INT)))
+    statements = parse_statements(f"IF c THEN Q := {value}; END_IF;", Dialect.IEC).tree.statements
+    body = draw_fbd(statements, declared_rules(declared, Dialect.IEC)).body
+    sections = [m.VariableSection(kind=m.SectionKind.INPUT, variables=[v for v in declared if v.name != "Q"])]
+    sections.append(m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[boolean("Q")]))
+    pou = m.Pou(name="F", kind=m.PouKind.FUNCTION_BLOCK, interface=m.Interface(sections=sections), bodies=[body])
+    project = m.Project(name="Anlage", pous=[pou])
+    back = sfc.loads(sfc.dumps(project, format="simaticml"), format="simaticml")
+    verdict = equivalent(project, back, "iec")
+    assert verdict.outcome is Outcome.PROVEN, str(verdict)
