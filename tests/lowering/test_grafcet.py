@@ -92,6 +92,17 @@ def test_continuous_actions(kind: str, fields: dict[str, str]) -> None:
     check(chart, "a c1 c2 c3", "Q")
 
 
+@pytest.mark.parametrize("second", ["T#20ms", "T#40ms"])
+@pytest.mark.parametrize("minimum", [None, "T#10ms"])
+def test_several_times_of_one_step(second: str, minimum: str | None) -> None:
+    chart = chain("1", "2")
+    step = chart.step("2")
+    step.actions = [action("delayed", duration="T#20ms"), action("limited", "R", duration=second, id=8)]
+    step.min_time = minimum
+    profiles = [replace(each, minimum_times=minimum is not None) for each in (ONCE, SHORT)]
+    compare(pou_with(chart, "c1 c2", "Q R"), profiles)
+
+
 @pytest.mark.parametrize("kind", ["onActivation", "onDeactivation"])
 @pytest.mark.parametrize("step", ["1", "2"])
 def test_stored_actions(kind: str, step: str) -> None:

@@ -7,6 +7,11 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.times import StepTimes
 from plcopen_sfc.lowering.constructing import construct
 from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.rules import LoweringRules
@@ -54,3 +59,17 @@ def test_nothing_is_kept_for_a_condition_of_the_step_itself() -> None:
     made = construct(pou, chart(pou), Dialect.IEC, rules)
     assert made.pou.interface is not None
     assert [v.name for v in made.pou.interface.sections[-1].variables] == ["step_number", "X1_time"]
+
+
+def test_what_was_said_of_a_time_holds_whatever_is_asked_later() -> None:
+    times = StepTimes(Code(Naming(Dialect.IEC, ())), lambda _: n.Name("X1"), lambda _: "X1_time")
+    short, long = n.Literal("T#20ms"), n.Literal("T#40ms")
+    asked = [times.is_over(0, short), times.is_over(0, long), times.elapsed(0), times.is_over(0, short)]
+    told = [print_node(value, Dialect.IEC) for value in asked]
+    assert told == ["X1_time.Q", "X1_time_2.Q", "X1_time_3.ET", "X1_time_3.ET >= T#20ms"]
+    assert [print_node(each, Dialect.IEC) for each in times.calls()] == [
+        "X1_time(IN := X1, PT := T#20ms);",
+        "X1_time_2(IN := X1, PT := T#40ms);",
+        "X1_time_3(IN := X1, PT := T#24d);",
+    ]
+    assert len(times.ends()) == len(times.restarts(0, n.Name("again"))) == 3

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.naming import Naming
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from plcopen_sfc.lowering.code.flag_places import FlagPlaces
 
 BOOL = ElementaryType(name=Elementary.BOOL)
+INT = ElementaryType(name=Elementary.INT)
+TIME = ElementaryType(name=Elementary.TIME)
 
 
 @dataclass(frozen=True)
@@ -127,6 +130,13 @@ class Code:
     def declare_as(self, name: str, kind: DataType) -> None:
         """Declare a local variable of this very name."""
         self.variables.append(Variable(name=name, type=kind))
+
+    def declare_helpers(self, helpers: Iterable[Helper]) -> None:
+        """Declare the variables that drawings need when they are read as text."""
+        for helper in helpers:
+            wanted = helper.type_name or "BOOL"
+            known = Elementary.__members__.get(wanted)
+            self.declare_as(helper.name, ElementaryType(name=known) if known else DerivedType(name=wanted))
 
     def declare_input(self, name: str, comment: str, kind: DataType = BOOL, *, at_rest: bool | None = None) -> n.Name:
         """Declare an input of this very name; `at_rest` is its value while it is not used."""
