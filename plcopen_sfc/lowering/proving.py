@@ -7,9 +7,10 @@ from dataclasses import replace
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError, SfcError
+from plcopen_sfc.lowering.code.program import BOOL
 from plcopen_sfc.lowering.code.surroundings import names_of
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.types import Elementary, ElementaryType, Variable
+from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.charts.flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
@@ -126,8 +127,7 @@ def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
     old = subject.pou.interface
     interface = old.model_copy(deep=True, update={"declaration": None}) if old is not None else Interface()
     declared = {variable.name.casefold() for variable in interface.variables()}
-    boolean = ElementaryType(name=Elementary.BOOL)
-    inputs = [Variable(name=name, type=boolean) for key, name in names.items() if key not in declared]
+    inputs = [Variable(name=name, type=BOOL) for key, name in names.items() if key not in declared]
     for section in interface.sections:
         if section.kind is SectionKind.LOCAL:
             inputs += [v for v in section.variables if v.name.casefold() in names]

@@ -19,12 +19,11 @@ from plcopen_sfc.lowering.chains.modes import Modes
 from plcopen_sfc.lowering.chains.restart import declare_restart
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, conjunction, is_constant
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.code.times import StepTimes
 from plcopen_sfc.lowering.reading.references import resolve_steps
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import ScanOrder
 
@@ -48,10 +47,7 @@ class Chain(ABC):
         self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
         self.surroundings = surroundings
         init = declare_restart(source, code, rules, surroundings)
-        for helper in source.helpers:
-            known = Elementary.__members__.get(helper.type_name or "BOOL")
-            kind = ElementaryType(name=known) if known else DerivedType(name=helper.type_name or "")
-            code.declare_as(helper.name, kind if helper.type_name else BOOL)
+        code.declare_helpers(source.helpers)
         self.sfc_flags = FlagCode(source, code, memory, rules.texts, init)
         self.init: Expression | None = self.sfc_flags.restart
         self.blocking = self.sfc_flags.blocking

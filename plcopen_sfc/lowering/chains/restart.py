@@ -11,10 +11,9 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.lowering.code.logic import assignment, disjunction
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import BOOL, Code
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.model.types import Elementary, ElementaryType
 
 
 def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
@@ -64,7 +63,7 @@ class _Conditions:
             self._refuse(f"{name!r} is no name of an input")
         declared = self._declared(tree.identifier)
         if declared is not None:
-            if declared != ElementaryType(name=Elementary.BOOL):
+            if declared != BOOL:
                 self._refuse(f"{name} is there already, and is no BOOL")
             self._code.at_rest[tree.identifier] = False
             return self._code.naming.local(tree.identifier)

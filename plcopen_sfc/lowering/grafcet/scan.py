@@ -24,7 +24,7 @@ from plcopen_sfc.lowering.code.logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.program import BOOL, CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.program import BOOL, INT, CodeNetwork, TextNetwork
 from plcopen_sfc.lowering.grafcet.actions import StepSights, StoredActions, written_if
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, leaving_and_entering
@@ -37,7 +37,6 @@ from plcopen_sfc.lowering.grafcet.stability import Stability
 from plcopen_sfc.lowering.grafcet.terms import TermCode
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.model.actions import ActionKind
-from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import BooleanTargets, Evolution, Profile
 
@@ -226,7 +225,7 @@ class GrafcetScan:
         ahead: list[Statement] = []
         behind: list[Statement] = []
         if self.stability.most is None:
-            number = self._code.declare(texts.evolutions, ElementaryType(name=Elementary.INT))
+            number = self._code.declare(texts.evolutions, INT)
             unstable = self._code.declare_output(texts.unstable, texts.unstable_comment)
             most = n.Literal(str(self._chain.profile.max_evolutions))
             counted = assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))

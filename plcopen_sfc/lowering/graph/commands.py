@@ -11,13 +11,10 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, equal, negation, when
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import INT, Code
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.texts import GraphTexts
-from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode
-
-INT = ElementaryType(name=Elementary.INT)
 
 
 class Commands:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.lowering.code.logic import TRUE, assignment
+from plcopen_sfc.lowering.code.program import BOOL
 from plcopen_sfc.lowering.graph.shown import asked_outside
 from plcopen_sfc.lowering.graph.source import COILS, COUNTERS, SWITCHES, TIMERS, GraphSource, Row
 from plcopen_sfc.lowering.graph.surface import check_rules
@@ -18,7 +19,7 @@ from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
-from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.model.types import ElementaryType
 from plcopen_sfc.semantics.charts.graph.conditions import programmed
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.net import Net, NetStep
@@ -174,7 +175,7 @@ class _Reader(TextReader):
         if qualifier is Qualifier.CALL:
             return self.read(f"{target}();", path)
         declared = self._variables.get(target.strip('#"').casefold())
-        if declared is None or declared.type == ElementaryType(name=Elementary.BOOL):
+        if declared is None or declared.type == BOOL:
             return ()
         if isinstance(declared.type, ElementaryType) or qualifier not in COILS | {Qualifier.S, Qualifier.R}:
             self.refuse(f"{target} is no Boolean variable, and only such a one can be an action", path)

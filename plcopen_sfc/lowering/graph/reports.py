@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import INT, Code
 from plcopen_sfc.lowering.graph.checks import StepChecks
-from plcopen_sfc.lowering.graph.commands import INT, Commands
+from plcopen_sfc.lowering.graph.commands import Commands
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.texts import GraphTexts
 from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode

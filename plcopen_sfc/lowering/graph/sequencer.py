@@ -24,7 +24,7 @@ from plcopen_sfc.lowering.code.logic import (
     when,
 )
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.graph.actions import Actions, StepSignals
 from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
@@ -38,7 +38,6 @@ from plcopen_sfc.lowering.graph.times import StepClock
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetTransition, Rivals
 
@@ -61,10 +60,7 @@ class Sequencer:
         self.net, self.texts = source.net, rules.texts
         self.own_texts = graph_texts(rules.texts)
         self.init = declare_restart(source, code, rules, surroundings)
-        for helper in source.helpers:
-            known = Elementary.__members__.get(helper.type_name or "BOOL")
-            kind = ElementaryType(name=known) if known else DerivedType(name=helper.type_name or "")
-            code.declare_as(helper.name, kind if helper.type_name else BOOL)
+        code.declare_helpers(source.helpers)
         self.flags = [
             code.declare(self.texts.flag_name(step.step), comment=self.texts.flag_of(step.path))
             for step in self.net.steps

@@ -5,10 +5,8 @@ from __future__ import annotations
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, call, conjunction, equal, negation, when
-from plcopen_sfc.lowering.code.program import Code
-from plcopen_sfc.lowering.graph.commands import INT
+from plcopen_sfc.lowering.code.program import INT, TIME, Code
 from plcopen_sfc.lowering.graph.texts import GraphTexts
-from plcopen_sfc.lowering.graph.times import TIME
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import DerivedType
 

@@ -12,15 +12,14 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, time_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.logic import assignment, call, conjunction, negation, when
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import TIME, Code
 from plcopen_sfc.lowering.code.times import FOREVER
 from plcopen_sfc.lowering.graph.checks import StepChecks
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Questions
 from plcopen_sfc.lowering.texts import Texts
-from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType
+from plcopen_sfc.model.types import DerivedType
 
-TIME = ElementaryType(name=Elementary.TIME)
 _NONE = n.Literal("T#0ms")
 
 
