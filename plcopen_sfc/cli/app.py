@@ -238,7 +238,8 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         str, typer.Option("--style", metavar="STYLE", help="exact, or classic as in textbooks.")
     ] = "exact",
     language: Annotated[
-        str | None, typer.Option("--language", metavar="LANG", help="ST, FBD or LD; usual: FBD for flip-flops.")
+        str | None,
+        typer.Option("--language", metavar="LANG", help="ST, FBD or LD; usual: FBD for flip-flops, in text ST."),
     ] = None,
     profile: Annotated[
         str | None, typer.Option("--profile", metavar="NAME", help="What the chart does: iec, codesys, codesys23 ..")

@@ -7,7 +7,7 @@ from plcopen_sfc.lowering.chains.case import one_step_at_a_time
 from plcopen_sfc.lowering.chains.regions import no_regions
 from plcopen_sfc.lowering.chains.rivals import firing_together
 from plcopen_sfc.lowering.code.flag_places import LOCAL
-from plcopen_sfc.lowering.code.targets import has_networks
+from plcopen_sfc.lowering.code.targets import has_networks, shows_networks
 from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.case import no_case
 from plcopen_sfc.lowering.graph.source import GraphSource
@@ -36,7 +36,7 @@ def choose(
         chosen, why = _choice(source, wanted, rules, style=style, language=language)
     place = Location(path=source.pou.name)
     if language is None:
-        drawn = chosen is Construction.FLIPFLOP and has_networks(rules.target)
+        drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
         language = Language.FBD if drawn else Language.ST
     if language is not Language.ST and not has_networks(rules.target):
         raise LoweringError(

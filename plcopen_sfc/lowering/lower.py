@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.faults.kinds import Fault
 from plcopen_sfc.lowering.faults.search import find_faults
 from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.classic import read_plain
+from plcopen_sfc.lowering.leftovers import without_leftovers
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
@@ -118,9 +119,10 @@ def lower(
     """Make program code of a chart: flip-flops (``flipflop``, ``fup``), a ``case``, step ``bits``, or what fits best.
 
     `subject` and `pou` as in `simulate`. `style`: ``exact`` does what the chart does, ``classic`` is the textbook form.
-    `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others. `profile`: what the chart
-    does; that of its tool if not given. `lang`: of titles and comments, ``en`` or ``de``. `verify`: compare the code
-    with the chart under the profile, all inputs that were added being at rest. All others are those of `LoweringRules`.
+    `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others, also where `target` is
+    text. `profile`: what the chart does; that of its tool if not given. `lang`: of titles and comments, ``en`` or
+    ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being at rest. All
+    others are those of `LoweringRules`.
 
     Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot say, and where exact code is
     found to be different; `ModelError` for an unknown name.
@@ -160,6 +162,8 @@ def lower(
             project=found.project,
         )
         made = with_actions(made, found.project.dialect, rules, spoken, found.project)
+    if found.name == found.pou.name:
+        made = replace(made, pou=without_leftovers(found.pou, made.pou, found.project.dialect))
     project, lowered_pou = _with(found, made.pou, made.blocks, made.data_types)
     if made.flags is not None:
         made.flags.put_into(project)

@@ -12,12 +12,12 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import TIME
 from plcopen_sfc.lowering.reading.source import ActionSource, Use
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.model.types import Elementary, ElementaryType
 
 Q = Qualifier
-TIME = ElementaryType(name=Elementary.TIME)
+_STORED = {Q.S, Q.SD, Q.DS, Q.SL}
 
 
 class ActionControl:
@@ -35,16 +35,20 @@ class ActionControl:
         """Whether the action is active: the output Q of its action control, with its pulses P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)
         terms = [*self._lasting(action, reset, into), *self._single(action, into)]
-        if {use.qualifier for use in action.uses} <= {Q.S, Q.DS, Q.R, Q.R0}:
-            return disjunction(terms)  # their flip-flops have seen the reset already
-        return conjunction([disjunction(terms), negation(reset)])
+        return self._unless(reset, terms, action)
 
     def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
         """The same in two parts: what lasts, after whose end an action is executed once more, and P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)
-        lasting = conjunction([disjunction(self._lasting(action, reset, into)), negation(reset)])
+        lasting = self._unless(reset, self._lasting(action, reset, into), action)
         single = conjunction([disjunction(self._single(action, into)), negation(reset)])
         return lasting, single
+
+    def _unless(self, reset: Expression, terms: list[Expression], action: ActionSource) -> Expression:
+        """Any of the terms, and no reset, which flip-flops and what hangs on them have seen already."""
+        if {use.qualifier for use in action.uses} <= _STORED | {Q.R, Q.R0}:
+            return disjunction(terms)
+        return conjunction([disjunction(terms), negation(reset)])
 
     def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
         reset = disjunction([reset, self._ending])

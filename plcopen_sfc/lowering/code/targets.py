@@ -32,6 +32,11 @@ def has_networks(target: str | None) -> bool:
     return target != "scl"
 
 
+def shows_networks(target: str | None) -> bool:
+    """Whether who opens a file of a format sees networks: textual IEC 61131-3 says them in statements of its own."""
+    return has_networks(target) and target != "iec-text"
+
+
 def without_version(target: str) -> str:
     """The name of a format: ``simaticml`` of ``simaticml-V17``."""
     return re.sub(r"-V?\d.*", "", target)

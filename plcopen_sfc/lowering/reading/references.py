@@ -8,8 +8,8 @@ from dataclasses import replace
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
-from plcopen_sfc.languages.st.nodes import Expression, Node
-from plcopen_sfc.lowering.code.logic import conjunction, disjunction
+from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
+from plcopen_sfc.lowering.code.logic import conjunction, disjunction, negation
 from plcopen_sfc.lowering.code.times import StepTimes
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.semantics.net import Net, indexes
@@ -106,6 +106,8 @@ class _StepVariables:
                 return disjunction(self._active(i) for i in indexes(bits))
             case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:
                 return disjunction(self._active(i) for i in indexes(bits))
+            case n.Unary(Operator.NOT, n.Operation() as inner):  # nobody writes that without parentheses
+                return negation(inner)
         return node
 
 

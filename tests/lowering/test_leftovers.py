@@ -1,0 +1,109 @@
+"""Lowered code holds nothing that only the chart had a use for: what an engineer would strike out is not there."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.model.dialect import Dialect
+from tests.lowering.charts import act, pou_with
+
+PRESS = b"""PROGRAM Press
+  VAR_INPUT Start, Down : BOOL; END_VAR
+  VAR_OUTPUT Even, Lamp : BOOL; END_VAR
+  INITIAL_STEP Wait: END_STEP
+  TRANSITION Go FROM Wait TO Work := Start; END_TRANSITION
+  STEP Work: Counting(N); Lamp(N); END_STEP
+  TRANSITION Back FROM Work TO Wait := Down; END_TRANSITION
+  ACTION Counting: Even := NOT Even; END_ACTION
+  ACTION Spare: Even := FALSE; END_ACTION
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize("construction", ["case", "bits", "flipflop"])
+def test_textual_code_of_iec_61131_3_has_no_actions_that_only_the_chart_used(construction: str) -> None:
+    lowered = sfc.lower(sfc.loads(PRESS, format="iec-text"), construction, target="iec-text")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    assert [action.name for action in lowered.pou.actions] == ["Spare"]  # the chart did not use it
+    text = sfc.dumps(lowered.project, format="iec-text").decode()
+    assert "Even := NOT Even;" in text
+    assert "ACTION Counting" not in text
+
+
+def test_actions_of_codesys_stay_as_programs_call_them_from_anywhere() -> None:
+    project = sfc.loads(PRESS, format="iec-text")
+    project.dialect = Dialect.CODESYS
+    assert [action.name for action in sfc.lower(project, "case").pou.actions] == ["Counting", "Spare"]
+
+
+def test_transition_objects_go_with_the_chart() -> None:
+    project = sfc.loads(PRESS, format="iec-text")
+    pou = project.pou("Press")
+    chart = pou.sfc
+    assert chart is not None
+    condition = chart.transitions[0].condition
+    assert isinstance(condition, m.Expression)
+    pou.transitions.append(m.NamedTransition(name="MayStart", body=m.StBody(text=f"MayStart := {condition.text};")))
+    chart.transitions[0].condition = m.NamedCondition(name="MayStart")
+    lowered = sfc.lower(project, "case")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.pou.transitions == []
+
+
+def test_a_chart_of_an_action_leaves_what_the_others_use() -> None:
+    project = sfc.loads(PRESS, format="iec-text")
+    pou = project.pou("Press")
+    inner = sfc.SfcNetwork()
+    first, second = inner.add_step("One", initial=True), inner.add_step("Two")
+    inner.add_transition(first, second, "Down")
+    pou.actions.append(m.Action(name="Inner", body=m.SfcBody(chart=inner)))
+    assert [a.name for a in sfc.lower(project, "case", pou="Press.Inner", verify=False).pou.actions] == [
+        "Counting",
+        "Spare",
+        "Inner",
+    ]
+
+
+def test_flip_flops_are_statements_in_textual_files_which_show_no_networks() -> None:
+    project = sfc.loads(PRESS, format="iec-text")
+    assert sfc.lower(project, "flipflop", target="iec-text", verify=False).language == "ST"
+    assert sfc.lower(project, "flipflop", target="iec-text", language="FBD", verify=False).language == "FBD"
+
+
+@pytest.mark.parametrize("qualifier", ["S", "SD", "DS", "SL"])
+def test_a_stored_action_is_not_reset_a_second_time(qualifier: str) -> None:
+    chart = m.SfcNetwork()
+    on, off, end = chart.add_step("On", initial=True), chart.add_step("Off"), chart.add_step("End")
+    chart.add_transition(on, off, "a")
+    chart.add_transition(off, end, "b")
+    chart.add_transition(end, on, "c")
+    act(chart, on, "Fill", m.Qualifier(qualifier), duration=None if qualifier == "S" else "T#20ms")
+    act(chart, off, "Fill", m.Qualifier.R)
+    pou = pou_with(chart)
+    pou.actions.append(m.Action(name="Fill", body=m.StBody(text="Level := NOT Level;")))
+    assert pou.interface is not None
+    level = m.Variable(name="Level", type=m.ElementaryType(name=m.Elementary.BOOL))
+    pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=[level]))
+    lowered = sfc.lower(pou, "bits", profile="iec")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    assert body.text.count("NOT X_Off") == 1, body.text  # the flip-flop
+
+
+def test_a_step_that_is_asked_not_to_be_active_is_another_number() -> None:
+    chart = m.SfcNetwork()
+    wait, work = chart.add_step("Wait", initial=True), chart.add_step("Work")
+    chart.add_transition(wait, work, "a AND NOT Work.X")
+    chart.add_transition(work, wait, "NOT (b = c)")
+    pou = m.Pou(name="Ablauf", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
+    body = sfc.lower(pou, "case", verify=False).pou.body
+    assert isinstance(body, m.StBody)
+    assert "a AND step_number <> 2" in body.text
+    assert "NOT (b = c)" in body.text  # as it was written
