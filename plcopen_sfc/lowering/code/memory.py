@@ -1,12 +1,12 @@
 """How lowered code remembers: by function blocks, as networks do, or by Boolean variables, as structured text can.
 
-Every method appends statements to `into` and gives the expression that has the value behind them.
+Methods append statements to `into` and give the expression that has the value behind them.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Protocol
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -16,53 +16,70 @@ from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.model.types import DataType, DerivedType
 
 
-class Memory(Protocol):
-    """Flip-flops, edges and timers.
+class Memory(ABC):
+    """Flip-flops, edges and timers of `code`.
 
     `ends`: what makes all of them what they were at the start, but for those with a `flag` and edges that are `kept`.
     """
 
-    ends: list[Statement]
-
     def __init__(self, code: Code) -> None:
-        """What is remembered is declared in `code`."""
+        self.ends: list[Statement] = []
+        self._code = code
 
+    @abstractmethod
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
         """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
 
+    @abstractmethod
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
         """Statements that are executed under a condition, which none of them changes unless it is `wanted` by name."""
 
+    @abstractmethod
     def starting(self) -> Expression:
         """What sets a flip-flop whose `flag` is TRUE at the start; FALSE where that is enough."""
 
-    def finish(self, title: str) -> None:
-        """Append what must stand behind everything else."""
-
-    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """The value as a variable, to be used several times."""
-
-    def variable(self, wanted: str, kind: DataType) -> n.Name:
-        """A variable that keeps what is assigned to it."""
-
+    @abstractmethod
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """TRUE in the scan in which `value` becomes TRUE."""
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """TRUE in the scan in which `value` becomes FALSE."""
+        """TRUE in the scan in which `value` becomes FALSE.
+
+        A variable keeps the last value: an F_TRIG sees an edge in the first scan if its input is FALSE.
+        """
+        pulse, end = _edge(self._code, wanted, value, into, rising=False)
+        self.ends.append(end)
+        return pulse
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
-        """TRUE when `value` has been TRUE for `time`."""
+        """TRUE when `value` has been TRUE for `time`.
+
+        A TON, called in every scan: it would not notice otherwise that its input went FALSE.
+        """
+        timer = self._code.declare(wanted, DerivedType(name="TON"))
+        into.append(call(timer, IN=value, PT=time))
+        self.ends.append(call(timer, IN=FALSE, PT=time))
+        return n.Member(timer, n.Name("Q"))
+
+    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """The value as a variable, to be used several times."""
+        flag = self._code.declare(wanted)
+        into.append(assignment(flag, value))
+        return flag
+
+    def variable(self, wanted: str, kind: DataType) -> n.Name:
+        """A variable that keeps what is assigned to it."""
+        return self._code.declare(wanted, kind)
+
+    def finish(self, title: str) -> None:
+        """Append what must stand behind everything else: the end of the first scan."""
+        self._code.end_first_scan(title)
 
 
-class BlockMemory:
+class BlockMemory(Memory):
     """Instances of RS, R_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
-
-    def __init__(self, code: Code) -> None:
-        self.ends: list[Statement] = []
-        self._code = code
 
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
@@ -93,18 +110,6 @@ class BlockMemory:
         """A pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
         return self._code.first_scan_pulse()
 
-    def finish(self, title: str) -> None:
-        """The end of the first scan."""
-        self._code.end_first_scan(title)
-
-    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """An assignment."""
-        return _variable(self._code, wanted, value, into)
-
-    def variable(self, wanted: str, kind: DataType) -> n.Name:
-        """Declared, nothing else."""
-        return self._code.declare(wanted, kind)
-
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """An R_TRIG."""
         block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
@@ -113,25 +118,9 @@ class BlockMemory:
             self.ends.append(call(block, CLK=FALSE))
         return n.Member(block, n.Name("Q"))
 
-    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """A variable for the last value: an F_TRIG sees an edge in the first scan if its input is FALSE."""
-        pulse, end = _edge(self._code, wanted, value, into, rising=False)
-        self.ends.append(end)
-        return pulse
 
-    def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
-        """A TON."""
-        over, end = _timer(self._code, wanted, value, time, into)
-        self.ends.append(end)
-        return over
-
-
-class BitMemory:
+class BitMemory(Memory):
     """Boolean variables, which every dialect of structured text knows, and TON."""
-
-    def __init__(self, code: Code) -> None:
-        self.ends: list[Statement] = []
-        self._code = code
 
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
@@ -151,36 +140,12 @@ class BitMemory:
         """The flag is the memory itself."""
         return FALSE
 
-    def finish(self, title: str) -> None:
-        """The end of the first scan."""
-        self._code.end_first_scan(title)
-
-    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """An assignment."""
-        return _variable(self._code, wanted, value, into)
-
-    def variable(self, wanted: str, kind: DataType) -> n.Name:
-        """Declared, nothing else."""
-        return self._code.declare(wanted, kind)
-
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
         """The value and not that of the last scan."""
         pulse, end = _edge(self._code, wanted, value, into, rising=True)
         if not kept:
             self.ends.append(end)
         return pulse
-
-    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """The value of the last scan and not that of this one."""
-        pulse, end = _edge(self._code, wanted, value, into, rising=False)
-        self.ends.append(end)
-        return pulse
-
-    def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
-        """A TON, called in every scan: it would not notice otherwise that its input went FALSE."""
-        over, end = _timer(self._code, wanted, value, time, into)
-        self.ends.append(end)
-        return over
 
 
 def _edge(
@@ -192,21 +157,6 @@ def _edge(
     into.append(assignment(pulse, conjunction([now, then])))
     into.append(assignment(before, value))
     return pulse, assignment(before, FALSE)
-
-
-def _timer(
-    code: Code, wanted: str, value: Expression, time: Expression, into: list[Statement]
-) -> tuple[Expression, Statement]:
-    """Whether a timer has run down, and what sets it back."""
-    timer = code.declare(wanted, DerivedType(name="TON"))
-    into.append(call(timer, IN=value, PT=time))
-    return n.Member(timer, n.Name("Q")), call(timer, IN=FALSE, PT=time)
-
-
-def _variable(code: Code, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-    flag = code.declare(wanted)
-    into.append(assignment(flag, value))
-    return flag
 
 
 def _apart(condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
