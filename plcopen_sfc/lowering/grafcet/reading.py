@@ -19,7 +19,7 @@ from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts.actions import Owner
 from plcopen_sfc.semantics.charts.grafcet.actions import CONTINUOUS, STORED
 from plcopen_sfc.semantics.charts.grafcet.extension import has_grafcet
@@ -87,7 +87,8 @@ class _Reader(TextReader):
     def grafcet(self) -> GrafcetSource:
         """What is taken out; conditions have the names of their terms then."""
         for transition in self._net.transitions:
-            transition.transition.condition = self._termless(transition.transition.condition)
+            if transition.transition.condition is not None:
+                transition.transition.condition = self._termless(transition.transition.condition)
         stored = tuple(self._stored())
         continuous = tuple(self._continuous())
         for step in [*(s.step for s in self._net.steps), *(m.step for m in self._net.macros)]:
@@ -110,17 +111,13 @@ class _Reader(TextReader):
         assert operand is not None  # noqa: S101  # terms have one
         return Delay(term.name, operand, times[0], times[1], _words(operand))
 
-    def _termless(self, condition: Condition | None) -> Condition | None:
+    def _termless(self, condition: Condition) -> Condition:
         if not self._profile.grafcet_terms or not isinstance(condition, Expression):
             return condition
         return condition.model_copy(update={"text": self._terms.read(condition.text)})
 
     def _value(self, chart: SfcNetwork, condition: Condition, path: str) -> n.Expression:
-        stated = Transition(id=chart.new_id(), condition=self._termless(condition))
-        found = self.condition(chart, stated, path)
-        if found.preparation:
-            self.refuse("conditions of actions with blocks that have a state are not lowered", path)
-        return found.value
+        return self.action_condition(chart, self._termless(condition), path)
 
     def _stored(self) -> Iterator[StoredAction]:
         for owner, chart, model in self._owned:

@@ -18,7 +18,7 @@ from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import ElementaryType
 from plcopen_sfc.semantics.charts.graph.conditions import programmed
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
@@ -105,7 +105,7 @@ class _Reader(TextReader):
         stated = programmed(condition)
         if stated is None:
             return None
-        return self.condition(chart, Transition(id=0, condition=stated), path)
+        return self.condition(chart, stated, path)
 
     def _conditions(self, kind: str) -> Iterator[tuple[int, ConditionText]]:
         for step in self._net.steps:

@@ -18,7 +18,7 @@ from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.conditions import Expression as TextCondition
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
@@ -133,15 +133,16 @@ class _Reader(TextReader):
 
     def _transition(self, transition: NetTransition) -> ConditionText:
         path = f"transition {transition.path}"
-        return self._boolean(self.condition(transition.chart, transition.transition, path), path)
+        found = self.condition(transition.chart, transition.transition.condition, path)
+        return found._replace(value=self._boolean(found.value, path))
 
-    def _boolean(self, found: ConditionText, path: str) -> ConditionText:
+    def _boolean(self, condition: n.Expression, path: str) -> n.Expression:
         """The same, if no variable of another type stands where it must be of type BOOL."""
-        for operand in _logical(found.value):
+        for operand in _logical(condition):
             kind = self._types.get(operand.identifier.casefold())
             if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
                 self.refuse(f"{operand.identifier} is a {kind.name}: a condition is of type BOOL", path)
-        return found
+        return condition
 
     # -- actions
 
@@ -216,12 +217,7 @@ class _Reader(TextReader):
         return Use(owner.steps, owner.step.negated is not association.negated, qualifier, condition, duration)
 
     def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> n.Expression:
-        if condition is None:
-            return TRUE
-        found = self.condition(chart, Transition(id=chart.new_id(), condition=condition), path)
-        if found.preparation:
-            self.refuse("conditions of actions with blocks that have a state are not lowered yet", path)
-        return self._boolean(found, path).value
+        return TRUE if condition is None else self._boolean(self.action_condition(chart, condition, path), path)
 
     # -- what steps execute
 

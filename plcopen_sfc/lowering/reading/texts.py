@@ -6,12 +6,13 @@ from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import Helper, NetworkText, body_statements, chart_statements, condition_expression
+from plcopen_sfc.languages.networks import Helper, NetworkText, body_statements, chart_statements, condition_reader
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.sfc import SfcNetwork, Transition
+from plcopen_sfc.model.sfc import SfcNetwork
 
 
 class ConditionText(NamedTuple):
@@ -52,15 +53,23 @@ class TextReader:
         self._accept(drawn, "logic of the chart")
         return drawn.tree.statements
 
-    def condition(self, chart: SfcNetwork, transition: Transition, path: str) -> ConditionText:
-        """The condition of a transition, however it is given."""
-        found = condition_expression(
-            chart, transition, self.dialect, transitions=self.pou.transitions, taken=self._taken()
-        )
+    def condition(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
+        """The condition of a transition or an action, however it is given."""
+        if condition is None:
+            self.refuse("it cannot be read: the transition has no condition", path)
+        read = condition_reader(chart, self.dialect, transitions=self.pou.transitions, taken=self._taken())
+        found = read(condition)
         self._accept(found, path)
         if found.tree is None:
             self.refuse("the condition has no value", path)
         return ConditionText(n.bare(found.tree), self._staying(found.before, path))
+
+    def action_condition(self, chart: SfcNetwork, condition: Condition, path: str) -> n.Expression:
+        """The condition of an action, before which nothing can be executed."""
+        found = self.condition(chart, condition, path)
+        if found.preparation:
+            self.refuse("conditions of actions with blocks that have a state are not lowered", path)
+        return found.value
 
     def expression(self, text: str, path: str) -> n.Expression:
         """An expression."""
