@@ -41,7 +41,8 @@ class LoweredPou:
     wanted. `at_rest` and `left_out` say for what it holds: while inputs that were added have these values, and in all
     scans but those in which a variable of the code is TRUE. `faults` are those that textbook code has (`find_faults`),
     as far as it was compared; `step_flags` and `situation` are those of `Constructed`. `name` says whose chart it was:
-    ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too.
+    ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too. `following` is the address behind
+    its flags, if they have some.
     """
 
     project: Project
@@ -57,6 +58,7 @@ class LoweredPou:
     step_flags: Mapping[str, str]
     situation: Mapping[str, str]
     name: str
+    following: str = ""
 
     @property
     def code(self) -> Body | None:
@@ -198,6 +200,7 @@ def lower(
         made.step_flags,
         made.situation,
         found.name,
+        made.flags.following if made.flags is not None else "",
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -123,3 +124,23 @@ def test_networks_for_a_version_of_tia_portal_are_its_own_and_lose_nothing(cli: 
         assert done.code == 0
         assert done.out.splitlines()[2:] == [f"written: out{number}.xml"]
         assert '<Part Name="Sr"' in (plant / f"out{number}.xml").read_text(encoding="utf-8-sig")
+
+
+@pytest.mark.parametrize("form", ["codesys", "plcopen-2.01", "iec-text", "scl"])
+@pytest.mark.parametrize(
+    ("flags", "places"),
+    [("M20.6", ["20.6", "20.7", "21.0", "21.1", "21.2", "21.3", "21.4", "21.5"]), ("Bits", [])],
+)
+def test_flags_of_several_charts_do_not_meet(plant: Path, cli: Cli, form: str, flags: str, places: list[str]) -> None:
+    other = training_chain()
+    other.name = "Presse"
+    sfc.save(m.Project(name="Anlage", pous=[training_chain(), other]), "two.xml", format="plcopen-2.01")
+    done = cli("lower", "two.xml", "out", "--to", form, "--as", "bits", "--flags", flags)
+    assert done.code == 0, done.err
+    assert done.out.count("equal (proof") == 2
+    text = (plant / "out").read_text(encoding="utf-8")
+    if places and form != "scl":  # a source has no tags
+        assert re.findall(r"%MX?(\d+\.\d)", text) == places
+    if not places and form in ("codesys", "scl"):
+        assert "Bits_Ablauf" in text
+        assert "Bits_Presse" in text

@@ -150,3 +150,12 @@ def test_a_case_has_no_flags() -> None:
     with pytest.raises(LoweringError, match="flags that could be put elsewhere"):
         lower(project(), "case", flags="M20.0")
     assert lower(project(), "auto", flags="M20.0").construction is Construction.BITS
+
+
+def test_a_list_of_flags_is_not_there_twice() -> None:
+    other = training_chain()
+    other.name = "Presse"
+    plant = m.Project(name="Anlage", pous=[training_chain(), other], dialect=m.Dialect.CODESYS)
+    first = lower(plant, "bits", pou="Ablauf", flags="Bits", target="codesys", verify=False)
+    with pytest.raises(LoweringError, match="there is something called Bits already"):
+        lower(first.project, "bits", pou="Presse", flags="Bits", target="codesys", verify=False)

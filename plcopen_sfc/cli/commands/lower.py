@@ -16,6 +16,7 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.lowering.code.flag_places import flags_of_several
 from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.lowering.proving import prove
@@ -88,6 +89,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
 def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
     """The chart that was asked for, or all charts, each in the project that the one before it has left."""
     name = how.pou or _first_chart(project)
+    several = how.pou is None and len(list(project.charts())) > 1
+    following = ""
     while True:
         lowered = lower(
             project,
@@ -101,14 +104,14 @@ def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
             reset_actions=how.reset_actions,
             states=how.states,
             actions=how.actions,
-            flags=how.flags,
+            flags=flags_of_several(how.flags, name or "", following) if several else how.flags,
             modes=how.modes,
             target=how.to,
             lang=how.lang,
             verify=False,
         )
         yield lowered
-        project = lowered.project
+        project, following = lowered.project, lowered.following or following
         name = _first_chart(project)
         if how.pou is not None or name is None:
             return

@@ -62,6 +62,11 @@ class FlagPlaces:
         return self.in_block or self.tool is not Tool.S7
 
     @property
+    def following(self) -> str:
+        """The address behind the last flag; empty for flags without addresses."""
+        return f"M{self._bit // _BYTE}.{self._bit % _BYTE}" if self._bit is not None else ""
+
+    @property
     def external(self) -> list[Variable]:
         """What the POU must declare to see them (IEC 61131-3, VAR_EXTERNAL); tools do not ask for that."""
         if self.tool is not None:
@@ -123,6 +128,15 @@ class FlagPlaces:
 
     def _refuse(self, message: str, hint: str = "") -> NoReturn:
         raise LoweringError(message, location=Location(path=self._pou), hint=hint)
+
+
+def flags_of_several(flags: str, pou: str, following: str) -> str:
+    """Where the flags of one of several charts are to be: behind those before it, or in a block of their own."""
+    if flags == LOCAL:
+        return flags
+    if _FIRST.fullmatch(flags.strip()) is not None:
+        return following or flags
+    return f"{flags}_{pou.replace('.', '_')}"
 
 
 def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
