@@ -7,6 +7,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.bodies_reader import NAMES
+from plcopen_sfc.formats.simaticml.coils import put_assignments
 from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.networks import write_network
 from plcopen_sfc.formats.simaticml.structured_text_writer import write_code
@@ -21,7 +22,7 @@ from plcopen_sfc.formats.simaticml.writing import (
 )
 from plcopen_sfc.model.base import Carried, Element
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
-from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.network import LogicNetwork, OutputVariable
 from plcopen_sfc.report import Fate
 
 UNIT = "SW.Blocks.CompileUnit"
@@ -105,6 +106,9 @@ def _network(ctx: WriteContext, parent: etree._Element, body: FbdBody | LdBody, 
     source, unit = _unit(ctx, parent, network, language_of(body))
     if network.nodes or (network.carried is not None and network.carried.data):
         root = ctx.root("FlgNet", "FlgNet", source)
+        if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
+            network = network.model_copy(deep=True)
+            put_assignments(network, ctx.types, {pou.name.casefold() for pou in ctx.project.pous})
         instead = write_network(ctx, root, network)
         if instead is not None:
             source.replace(root, instead)

@@ -6,6 +6,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.bodies_reader import block_language
 from plcopen_sfc.formats.simaticml.bodies_writer import language_of, write_units
+from plcopen_sfc.formats.simaticml.coils import types_of
 from plcopen_sfc.formats.simaticml.interface_writer import holds_constants, spelling, write_interface, write_members
 from plcopen_sfc.formats.simaticml.objects_reader import (
     CONSTANT,
@@ -17,7 +18,6 @@ from plcopen_sfc.formats.simaticml.objects_reader import (
     TAG,
     TAG_TABLE,
 )
-from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.formats.simaticml.writing import (
     ID,
     WriteContext,
@@ -92,8 +92,7 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
     ctx.place.append(f"POU {pou.name}")
     ctx.body_name = pou.name
-    variables = pou.interface.variables() if pou.interface is not None else []
-    ctx.types = {f"#{variable.name.lower()}": write_type(variable.type) for variable in variables}
+    ctx.types = types_of(ctx.project, pou)
     sections = pou.interface.sections if pou.interface is not None else []
     constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
     ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)

@@ -43,7 +43,7 @@ class WriteContext:
         """The language of texts that do not say theirs."""
         self.place: list[str] = []
         self.types: dict[str, str] = {}
-        """The types of the variables of the block being written, as TIA Portal spells them, by ``#name``."""
+        """The types of the variables of the block being written (``#name``) and of tags, as TIA Portal spells them."""
         self.constants: frozenset[str] = frozenset()
         """The constants of that block, as its texts name them (``#name``), in lower case."""
         self.body_name = ""

@@ -10,6 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import Path, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, StringType, Variable
 
 
@@ -59,5 +60,12 @@ def declared_rules(
             instances[variable.name] = kind.name
         elif isinstance(kind, ElementaryType | StringType):
             is_bool = isinstance(kind, ElementaryType) and kind.name is Elementary.BOOL
-            booleans[variable.name.lower()] = is_bool
+            booleans[_spelled(variable.name, dialect).lower()] = is_bool
     return DrawingRules(dialect, tool, instances, booleans)
+
+
+def _spelled(name: str, dialect: Dialect) -> str:
+    """A variable of a block as texts name it."""
+    if dialect is not Dialect.SCL:
+        return name
+    return f'#"{name}"' if needs_quotes(name) else f"#{name}"

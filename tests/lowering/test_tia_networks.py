@@ -1,0 +1,59 @@
+"""What lowered code looks like in the networks of TIA Portal: nothing stands in our comments, bits end in coils."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+import plcopen_sfc as sfc
+from tests.corpus import corpus_files, require_corpus
+
+FIXTURES = Path(__file__).parents[2] / "fixtures"
+_GRAPH = FIXTURES / "simaticml-training-chain" / "Ablauf.xml"
+_PLCOPEN = FIXTURES / "training-chain" / "plcopen_2.01.xml"
+_BIT_BOXES = {"A", "O", "X", "PBox", "NBox", "Eq", "Ne", "Lt", "Gt", "Le", "Ge"}
+
+
+def _networks(source: Path, language: str, flags: str = "local") -> list[etree._Element]:
+    lowered = sfc.lower(sfc.load(source), "flipflop", language=language, target="simaticml", flags=flags, verify=False)
+    root = etree.fromstring(sfc.dumps(lowered.project, format="simaticml"))
+    return list(root.iter("{*}FlgNet"))
+
+
+def _check(net: etree._Element) -> None:
+    text = etree.tostring(net, encoding="unicode")
+    assert net.findall("{*}Parts/{*}Part"), text
+    assert not list(net.iter(etree.Comment)), text
+    parts = {part.get("UId"): part.get("Name") for part in net.iterfind("{*}Parts/{*}Part")}
+    has_rail = next(net.iter("{*}Powerrail"), None) is not None
+    for wire in net.iterfind("{*}Wires/{*}Wire"):
+        first, *rest = wire
+        if any(etree.QName(end).localname == "IdentCon" for end in rest):
+            assert parts.get(first.get("UId")) not in _BIT_BOXES, text
+        if has_rail and etree.QName(first).localname == "IdentCon":
+            ends = [(parts.get(end.get("UId")), end.get("Name")) for end in rest]
+            assert ("Coil", "in") not in ends, text
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize(
+    ("source", "flags"), [(_GRAPH, "local"), (_PLCOPEN, "local"), (_PLCOPEN, "M20.0"), (_PLCOPEN, "DB_Flags")]
+)
+def test_each_network_is_one_of_tia_portal(source: Path, flags: str, language: str) -> None:
+    networks = _networks(source, language, flags)
+    assert len(networks) > 10
+    for net in networks:
+        _check(net)
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_so_are_those_of_real_sequencers(language: str) -> None:
+    require_corpus()
+    names = ("Import__StepSequence.xml", "GraphJump.xml")
+    files = [path for path in corpus_files("simaticml") if path.name in names]
+    assert {path.name for path in files} == set(names)
+    for path in files:
+        for net in _networks(path, language):
+            _check(net)
