@@ -7,10 +7,9 @@ executes the actions of its step and then tries its transition, which ends them.
 
 from __future__ import annotations
 
-from typing import NoReturn
-
 from plcopen_sfc.analysis.regions import Region, Regions
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.lowering.chains.chain import refuse_classic
 from plcopen_sfc.lowering.chains.regions import INDENT, RegionChain
 from plcopen_sfc.lowering.code.logic import TRUE, is_constant
 from plcopen_sfc.lowering.code.program import TextNetwork
@@ -105,24 +104,20 @@ class CaseChain(RegionChain):
     def _check_classic(self) -> None:
         """Refuse what the branches of a textbook CASE cannot hold."""
         if self.modes.selecting is not None:
-            self._refuse("the classic form has no place for selecting steps", "")
+            refuse_classic(self.source, "selecting steps")
         for transition in self.net.transitions:
             if not transition.targets:
-                self._refuse("the classic form has no place for the end of a chart", f"transition {transition.path}")
+                refuse_classic(self.source, "the end of a chart", f"transition {transition.path}")
         for code in self.source.step_code:
             if code.entry or code.exit:
                 path = self.net.steps[code.step].path
-                self._refuse("the classic form has no place for entry and exit actions", f"step {path}")
+                refuse_classic(self.source, "entry and exit actions", f"step {path}")
         for action in self.source.actions:
             for use in action.uses:
                 plain = use.qualifier in (Qualifier.N, Qualifier.NONE)
                 if use.inverted or not (plain or (action.target is not None and use.qualifier in _STORED)):
                     what = "an action of all other steps" if use.inverted else f"qualifier {use.qualifier}"
-                    self._refuse(f"the classic form has no place for {what}", f"action {action.name}")
-
-    def _refuse(self, message: str, path: str) -> NoReturn:
-        place = f"{self.source.pou.name} / {path}" if path else self.source.pou.name
-        raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
+                    refuse_classic(self.source, what, f"action {action.name}")
 
     def _acting(self, action: ActionSource, use: Use) -> list[str]:
         conditional = not is_constant(use.condition, TRUE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
@@ -26,6 +27,13 @@ from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules
 from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import ScanOrder
+
+
+def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
+    """Raise a `LoweringError`: there is no place for something, found at `path` of the chart, in the classic form."""
+    place = f"{source.pou.name} / {path}" if path else source.pou.name
+    message = f"the classic form has no place for {what}"
+    raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
 
 
 class Chain(ABC):
@@ -132,11 +140,7 @@ class Chain(ABC):
         """What stands before a textbook chain: the logic drawn in the chart, and the timers of steps."""
         if self.source.flags:
             flags = ", ".join(sorted(flag.variable for flag in self.source.flags))
-            raise LoweringError(
-                f"the classic form has no place for SFC flags, and the chart uses {flags}",
-                location=Location(path=self.source.pou.name),
-                hint="The exact form has.",
-            )
+            refuse_classic(self.source, f"SFC flags, and the chart uses {flags}")
         self.code.add(self.texts.logic, self.source.logic)
         self.code.add(self.texts.times, self.times.calls())
 

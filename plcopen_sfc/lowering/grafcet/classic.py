@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NoReturn
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.lowering.chains.chain import refuse_classic
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, is_constant
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.source import StoredAction
@@ -38,7 +37,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
         ("charts that others rule", grafcet.ruled),
     ):
         if there:
-            _refuse(source, what)
+            refuse_classic(source, what)
     actions = {action.name.casefold(): action for action in (*source.actions, *grafcet.continuous)}
     for stored in grafcet.stored:
         target, use = _use(source, stored)
@@ -52,19 +51,11 @@ def plain_chart(source: ChartSource) -> ChartSource:
 def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, Use]:
     """The output that a stored action sets or resets, and the association that does so."""
     if stored.kind is not ActionKind.ON_ACTIVATION:
-        _refuse(source, "stored actions on deactivation or on an event")
+        refuse_classic(source, "stored actions on deactivation or on an event")
     only = stored.statements[0]
     if len(stored.statements) > 1 or not isinstance(only, n.Assignment) or not isinstance(only.value, n.Literal):
-        _refuse(source, "stored actions that give an output anything but TRUE or FALSE")
+        refuse_classic(source, "stored actions that give an output anything but TRUE or FALSE")
     sets, resets = (is_constant(only.value, constant) for constant in (TRUE, FALSE))
     if not sets and not resets:
-        _refuse(source, f"stored actions that give an output the value {only.value.text}")
+        refuse_classic(source, f"stored actions that give an output the value {only.value.text}")
     return only.target, Use(stored.steps, False, Qualifier.S if sets else Qualifier.R, TRUE, None)
-
-
-def _refuse(source: ChartSource, what: str) -> NoReturn:
-    raise LoweringError(
-        f"the classic form has no place for {what}",
-        location=Location(path=source.pou.name),
-        hint="The exact form has.",
-    )
