@@ -9,7 +9,7 @@ from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.semantics.net import Net, NetTransition
 
 
-def _digits(name: str) -> str:
+def step_digits(name: str) -> str:
     """The number that a step's name says and nothing else: of ``S3``, ``Step_3``, ``Schritt 3``, ``3``; else empty."""
     found = re.fullmatch(r"(?i:(?:S|X|Step|Schritt)[ _]?)?(\d+)", name)
     return found.group(1) if found is not None else ""
@@ -23,11 +23,11 @@ def _transition_digits(name: str) -> str:
 
 def _short(step: Step) -> str:
     """What names of a step's variables end with: ``1`` of step 1 or S1, else ``_Fill``."""
-    return str(step.number) if step.number is not None else _digits(step.name) or f"_{step.name}"
+    return str(step.number) if step.number is not None else step_digits(step.name) or f"_{step.name}"
 
 
 def _numbered(step: Step, path: str) -> str:
-    digits = _digits(path)
+    digits = step_digits(path)
     if step.number is None or digits == str(step.number):
         return digits or path
     return f"{step.number} {path}"

@@ -6,13 +6,11 @@ R dominates all of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import TIME
+from plcopen_sfc.lowering.code.program import TIME, StepValue
 from plcopen_sfc.lowering.reading.source import ActionSource, Use
 from plcopen_sfc.model.actions import Qualifier
 
@@ -26,7 +24,7 @@ class ActionControl:
     `ending`: what ends stored actions besides R.
     """
 
-    def __init__(self, memory: Memory, active: Callable[[int], Expression], ending: Expression = FALSE) -> None:
+    def __init__(self, memory: Memory, active: StepValue, ending: Expression = FALSE) -> None:
         self._memory = memory
         self._active = active
         self._ending = ending

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -11,7 +11,8 @@ from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.flattening import flatten
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import Code, CodeNetwork
+from plcopen_sfc.lowering.code.naming import free_name
+from plcopen_sfc.lowering.code.program import Code, CodeNetwork, StepValue
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import DerivedType, Variable
@@ -31,7 +32,7 @@ class DriveBlock:
         chain: Code,
         memory: Memory,
         texts: Texts,
-        active: Callable[[int], Expression],
+        active: StepValue,
     ) -> None:
         self.code = chain.beside()
         self.memory = type(memory)(self.code)
@@ -63,7 +64,7 @@ class DriveBlock:
         flags = self._chain.flags
         named = {name.identifier for name in self._names()}
         seen = [v for v in flags.external if v.name in named] if flags is not None else []
-        self.name = self._free(f"{self._source.pou.name}_{self._texts.drive}", surroundings)
+        self.name = free_name(f"{self._source.pou.name}_{self._texts.drive}", surroundings)
         instance = self._chain.declare(self._texts.drive, DerivedType(name=self.name))
         arguments = [n.Argument(value, n.Name(name)) for name, value in self._given.items()]
         sections: dict[SectionKind, list[Variable]] = {SectionKind.INPUT: self.code.inputs}
@@ -131,12 +132,6 @@ class DriveBlock:
         for network in self.code.networks:
             if isinstance(network, CodeNetwork):
                 yield from network.statements
-
-    def _free(self, wanted: str, surroundings: Collection[str]) -> str:
-        name, number = wanted, 2
-        while name.casefold() in surroundings:
-            name, number = f"{wanted}_{number}", number + 1
-        return name
 
     def _refuse(self, message: str) -> NoReturn:
         raise LoweringError(message, location=Location(path=self._source.pou.name), hint="Leave actions inline.")

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.st.nodes import Statement
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import Code, StepValue
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.texts import Texts
 
 
-def add_changes(
-    source: ChartSource, code: Code, memory: Memory, active: Callable[[int], Expression], texts: Texts
-) -> None:
+def add_changes(source: ChartSource, code: Code, memory: Memory, active: StepValue, texts: Texts) -> None:
     """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
     edges: list[Statement] = []
     exits: list[Statement] = []
@@ -29,9 +25,7 @@ def add_changes(
     code.add(texts.step_actions, [*edges, *exits, *entries])
 
 
-def add_main_actions(
-    source: ChartSource, code: Code, memory: Memory, active: Callable[[int], Expression], texts: Texts
-) -> None:
+def add_main_actions(source: ChartSource, code: Code, memory: Memory, active: StepValue, texts: Texts) -> None:
     """Append what the active steps execute in every scan."""
     mains: list[Statement] = []
     for step in source.step_code:

@@ -12,9 +12,8 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, call, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import Code, StepValue
 from plcopen_sfc.lowering.code.times import StepTimes
-from plcopen_sfc.lowering.reading.references import StepValue
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import DerivedType

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.code.program import BOOL, Code, StepValue
 from plcopen_sfc.lowering.code.times import StepTimes
 from plcopen_sfc.lowering.reading.source import ChartSource, Watch
 from plcopen_sfc.lowering.texts import Texts
@@ -140,7 +140,7 @@ class FlagCode:
 
     # -- reports
 
-    def report_step(self, active: Callable[[int], Expression]) -> None:
+    def report_step(self, active: StepValue) -> None:
         """Append the name of the active step, of parallel ones the last in the chart."""
         if SfcFlag.CURRENT_STEP not in self._flags:
             return
@@ -155,7 +155,7 @@ class FlagCode:
         if SfcFlag.TRANS in self._flags:
             self._code.add(self._texts.transitions, self._assigned(SfcFlag.TRANS, fired()))
 
-    def watch(self, watches: Iterable[Watch], active: Callable[[int], Expression], times: StepTimes) -> None:
+    def watch(self, watches: Iterable[Watch], active: StepValue, times: StepTimes) -> None:
         """Append what reports the first step that is active longer than it may."""
         error, limit = (self._flags.get(flag) for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT))
         if error is None:

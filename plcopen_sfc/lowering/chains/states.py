@@ -5,7 +5,6 @@ All of them have numbers. The code writes these, names of constants, or values o
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import count
@@ -21,7 +20,7 @@ from plcopen_sfc.lowering.code.naming import Naming
 from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules, States
-from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.lowering.texts import Texts, step_digits
 from plcopen_sfc.model.types import (
     DataType,
     DataTypeDeclaration,
@@ -35,6 +34,8 @@ from plcopen_sfc.semantics.net import Net
 
 _LARGEST_INT = 32_767
 _LARGEST_DINT = 2_147_483_647
+_MOST_DIGITS = 9
+"""Numbers that every DINT holds."""
 _SPARE = 100_000
 """Numbers that waits can have behind those of the steps."""
 _WITHOUT_ENUMERATIONS = frozenset({"scl", "simaticml"})
@@ -57,8 +58,8 @@ def step_numbers(net: Net) -> list[int]:
 
 
 def _said(name: str) -> int | None:
-    found = re.fullmatch(r"(?i:(?:S|X|Step|Schritt)[ _]?)?(\d{1,9})", name)
-    return int(found.group(1)) if found is not None else None
+    digits = step_digits(name)
+    return int(digits) if 0 < len(digits) <= _MOST_DIGITS else None
 
 
 @dataclass(frozen=True)

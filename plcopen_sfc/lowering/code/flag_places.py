@@ -11,7 +11,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.naming import Naming, free_name
 from plcopen_sfc.lowering.code.program import BOOL
 from plcopen_sfc.lowering.code.surroundings import global_sections, names_of
 from plcopen_sfc.lowering.rules import LoweringRules
@@ -120,9 +120,7 @@ class FlagPlaces:
         return f"%M{place}" if self.tool is Tool.S7 else f"%MX{place}"
 
     def _free(self, wanted: str) -> str:
-        name, number = wanted, 2
-        while name.casefold() in self._surroundings:
-            name, number = f"{wanted}_{number}", number + 1
+        name = free_name(wanted, self._surroundings)
         self._surroundings.add(name.casefold())
         return name
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
@@ -39,6 +39,14 @@ class Naming:
     def local(self, name: str) -> n.Name:
         """A name of the POU's interface as the dialect writes it."""
         return n.Name(name, self._local)
+
+
+def free_name(wanted: str, taken: Container[str]) -> str:
+    """`wanted`, with a number behind it if that is among the names in lower case that are `taken`."""
+    name, number = wanted, 2
+    while name.casefold() in taken:
+        name, number = f"{wanted}_{number}", number + 1
+    return name
 
 
 def _identifier(wanted: str) -> str:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 BOOL = ElementaryType(name=Elementary.BOOL)
 INT = ElementaryType(name=Elementary.INT)
 TIME = ElementaryType(name=Elementary.TIME)
+
+StepValue: TypeAlias = Callable[[int], n.Expression]
+"""What stands for something of a step, given by its index in the net."""
 
 
 @dataclass(frozen=True)

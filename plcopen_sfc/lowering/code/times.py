@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, call, when
-from plcopen_sfc.lowering.code.program import TIME, Code
+from plcopen_sfc.lowering.code.program import TIME, Code, StepValue
 from plcopen_sfc.model.types import DerivedType
 
 FOREVER = n.Literal("T#24d")
@@ -21,7 +21,7 @@ class StepTimes:
     how long the step has been active.
     """
 
-    def __init__(self, code: Code, active: Callable[[int], Expression], name: Callable[[int], str]) -> None:
+    def __init__(self, code: Code, active: StepValue, name: Callable[[int], str]) -> None:
         self._code, self._active, self._name = code, active, name
         self._timers: dict[int, dict[Expression, n.Name]] = {}
         self._kept: dict[int, n.Name] = {}

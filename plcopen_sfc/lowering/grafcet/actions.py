@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.languages.st import nodes as n
@@ -18,11 +18,9 @@ from plcopen_sfc.lowering.code.logic import (
     simplified,
 )
 from plcopen_sfc.lowering.code.memory import Memory
+from plcopen_sfc.lowering.code.program import StepValue
 from plcopen_sfc.lowering.grafcet.source import StoredAction
 from plcopen_sfc.model.actions import ActionKind
-
-StepValue = Callable[[int], Expression]
-"""Something of a step, given by its index in the net."""
 
 
 class StepSights(NamedTuple):

@@ -6,21 +6,18 @@ too, but what these store, and their pulses, also comes from steps that were onl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import Code, StepValue
 from plcopen_sfc.lowering.code.times import StepTimes
 from plcopen_sfc.lowering.reading.source import ActionSource, Use
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import DerivedType
-
-StepValue = Callable[[int], Expression]
-"""Something of a step, given by its index in the net."""
 
 _PASSING = frozenset({Qualifier.S, Qualifier.R, Qualifier.R0, Qualifier.SD, Qualifier.SL})
 _PULSES = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
+from plcopen_sfc.lowering.code.program import StepValue
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
 from plcopen_sfc.semantics.net import indexes
-
-StepValue = Callable[[int], Expression]
-"""Something of a step, given by its index in the net."""
-
 
 Situation: TypeAlias = Mapping[int, "Expression | None"]
 """For each step of a chart whether it is active; None: as it was before the evolution."""

@@ -22,7 +22,7 @@ from plcopen_sfc.lowering.code.logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import Code, StepValue
 from plcopen_sfc.lowering.graph.source import COUNTERS, TIMERS, GraphSource, Row
 from plcopen_sfc.lowering.graph.step_data import texts_of
 from plcopen_sfc.lowering.graph.texts import GraphTexts
@@ -42,11 +42,11 @@ class StepSignals:
     `over`: that one has been active for a time. `gone`: that one was left in the cycle before.
     """
 
-    active: Callable[[int], Expression]
+    active: StepValue
     event: Callable[[int, ActionEvent], Expression]
-    released: Callable[[int], Expression]
+    released: StepValue
     over: Callable[[int, Expression], Expression]
-    gone: Callable[[int], Expression]
+    gone: StepValue
 
 
 class Actions:

@@ -6,13 +6,13 @@ times up to date there, and behind the step change, where the time of a step tha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, time_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.logic import assignment, call, conjunction, negation, when
-from plcopen_sfc.lowering.code.program import TIME, Code
+from plcopen_sfc.lowering.code.program import TIME, Code, StepValue
 from plcopen_sfc.lowering.code.times import FOREVER
 from plcopen_sfc.lowering.graph.checks import StepChecks
 from plcopen_sfc.lowering.graph.source import GraphSource
@@ -101,7 +101,7 @@ class StepClock:
             found += [when(calm, more), assignment(old, elapsed)]
         return found
 
-    def restarted(self, entered: Callable[[int], Expression]) -> list[Statement]:
+    def restarted(self, entered: StepValue) -> list[Statement]:
         """The times without disturbance of steps that were entered begin anew."""
         return [
             when(entered(step), assignment(sum_, _NONE), assignment(old, _NONE))

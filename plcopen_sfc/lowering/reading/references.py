@@ -10,13 +10,11 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator
 from plcopen_sfc.lowering.code.logic import conjunction, disjunction, negation
+from plcopen_sfc.lowering.code.program import StepValue
 from plcopen_sfc.lowering.code.times import StepTimes
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
-
-StepValue = Callable[[int], Expression]
-"""What stands for something of a step, given by its index in the net."""
 
 MayFire = Callable[[Expression, Expression], Expression]
 """When a transition may fire, by its condition and by what tells that minimum times have passed."""
