@@ -57,3 +57,19 @@ def test_so_are_those_of_real_sequencers(language: str) -> None:
     for path in files:
         for net in _networks(path, language):
             _check(net)
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_move_boxes_are_complete(language: str) -> None:
+    found = 0
+    for net in _networks(_GRAPH, language):
+        for part in net.iterfind("{*}Parts/{*}Part[@Name='Move']"):
+            found += 1
+            uid = part.get("UId")
+            assert part.get("DisabledENO") == "true"
+            assert [value.text for value in part] == ["1"]
+            wires = [wire for wire in net.iter("{*}Wire") if any(end.get("UId") == uid for end in wire)]
+            pins = {end.get("Name"): wire[0] for wire in wires for end in wire if end.get("UId") == uid}
+            assert set(pins) == {"en", "in", "out1"}
+            assert language == "FBD" or etree.QName(pins["en"]).localname in ("Powerrail", "NameCon")
+    assert found

@@ -52,6 +52,7 @@ _CALL_NAMES = {call: name for name, call in CALLS.items()}
 _PART_ATTRIBUTES = ("Version", "DisabledENO")
 _NO_TEMPLATES = frozenset({*_PART_ATTRIBUTES, *LISTS, *CALL_MARKS, "Equation", INVERTED, PART_NAME})
 _TIMERS = frozenset({"TON", "TOF", "TP"})
+_MOVE = "Move"
 _UNTYPED = frozenset({"A", "O", "X", "Not"})
 """Operators that are Boolean as such."""
 _COUNTED = frozenset({"AND", "OR", "XOR", "ADD", "MUL"})
@@ -113,6 +114,7 @@ class _Writer:
             for end in draft.ends:
                 end.sources = [self._source(*source) for source in end.sources]
         self._fold_inverters()
+        self._enable_moves()
         self._outputs(network)
         self._join()
         self._wired_outputs()
@@ -142,6 +144,19 @@ class _Writer:
                     coil.is_inverted = True
                     self.drafts.remove(draft)
                     del self.by_node[draft.number]
+
+    def _enable_moves(self) -> None:
+        """Give new ``Move`` boxes what every one has: a pin EN, on the rail in LAD, and ENO only where it is wired."""
+        wired = {source for draft in self.drafts for end in draft.ends for source in end.sources}
+        for draft in self.drafts:
+            if draft.name != _MOVE or _kept(draft.node.carried):
+                continue
+            if not any(end.name == "en" for end in draft.ends):
+                rails: list[tuple[int, str | None]] = [(number, None) for number in sorted(self.rails)[:1]]
+                draft.ends.insert(0, _End("en", rails))
+            draft.ends = [
+                end for end in draft.ends if end.name != "eno" or end.operand or (draft.number, "eno") in wired
+            ]
 
     def _outputs(self, network: LogicNetwork) -> None:
         """Outputs that are elements of their own become operands at the pin that they are wired to."""
@@ -242,6 +257,8 @@ class _Writer:
         marks = {key: kept[key] for key in _PART_ATTRIBUTES if key in kept}
         if not kept and draft.name in _TIMERS:
             marks["Version"] = S7_VERSION
+        if not kept and draft.name == _MOVE:
+            marks["DisabledENO"] = "true"
         draft.uid = self.uid()
         element = sub(parent, "Part", {"Name": draft.name, "UId": draft.uid, **marks})
         if isinstance(node, Block):
@@ -268,6 +285,8 @@ class _Writer:
         block = _standard(node)
         if not values and block is not None and block.name in _TIMERS:
             return {"time_type": "Time"}
+        if not values and draft.name == _MOVE:
+            return {"Card": "1"}
         if values or block is None or block.operator is None:
             return values
         inputs = [end for end in draft.ends if not end.is_output and end.name != "en"]
