@@ -19,7 +19,7 @@ from plcopen_sfc.lowering.code.logic import (
 )
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import StepValue
-from plcopen_sfc.lowering.grafcet.source import StoredAction
+from plcopen_sfc.lowering.reading.grafcet_source import StoredAction
 from plcopen_sfc.model.actions import ActionKind
 
 

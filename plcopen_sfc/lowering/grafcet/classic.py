@@ -10,8 +10,8 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.lowering.chains.chain import refuse_classic
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, is_constant
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
-from plcopen_sfc.lowering.grafcet.source import StoredAction
 from plcopen_sfc.lowering.reading.chart import read_chart
+from plcopen_sfc.lowering.reading.grafcet_source import StoredAction
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.pou import Pou

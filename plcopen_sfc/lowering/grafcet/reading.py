@@ -10,8 +10,8 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.lowering.code.logic import TRUE
-from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource, StoredAction
 from plcopen_sfc.lowering.reading.chart import read_chart
+from plcopen_sfc.lowering.reading.grafcet_source import Delay, Edge, GrafcetSource, StoredAction
 from plcopen_sfc.lowering.reading.references import bits_by_number
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
 from plcopen_sfc.lowering.reading.texts import TextReader

@@ -32,9 +32,9 @@ from plcopen_sfc.lowering.grafcet.controls import ContinuousControl, PassingCont
 from plcopen_sfc.lowering.grafcet.evolving import Evolving, EvolvingFlags, EvolvingState
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
-from plcopen_sfc.lowering.grafcet.source import GrafcetSource
 from plcopen_sfc.lowering.grafcet.stability import Stability
 from plcopen_sfc.lowering.grafcet.terms import TermCode
+from plcopen_sfc.lowering.reading.grafcet_source import GrafcetSource
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.net import indexes

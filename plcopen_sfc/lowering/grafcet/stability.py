@@ -18,8 +18,8 @@ from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.grafcet.concurrency import Concurrency, exclude
-from plcopen_sfc.lowering.grafcet.source import Delay, Edge
 from plcopen_sfc.lowering.grafcet.terms import TermCode
+from plcopen_sfc.lowering.reading.grafcet_source import Delay, Edge
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.semantics.net import NetTransition, indexes
 

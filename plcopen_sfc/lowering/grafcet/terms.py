@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.code.logic import (
     simplified,
 )
 from plcopen_sfc.lowering.code.program import Code
-from plcopen_sfc.lowering.grafcet.source import Delay, Edge, GrafcetSource
+from plcopen_sfc.lowering.reading.grafcet_source import Delay, Edge, GrafcetSource
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import DerivedType
 

@@ -10,7 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
-from plcopen_sfc.lowering.grafcet.source import GrafcetSource
+from plcopen_sfc.lowering.reading.grafcet_source import GrafcetSource
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
