@@ -144,3 +144,25 @@ def test_flags_of_several_charts_do_not_meet(plant: Path, cli: Cli, form: str, f
     if not places and form in ("codesys", "scl"):
         assert "Bits_Ablauf" in text
         assert "Bits_Presse" in text
+
+
+def test_charts_of_actions_are_called_by_those_that_use_them(plant: Path, cli: Cli) -> None:
+    """Also where they stand before them: their code would else be a part of the outer one, twice."""
+    inner, outer = training_chain(), training_chain()
+    chart, around = inner.sfc, outer.sfc
+    assert chart is not None
+    assert around is not None
+    around.steps[1].main_action = "Inner"
+    machine = inner.model_copy(update={"name": "Machine", "bodies": [m.StBody(text="Outer();")]})
+    machine.actions = [
+        m.Action(name=name, body=m.SfcBody(chart=c)) for name, c in (("Inner", chart), ("Outer", around))
+    ]
+    project = m.Project(name="Anlage", pous=[machine], dialect=m.Dialect.CODESYS)
+    sfc.save(project, "two.xml", format="codesys")
+    done = cli("lower", "two.xml", "out.xml", "--to", "codesys", "--as", "case", "--no-verify")
+    assert done.code == 0, done.err
+    code = {action.name: action.body for action in sfc.load("out.xml").pou("Machine").actions}
+    assert isinstance(code["Inner"], m.StBody)
+    assert isinstance(code["Outer"], m.StBody)
+    assert code["Outer"].text.count("Inner();") == 1
+    assert code["Outer"].text.count("CASE ") == code["Inner"].text.count("CASE ") == 1

@@ -124,3 +124,23 @@ def test_what_networks_cannot_say_is_text_in_a_box_of_codesys() -> None:
     assert equivalent(resolve(project, "Ablauf"), resolve(again, "Ablauf"), "codesys", cap=500, runs=10).equal
     with pytest.raises(LoweringError, match="cannot be drawn"):
         lower(project, "flipflop", pou="Ablauf", language="FBD", target="plcopen-2.01", verify=False)
+
+
+@pytest.mark.parametrize("construction", ["case", "bits"])
+def test_an_action_that_return_leaves_is_called_where_actions_can_be(construction: str) -> None:
+    chart = ring("Idle", "Run")
+    act(chart, chart.steps[1], "Fill")
+    chart.steps[0].entry_action = "Fill"
+    pou = pou_with(chart)
+    pou.actions = [m.Action(name="Fill", body=m.StBody(text="IF c1 THEN RETURN; END_IF; q := NOT q;"))]
+    assert pou.interface is not None
+    pou.interface.sections[1].variables = [boolean("q")]
+    lowered = lower(m.Project(pous=[pou], dialect=m.Dialect.CODESYS), construction)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    assert isinstance(lowered.code, m.StBody)
+    assert "Fill();" in lowered.code.text
+    assert "RETURN" not in lowered.code.text
+    pou.actions[0].body = m.StBody(text="IF Run.x THEN RETURN; END_IF; q := NOT q;")  # there are no steps to ask
+    with pytest.raises(LoweringError, match="RETURN and jumps"):
+        lower(m.Project(pous=[pou], dialect=m.Dialect.CODESYS), construction)

@@ -20,7 +20,7 @@ from plcopen_sfc.lowering.code.flag_places import flags_of_several
 from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.lowering.proving import prove
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
@@ -118,10 +118,22 @@ def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
 
 
 def _first_chart(project: Project) -> str | None:
-    """The name of a chart: of a POU, as that brings the charts of its actions along, else of an action."""
+    """The name of a chart: of a POU, else of an action, which none of the others uses.
+
+    Charts bring those of the actions that they call along; code of an action that is there already would be taken
+    for a part of their own.
+    """
     charts = list(project.charts())
+    used = {f"{chart.pou.name}.{name}".casefold() for chart in charts for name in _used_by(chart)}
     bodies = [chart.name for chart in charts if chart.name == chart.pou.name]
-    return next(iter(bodies or [chart.name for chart in charts]), None)
+    outer = [chart.name for chart in charts if chart.name.casefold() not in used]
+    return next(iter([*bodies, *outer, *(chart.name for chart in charts)]), None)
+
+
+def _used_by(chart: Chart) -> Iterator[str]:
+    for step in chart.network.steps:
+        used = [*(each.target for each in step.actions), step.entry_action, step.main_action, step.exit_action]
+        yield from (name for name in used if isinstance(name, str) and f"{chart.pou.name}.{name}" != chart.name)
 
 
 def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.lowering.code.logic import TRUE, conjunction, negation
 from plcopen_sfc.lowering.reading.called import Targets
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
@@ -184,7 +185,7 @@ class _Reader(TextReader):
                 continue
             action = self.pou.action(name)
             if action is not None:
-                text = _text_of(action.body)
+                text = "" if self._stays(action) else _text_of(action.body)
                 yield ActionSource(name, None, self._statements_of(action), tuple(uses), text=text)
                 continue
             target = self.expression(name, f"action {name}")
@@ -194,13 +195,22 @@ class _Reader(TextReader):
                 yield ActionSource(name, target, (), tuple(uses))
 
     def _statements_of(self, action: Action) -> tuple[n.Statement, ...]:
-        """What an action does; one with a chart of its own is called."""
+        """What an action does; one with a chart of its own is called, and one that RETURN leaves."""
         path = f"action {action.name}"
-        return (
-            self.read(f"{action.name}();", path)
-            if isinstance(action.body, SfcBody)
-            else self.statements(action.body, path)
-        )
+        return self.read(f"{action.name}();", path) if self._stays(action) else self.statements(action.body, path)
+
+    def _stays(self, action: Action) -> bool:
+        """Whether the code of an action has to stay where it is, and is called."""
+        if isinstance(action.body, SfcBody):
+            return True
+        if not isinstance(action.body, StBody) or self.dialect not in _WITH_CALLS:
+            return False
+        parts = [
+            node for each in parse_statements(action.body.text, self.dialect).tree.statements for node in walk(each)
+        ]
+        steps = {step.step.name.casefold() for step in self._net.steps}
+        asks = any(isinstance(node, n.Name) and node.identifier.casefold() in steps for node in parts)
+        return not asks and any(isinstance(node, n.Return) for node in parts)
 
     def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> Use:
         if association.event is not None or association.interlock or association.forcing is not None:
@@ -296,6 +306,10 @@ def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Express
             return
     start, end = node.span or (0, len(text))
     yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]))
+
+
+_WITH_CALLS = frozenset({Dialect.CODESYS, Dialect.TWINCAT})
+"""The dialects in which an action can be called."""
 
 
 def _text_of(body: Body | None) -> str:
