@@ -331,8 +331,9 @@ def test_a_block_without_steps() -> None:
         ([act("ON", "S1", "S1"), act("OFF", "S_ALL", "V1")], "ok fault"),
         ([act("CS", "n", "S1", value="3"), act("CD", "n", "L1")], "ok fault"),
         ([act("N")], "ok fault SW_MAN S_SEL:INT S_ON"),
+        ([act("N")], "SW_MAN S_SEL:INT S_OFF"),
     ],
-    ids=["set", "delayed", "toggled", "switched", "counted", "by hand"],
+    ids=["set", "delayed", "toggled", "switched", "counted", "on by hand", "off by hand"],
 )
 def test_flip_flops(language: Language, target: str, actions: list[m.ActionAssociation], inputs: str) -> None:
     chart = guarded(*actions, acknowledge="ACK_EF" in inputs)

@@ -55,7 +55,10 @@ class FlipFlopSequencer(Sequencer):
             set_.append(conjunction([wanted, negation(flag)]))
             off = conjunction([flag, negation(wanted), *(negation(self.fired[i]) for i in entering)])
             reset = disjunction([reset, conjunction([off, *([negation(start)] if initial else [])])])
-        resets = [reset, self._by_hand("S_OFF", step), *([] if initial else [start]), self.commands.edge("OFF_SQ")]
+        off_by_hand = self._by_hand("S_OFF", step)
+        if initial:  # the start comes behind the switching by hand
+            off_by_hand = conjunction([off_by_hand, negation(start)])
+        resets = [reset, off_by_hand, *([] if initial else [start]), self.commands.edge("OFF_SQ")]
         set_.append(self._by_hand("S_ON", step))
         statements: list[Statement] = []
         name = f"FF_{self.flags[step.index].identifier}"
