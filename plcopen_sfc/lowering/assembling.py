@@ -22,24 +22,24 @@ def assemble(original: Pou, code: Code, dialect: Dialect, language: Language) ->
     _declare(interface, SectionKind.LOCAL, code.variables)
     _declare(interface, SectionKind.LOCAL, code.constants, constant=True)  # behind the variables, as in TIA Portal
     _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])
-    body = _body(code, dialect, language, interface.variables())
+    body = _body(code, dialect, language, interface.variables(), original.name)
     lowered = original.model_copy(deep=True, update={"bodies": [], "object_id": None})
     lowered.interface = interface
     lowered.bodies = [body, *(b for b in original.bodies if not isinstance(b, SfcBody))]
     return lowered
 
 
-def _body(code: Code, dialect: Dialect, language: Language, declared: list[Variable]) -> Body:
+def _body(code: Code, dialect: Dialect, language: Language, declared: list[Variable], pou: str) -> Body:
     if language is Language.ST:
         return structured_text(code, dialect)
     if language is Language.FBD:
-        return function_block_diagram(code, dialect, declared)
-    return ladder_diagram(code, dialect, declared)
+        return function_block_diagram(code, dialect, declared, pou)
+    return ladder_diagram(code, dialect, declared, pou)
 
 
 def drive_block(drive: DriveBlock, dialect: Dialect, language: Language) -> Pou:
     """The function block that drives the actions."""
-    body = _body(drive.code, dialect, language, drive.interface.variables())
+    body = _body(drive.code, dialect, language, drive.interface.variables(), drive.name)
     return Pou(name=drive.name, kind=PouKind.FUNCTION_BLOCK, interface=drive.interface, bodies=[body])
 
 

@@ -144,3 +144,11 @@ def test_an_action_that_return_leaves_is_called_where_actions_can_be(constructio
     pou.actions[0].body = m.StBody(text="IF Run.x THEN RETURN; END_IF; q := NOT q;")  # there are no steps to ask
     with pytest.raises(LoweringError, match="RETURN and jumps"):
         lower(m.Project(pous=[pou], dialect=m.Dialect.CODESYS), construction)
+
+
+def test_what_cannot_be_drawn_is_named_with_its_pou() -> None:
+    project = plant()
+    with pytest.raises(LoweringError, match=r"Drive\.Start") as refused:
+        lower(project, "flipflop", pou="Ablauf", target="plcopen", verify=False)
+    assert refused.value.location is not None
+    assert str(refused.value.location.path).startswith("Ablauf / network ")

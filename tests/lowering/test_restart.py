@@ -154,7 +154,8 @@ def test_an_input_of_this_name_is_used() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"init": "S1"}, "something else"),
+        ({"init": "S1"}, "name of a step"),
+        ({"init": "Ablauf"}, "something else"),
         ({"init": "a AND b"}, "no name"),
         ({"stop": "NOT ("}, "no condition"),
         ({"init": "Number"}, "no BOOL"),

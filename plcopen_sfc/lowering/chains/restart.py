@@ -68,7 +68,9 @@ class _Conditions:
             self._code.at_rest[tree.identifier] = False
             return self._code.naming.local(tree.identifier)
         if tree.identifier.casefold() in self._known:
-            self._refuse(f"{name} is the name of something else already")
+            steps = {each.step.name.casefold() for each in self._source.net.steps}
+            what = "a step" if tree.identifier.casefold() in steps else "something else"
+            self._refuse(f"{name} is the name of {what} already", "Give the input another name.")
         return self._input(tree.identifier, comment, rests=True)
 
     def condition(self, text: str, comment: str) -> Expression:
@@ -108,5 +110,5 @@ class _Conditions:
             self._refuse(f"{text!r} is no condition: {parsed.problems[0].message}")
         return parsed.tree
 
-    def _refuse(self, message: str) -> NoReturn:
-        raise LoweringError(message, location=Location(path=self._source.pou.name))
+    def _refuse(self, message: str, hint: str = "") -> NoReturn:
+        raise LoweringError(message, location=Location(path=self._source.pou.name), hint=hint)

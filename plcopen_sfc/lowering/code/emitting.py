@@ -25,14 +25,14 @@ def structured_text(code: Code, dialect: Dialect) -> StBody:
     return StBody(text="\n\n".join(paragraphs) + "\n")
 
 
-def function_block_diagram(code: Code, dialect: Dialect, declared: list[Variable]) -> FbdBody:
-    """A network of FBD for each network. Raises `LoweringError` for what cannot be drawn."""
-    return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared)))
+def function_block_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
+    """A network of FBD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
+    return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared), pou))
 
 
-def ladder_diagram(code: Code, dialect: Dialect, declared: list[Variable]) -> LdBody:
-    """A network of LD for each network. Raises `LoweringError` for what cannot be drawn."""
-    return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared)))
+def ladder_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
+    """A network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
+    return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
 
 
 def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
@@ -53,12 +53,13 @@ def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
     return "\n".join([*heading, text])
 
 
-def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules) -> list[LogicNetwork]:
+def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules, pou: str) -> list[LogicNetwork]:
     found: list[LogicNetwork] = []
     free = 1
     for network in code.networks:
+        place = Location(path=f"{pou} / network {network.title}")
         if isinstance(network, TextNetwork):
-            raise LoweringError("structured text is no network", location=Location(path=f"network {network.title}"))
+            raise LoweringError("structured text is no network", location=place)
         drawn = draw(network.statements, rules, first_id=free, divided=code.tool is not None)
         for problem in drawn.problems:
             if code.tool is Tool.CODESYS and problem.severity is Severity.WARNING:
@@ -67,7 +68,7 @@ def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRu
             text = next((node.code for node in boxes if isinstance(node, Block) and node.code), "")
             raise LoweringError(
                 f"this cannot be drawn: {' '.join(text.split()) or problem.message}",
-                location=Location(path=f"network {network.title}"),
+                location=place,
                 hint="Structured text can hold it, and so can the networks of CODESYS." if text else "",
             )
         free = max((node.id + 1 for sheet in drawn.body.networks for node in sheet.nodes), default=free)

@@ -93,9 +93,11 @@ def _around(body: Body, first: Code, last: Code, source: ChartSource, declared: 
         texts = (structured_text(code, source.dialect).text for code in (first, last))
         return StBody(text=body.text.join(texts))
     if isinstance(body, FbdBody):
-        drawn = [function_block_diagram(code, source.dialect, declared).networks for code in (first, last)]
+        drawn = [
+            function_block_diagram(code, source.dialect, declared, source.pou.name).networks for code in (first, last)
+        ]
         return FbdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
     if isinstance(body, LdBody):
-        drawn = [ladder_diagram(code, source.dialect, declared).networks for code in (first, last)]
+        drawn = [ladder_diagram(code, source.dialect, declared, source.pou.name).networks for code in (first, last)]
         return LdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
     raise LoweringError(f"nothing can be put around a body in {body.language}")
