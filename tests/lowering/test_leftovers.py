@@ -107,3 +107,37 @@ def test_a_step_that_is_asked_not_to_be_active_is_another_number() -> None:
     assert isinstance(body, m.StBody)
     assert "a AND step_number <> 2" in body.text
     assert "NOT (b = c)" in body.text  # as it was written
+
+
+def test_a_transition_that_always_fires_needs_no_question() -> None:
+    chart = m.SfcNetwork()
+    wait, work, end = chart.add_step("Wait", initial=True), chart.add_step("Work"), chart.add_step("End")
+    chart.add_transition(wait, work, "TRUE")
+    chart.add_transition(work, wait, "a")
+    chart.add_transition(work, end, "TRUE")
+    chart.add_transition(end, wait, "TRUE")
+    chart.add_transition(end, work, "a")  # never
+    lowered = sfc.lower(pou_with(chart), "case")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    assert body.text.splitlines() == [
+        "// Step sequence",
+        "CASE step_number OF",
+        "    1: // Step Wait – initial step",
+        "        step_number := 2;",
+        "    2: // Step Work",
+        "        IF a THEN",
+        "            step_number := 1;",
+        "        ELSE",
+        "            step_number := 3;",
+        "        END_IF;",
+        "    3: // Step End",
+        "        IF TRUE THEN",
+        "            step_number := 1;",
+        "        ELSIF a THEN",
+        "            step_number := 2;",
+        "        END_IF;",
+        "END_CASE;",
+    ]

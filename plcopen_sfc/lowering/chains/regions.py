@@ -317,7 +317,10 @@ class RegionChain(Chain):
         return self.text(assignment(self._next[region], state))
 
     def _tried(self, choice: Sequence[_Try]) -> list[str]:
-        """IF and ELSIF in the order in which they are tried; ELSE where something must be executed between them."""
+        """IF and ELSIF in the order in which they are tried; ELSE where something must be executed between them.
+
+        The last one stands in ELSE, or alone, if its condition is TRUE.
+        """
         lines: list[str] = []
         for number, each in enumerate(choice):
             if lines and each.before:
@@ -325,6 +328,10 @@ class RegionChain(Chain):
             if each.before:
                 lines += self.text(n.Statements(each.before)).splitlines()
             opened = number > 0
+            if number == len(choice) - 1 and is_constant(each.condition, TRUE):
+                return (
+                    [*lines, "ELSE", *(INDENT + x for x in each.effect), "END_IF;"] if opened else lines + each.effect
+                )
             lines.append(f"{'ELSIF' if opened else 'IF'} {self.text(each.condition)} THEN")
             lines += [INDENT + line for line in each.effect]
         return [*lines, "END_IF;"] if lines else []
