@@ -8,6 +8,10 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.languages.networks import declared_rules, draw_ld
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.model import StBody
 from tests.corpus import corpus_files, require_corpus
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
@@ -73,3 +77,41 @@ def test_move_boxes_are_complete(language: str) -> None:
             assert set(pins) == {"en", "in", "out1"}
             assert language == "FBD" or etree.QName(pins["en"]).localname in ("Powerrail", "NameCon")
     assert found
+
+
+def test_comparisons_in_ladders_are_contacts() -> None:
+    comparisons = [
+        part.get("UId")
+        for net in _networks(_GRAPH, "LD")
+        for part in net.iterfind("{*}Parts/{*}Part")
+        if part.get("Name") in ("Eq", "Ne", "Lt", "Gt")
+        and not any(
+            end.get("UId") == part.get("UId") and end.get("Name") == "pre" for end in net.iterfind("{*}Wires/{*}Wire/*")
+        )
+    ]
+    assert comparisons == []
+
+
+def test_a_series_does_what_the_and_box_did() -> None:
+    source = """FUNCTION_BLOCK Test
+VAR_INPUT a : BOOL; b : BOOL; i : INT; j : INT; END_VAR
+VAR_OUTPUT q : BOOL; r : BOOL; s : BOOL; END_VAR
+q := a AND i > 1 AND NOT (j = 3) AND b;
+r := (i > 1 OR a) AND NOT (j < 2 AND b);
+s := i > 1 AND (j = 3 OR b) AND NOT a;
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(source.encode(), format="iec-text")
+    pou = project.pou("Test")
+    assert pou.interface is not None
+    assert isinstance(pou.body, StBody)
+    statements = parse_statements(pou.body.text, project.dialect).tree
+    drawn = draw_ld(statements.statements, declared_rules(pou.interface.variables(), project.dialect), divided=True)
+    assert not drawn.problems
+    other = project.model_copy(deep=True)
+    other.pou("Test").bodies = [drawn.body]
+    data = sfc.dumps(other, format="simaticml")
+    networks = list(etree.fromstring(data).iter("{*}FlgNet"))
+    assert [len(net.findall("{*}Parts/{*}Part[@Name='A']")) for net in networks] == [0, 1, 0]
+    found = equivalent(project, sfc.loads(data), "iec")
+    assert found.equal, str(found)

@@ -10,6 +10,7 @@ from plcopen_sfc.formats.simaticml.bodies_reader import NAMES
 from plcopen_sfc.formats.simaticml.coils import put_assignments
 from plcopen_sfc.formats.simaticml.graph_writer import write_graph
 from plcopen_sfc.formats.simaticml.networks import write_network
+from plcopen_sfc.formats.simaticml.power import lacks_power, put_in_series
 from plcopen_sfc.formats.simaticml.structured_text_writer import write_code
 from plcopen_sfc.formats.simaticml.writing import (
     ID,
@@ -109,6 +110,9 @@ def _network(ctx: WriteContext, parent: etree._Element, body: FbdBody | LdBody, 
         if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
             network = network.model_copy(deep=True)
             put_assignments(network, ctx.types, {pou.name.casefold() for pou in ctx.project.pous})
+        if isinstance(body, LdBody) and lacks_power(network):
+            network = network.model_copy(deep=True)
+            put_in_series(network)
         instead = write_network(ctx, root, network)
         if instead is not None:
             source.replace(root, instead)

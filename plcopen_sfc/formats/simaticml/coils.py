@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from plcopen_sfc.formats.simaticml.bit_moves import BOOLEAN, keep_bits_by_logic
 from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand
 from plcopen_sfc.formats.simaticml.parts import RESULTS
+from plcopen_sfc.formats.simaticml.power import put_in_series
 from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
@@ -73,6 +74,8 @@ def put_coils(project: Project) -> None:
             types = types_of(project, pou)
             for network in body.networks:
                 put_assignments(network, types, blocks)
+                if isinstance(body, LdBody):
+                    put_in_series(network)
 
 
 def _networks(body: Body) -> Iterator[LogicNetwork]:
