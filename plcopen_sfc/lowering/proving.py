@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError, SfcError
@@ -81,21 +82,13 @@ def _compared(
     step_flags: Mapping[str, str] | None,
 ) -> Verdict:
     operating = _operating(chart, profile)
+    compared = partial(equivalent, chart, code, profile, left_out=left_out, step_flags=step_flags)
     if not operating:
-        return equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags, cap=_STATES)
-    at_rest = equivalent(
-        chart,
-        code,
-        profile,
-        fixed={**operating, **fixed},
-        left_out=left_out,
-        step_flags=step_flags,
-        cap=_AT_REST,
-        runs=1,
-    )
+        return compared(fixed=fixed, cap=_STATES)
+    at_rest = compared(fixed={**operating, **fixed}, cap=_AT_REST, runs=1)
     if at_rest.outcome is Outcome.DIFFERENT:
         return at_rest
-    found = equivalent(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags, cap=_OPERATED)
+    found = compared(fixed=fixed, cap=_OPERATED)
     if at_rest.proven and found.outcome is Outcome.TESTED:
         known = f"while {', '.join(operating)} are FALSE it is proven: {at_rest.states} states"
         return replace(found, reason=f"{found.reason}; {known}")

@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.actions.stepwise import StepwiseControl, stepwise_time
 from plcopen_sfc.lowering.chains.flags import FlagCode
 from plcopen_sfc.lowering.chains.modes import Modes
 from plcopen_sfc.lowering.chains.restart import declare_restart
-from plcopen_sfc.lowering.code.logic import FALSE, TRUE, conjunction, is_constant
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, conjunction, is_constant, when
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.code.times import StepTimes
@@ -180,4 +180,4 @@ class Chain(ABC):
         asked = conjunction([enabled, self.sfc_flags.is_asked()])
         if not preparation or is_constant(asked, TRUE):
             return list(preparation)
-        return [n.If((n.Branch(asked, preparation),))]
+        return [when(asked, *preparation)]

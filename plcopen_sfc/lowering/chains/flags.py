@@ -11,7 +11,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, negation
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import BOOL, Code, StepValue
 from plcopen_sfc.lowering.code.times import StepTimes
@@ -180,7 +180,7 @@ class FlagCode:
         if analyzation is None:
             return []
         found: list[Statement] = [assignment(analyzation, _EMPTY)]
-        empty = n.Operation(Operator.EQUAL, (analyzation, _EMPTY))
+        empty = equal(analyzation, _EMPTY)
         for reason in watch.reasons:
             bar = _function("SEL", empty, self._text("|"), _EMPTY)
             longer = _function("CONCAT", _function("CONCAT", analyzation, bar), self._text(reason.text))

@@ -5,15 +5,12 @@ from __future__ import annotations
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
-from plcopen_sfc.lowering.chains.states import step_numbers
-from plcopen_sfc.lowering.code.logic import FALSE, TRUE, conjunction, disjunction, negation
+from plcopen_sfc.lowering.chains.states import integer, step_numbers
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import BOOL, Code
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules, OperatingMode
-from plcopen_sfc.model.types import Elementary, ElementaryType
-
-_LARGEST_INT = 2**15 - 1
 
 
 class Modes:
@@ -47,7 +44,7 @@ class Modes:
         """Whether a step, by its index, has the number that is selected."""
         if self.selected is None:
             return FALSE
-        return n.Operation(Operator.EQUAL, (self.selected, n.Literal(str(self._numbers[step]))))
+        return equal(self.selected, n.Literal(str(self._numbers[step])))
 
     def _declared(self, init: Expression | None) -> tuple[Expression, Expression]:
         """What lets transitions fire whose conditions are TRUE, and what lets all fire whose steps are active."""
@@ -71,22 +68,23 @@ class Modes:
         return usual, forced
 
     def _declare_selection(self, init: Expression | None) -> None:
-        kind = ElementaryType(name=Elementary.INT if max(self._numbers) <= _LARGEST_INT else Elementary.DINT)
         push = self._input(self._texts.select)
         name = self._code.naming.fresh(self._texts.selected)
-        self.selected = self._code.declare_input(name, self._texts.comments[self._texts.selected], kind)
+        self.selected = self._code.declare_input(
+            name, self._texts.comments[self._texts.selected], integer(max(self._numbers))
+        )
         edge = self._memory.rising(f"{push.identifier}_edge", push, self._statements)
         stronger = [negation(init)] if init is not None else []
         known = conjunction([edge, self._is_known(self.selected), *stronger])
         self.selecting = self._code.declare(self._texts.selecting)
-        self._statements.append(n.Assignment(self.selecting, known))
+        self._statements.append(assignment(self.selecting, known))
 
     def _is_known(self, selected: Expression) -> Expression:
         """Whether a number is that of a step: nothing is selected by any other."""
         numbers = sorted(self._numbers)
         literals = [n.Literal(str(number)) for number in numbers]
         if numbers[-1] - numbers[0] != len(numbers) - 1:
-            return disjunction(n.Operation(Operator.EQUAL, (selected, literal)) for literal in literals)
+            return disjunction(equal(selected, literal) for literal in literals)
         return conjunction(
             [
                 n.Operation(Operator.GREATER_OR_EQUAL, (selected, literals[0])),

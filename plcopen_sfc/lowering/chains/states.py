@@ -16,8 +16,10 @@ from plcopen_sfc.languages.names.words import objection
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.naming import Naming
-from plcopen_sfc.lowering.code.program import Code
+from plcopen_sfc.lowering.code.program import INT, Code
+from plcopen_sfc.lowering.code.targets import tool_of
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules, States
 from plcopen_sfc.lowering.texts import Texts, step_digits
@@ -38,8 +40,6 @@ _MOST_DIGITS = 9
 """Numbers that every DINT holds."""
 _SPARE = 100_000
 """Numbers that waits can have behind those of the steps."""
-_WITHOUT_ENUMERATIONS = frozenset({"scl", "simaticml"})
-"""Formats of S7, which has no enumerations."""
 
 
 def step_numbers(net: Net) -> list[int]:
@@ -55,6 +55,11 @@ def step_numbers(net: Net) -> list[int]:
     numbers = {step: number for number, step in kept.items()}
     free = (number for number in count(1) if number not in kept)
     return [numbers[step] if step in numbers else next(free) for step in range(len(wanted))]
+
+
+def integer(largest: int) -> ElementaryType:
+    """The type of numbers up to `largest`: INT where it holds them, else DINT."""
+    return INT if largest <= _LARGEST_INT else ElementaryType(name=Elementary.DINT)
 
 
 def _said(name: str) -> int | None:
@@ -85,7 +90,7 @@ class StateNames:
         steps, waiting, none = _states(source.net, regions, rules.texts)
         states = [*steps, *waiting, *none]
         largest = max(state.number for state in states)
-        self._type: DataType = ElementaryType(name=Elementary.INT if largest <= _LARGEST_INT else Elementary.DINT)
+        self._type: DataType = integer(largest)
         written: list[Expression] = [n.Literal(str(state.number)) for state in states]
         self._initial = [str(state.number) for state in states]
         if rules.states is States.CONSTANTS:
@@ -157,7 +162,7 @@ class StateNames:
 
 
 def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> None:
-    if source.dialect is Dialect.SCL or rules.target in _WITHOUT_ENUMERATIONS:
+    if source.dialect is Dialect.SCL or tool_of(rules.target, source.dialect) is Tool.S7:
         raise LoweringError(
             f"there are no enumerations in {rules.target or source.dialect}",
             location=Location(path=source.pou.name),

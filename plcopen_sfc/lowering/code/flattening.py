@@ -14,6 +14,7 @@ from plcopen_sfc.lowering.code.logic import (
     assignment,
     conjunction,
     disjunction,
+    equal,
     is_constant,
     negation,
     when,
@@ -159,7 +160,7 @@ def _chosen(selector: Expression, branch: n.CaseBranch) -> Expression:
             lower = n.Operation(Operator.GREATER_OR_EQUAL, (selector, label.lower))
             found.append(conjunction([lower, n.Operation(Operator.LESS_OR_EQUAL, (selector, label.upper))]))
         else:
-            found.append(n.Operation(Operator.EQUAL, (selector, label)))
+            found.append(equal(selector, label))
     return disjunction(found)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from plcopen_sfc.languages.networks import Helper
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.lowering.code.logic import FALSE, assignment
 from plcopen_sfc.lowering.code.naming import Naming
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.types import (
@@ -128,7 +129,7 @@ class Code:
     def end_first_scan(self, title: str) -> None:
         """Append the end of that pulse, if anything needs it."""
         if self.first_scan is not None:
-            self.add(title, [n.Assignment(self.first_scan, n.Literal("FALSE"))])
+            self.add(title, [assignment(self.first_scan, FALSE)])
 
     def declare_as(self, name: str, kind: DataType) -> None:
         """Declare a local variable of this very name."""

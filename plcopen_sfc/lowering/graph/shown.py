@@ -6,13 +6,17 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 
 from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.declarations import Declaration
 from plcopen_sfc.languages.names.pieces import pieces
 from plcopen_sfc.languages.names.references import references
 from plcopen_sfc.languages.names.uses import Names, Occurrence
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.lowering.code.logic import assignment
 from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.code.targets import tool_of
 from plcopen_sfc.lowering.graph.step_data import QUANTITIES
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -48,7 +52,7 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
         place = Location(path=occurrence.use.path)
         if quantity not in QUANTITIES:
             raise LoweringError(f"step {step.path} of {pou.name} is used in a way that is not lowered", location=place)
-        if (target or "").partition("-")[0] not in ("", "simaticml", "scl"):
+        if tool_of(target, Dialect.SCL) is not Tool.S7:
             raise LoweringError(
                 f"{step.path}.{quantity} of {pou.name} is read here, which code for {target} does not show",
                 location=place,
@@ -78,7 +82,7 @@ def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code:
         members.setdefault(step, []).append(Variable(name=quantity, type=kind))
         name = net.steps[step].step.name
         quoting = n.Quoting.LOCAL_QUOTED if needs_quotes(name) else n.Quoting.LOCAL
-        statements.append(n.Assignment(n.Member(n.Name(name, quoting), n.Name(quantity)), value))
+        statements.append(assignment(n.Member(n.Name(name, quoting), n.Name(quantity)), value))
     for step, variables in members.items():
         code.declare_as(net.steps[step].step.name, StructType(members=variables))
     return statements
