@@ -11,6 +11,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.formats.simaticml import networks
+from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
 from tests.cli.conftest import Outcome
 from tests.lowering.charts import training_chain
 
@@ -166,3 +168,22 @@ def test_charts_of_actions_are_called_by_those_that_use_them(plant: Path, cli: C
     assert isinstance(code["Outer"], m.StBody)
     assert code["Outer"].text.count("Inner();") == 1
     assert code["Outer"].text.count("CASE ") == code["Inner"].text.count("CASE ") == 1
+
+
+def test_a_folder_for_tia_portal_is_asked_for_by_a_slash(cli: Cli, plant: Path) -> None:
+    done = cli("lower", "plant.xml", "tia/", "--to", "simaticml", "--as", "fup", "--flags", "M20.0")
+    assert done.code == 0, done.err
+    files = {path.relative_to(plant / "tia").as_posix() for path in (plant / "tia").rglob("*.xml")}
+    assert files >= {"PLC tags/StepFlags_Ablauf.xml", "Program blocks/Ablauf.xml"}
+    assert "equal (proof" in done.out
+
+
+def test_code_in_a_comment_is_no_code(cli: Cli, plant: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nothing(*_: object) -> None:
+        raise NotUnderstoodError("an output variable")
+
+    monkeypatch.setattr(networks, "write_flgnet", nothing)
+    done = cli("lower", "plant.xml", "out.xml", "--to", "simaticml", "--as", "fup")
+    assert done.code == 2
+    assert "would stand in a comment only: TIA Portal has no such element: an output variable" in done.err
+    assert not (plant / "out.xml").exists()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -21,7 +22,7 @@ from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Fate
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
 _FINDINGS = 1
@@ -64,7 +65,9 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     name = target or _beside(Path(source), how.to)
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / Path(name).name
-        report = save(lowered[-1].project, draft, format=how.to, tia=how.tia)
+        is_folder = name.endswith(("/", os.sep))
+        report = save(lowered[-1].project, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
+        _refuse_comments(report, lowered)
         if how.verify:
             again = load(draft, format=how.to)
             lowered = [_compared(resolve(project, each.name), again, each) for each in lowered]
@@ -84,6 +87,17 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         _show(screen, name, lowered, report)
     different = any(each.proof is not None and each.proof.outcome is Outcome.DIFFERENT for each in lowered)
     return _FINDINGS if different else exit_code_for(screen, project.diagnostics)
+
+
+def _refuse_comments(report: ConversionReport, lowered: Sequence[LoweredPou]) -> None:
+    """Raise `LoweringError` where code would stand in a comment: we read it back from there, but its tool does not."""
+    blocks = {f"POU {each.name}" for each in lowered}
+    for item in report.with_fate(Fate.CARRIED):
+        if item.what in ("network", "body") and item.path in blocks:
+            raise LoweringError(
+                f"nothing is written: a network of {item.path} would stand in a comment only: {item.why}",
+                hint="Structured text can hold it: --language ST.",
+            )
 
 
 def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
