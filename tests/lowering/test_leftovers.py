@@ -141,3 +141,9 @@ def test_a_transition_that_always_fires_needs_no_question() -> None:
         "        END_IF;",
         "END_CASE;",
     ]
+
+
+def test_text_needs_no_pragma_for_its_end() -> None:
+    lowered = sfc.lower(sfc.loads(PRESS, format="iec-text"), "case", verify=False)
+    fresh = m.Project(pous=[lowered.pou.model_copy(update={"actions": []})])
+    assert "layout" not in sfc.dumps(fresh, format="iec-text").decode()

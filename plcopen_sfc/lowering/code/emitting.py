@@ -22,7 +22,7 @@ from plcopen_sfc.model.types import Variable
 def structured_text(code: Code, dialect: Dialect) -> StBody:
     """A paragraph for each network, its title and comment before it."""
     paragraphs = [paragraph(network, dialect) for network in code.networks]
-    return StBody(text="\n\n".join(paragraphs) + "\n")
+    return StBody(text="\n\n".join(paragraphs))
 
 
 def function_block_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
