@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -69,6 +71,15 @@ def test_tia_portal_gets_a_table_of_tags_with_comments() -> None:
     content = sfc.dumps(lowered, format="simaticml").decode("utf-8-sig")
     assert "<LogicalAddress>%M20.3</LogicalAddress>" in content
     assert 'Scope="GlobalVariable"' in content
+
+
+def test_comments_of_tags_are_in_the_language_asked_for() -> None:
+    """Not in that of the project, as its own texts are."""
+    lowered = lower(project(), "flipflop", flags="M20.0", target="simaticml", lang="de", verify=False)
+    tag = lowered.project.tag_tables[0].tags[0]
+    assert tag.comment == m.MultilingualText(texts={"de-DE": "Schritt S1 ist aktiv"})
+    data = sfc.dumps(lowered.project, format="simaticml").decode("utf-8-sig")
+    assert re.findall(r"<Culture>([\w-]+)</Culture>\s*<Text>Schritt S1 ist aktiv<", data) == ["de-DE"]
 
 
 def test_flags_that_kept_their_values_are_set_back_in_the_first_scan() -> None:

@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.code.surroundings import global_sections, names_of
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Configuration, Project, Tag, TagTable
+from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import SimpleValue, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
@@ -73,7 +74,7 @@ class FlagPlaces:
             return []
         return [Variable(name=variable.name, type=variable.type) for variable in self.variables]
 
-    def declare(self, wanted: str, naming: Naming, *, initial: bool, comment: str) -> Expression:
+    def declare(self, wanted: str, naming: Naming, *, initial: bool, comment: Text | None) -> Expression:
         """Declare a flag, and give what reads it."""
         is_member = self.in_block and self.tool is not None
         name = naming.fresh(wanted)

@@ -117,7 +117,7 @@ class Code:
     def declare_flag(self, wanted: str, *, initial: bool, comment: str) -> n.Expression:
         """Declare the flag of a step where flags are, and give what reads it."""
         if self.flags is not None:
-            return self.flags.declare(wanted, self.naming, initial=initial, comment=comment)
+            return self.flags.declare(wanted, self.naming, initial=initial, comment=self.said(comment))
         return self.declare(wanted, initial="TRUE" if initial else None, comment=comment)
 
     def first_scan_pulse(self) -> n.Name:
