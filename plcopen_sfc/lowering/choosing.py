@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.profile import Profile
 
 
 def choose(
-    source: ChartSource | GraphSource,
+    source: ChartSource,
     wanted: Construction,
     rules: LoweringRules,
     *,
@@ -28,13 +28,14 @@ def choose(
 
     Raises `LoweringError` where the construction has no such language, or none of the options that were asked for.
     """
+    place = Location(path=source.pou.name)
     if isinstance(source, GraphSource):
-        chosen, why = _choice_for_sequencer(wanted)
+        _check_options_of_sequencer(rules, place)
+        chosen, why = _choice_for_sequencer(wanted, place)
     elif source.grafcet is not None:
         chosen, why = _choice_for_grafcet(source, wanted, rules.profile)
     else:
         chosen, why = _choice(source, wanted, rules, style=style, language=language)
-    place = Location(path=source.pou.name)
     if language is None:
         drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
         language = Language.FBD if drawn else Language.ST
@@ -52,7 +53,7 @@ def choose(
             location=place,
             hint=f"It was taken for this reason: {why}.",
         )
-    in_each_evolution = isinstance(source, ChartSource) and source.grafcet is not None
+    in_each_evolution = source.grafcet is not None
     if rules.actions is ActionPlace.BLOCK and (
         in_each_evolution or (style is Style.CLASSIC and chosen is Construction.CASE)
     ):
@@ -100,9 +101,29 @@ def _choice_for_grafcet(source: ChartSource, wanted: Construction, profile: Prof
     return Construction.CASE, "one step is active at a time"
 
 
-def _choice_for_sequencer(wanted: Construction) -> tuple[Construction, str]:
+def _choice_for_sequencer(wanted: Construction, place: Location) -> tuple[Construction, str]:
     if wanted is Construction.AUTO:
         return Construction.BITS, "the chart is a sequencer of S7-GRAPH, whose steps can be switched by hand"
     if wanted not in (Construction.BITS, Construction.FLIPFLOP):
-        raise LoweringError(f"{wanted} cannot hold sequencers of S7-GRAPH: several steps can be active, or none")
+        message = f"{wanted} cannot hold sequencers of S7-GRAPH: several steps can be active, or none"
+        raise LoweringError(message, location=place)
     return wanted, "asked for"
+
+
+def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
+    """Refuse options that sequencers do not have."""
+    hint = ""
+    if rules.modes:
+        objection = "sequencers of S7-GRAPH have operating modes of their own"
+        hint = "Declare SW_AUTO, SW_MAN, SW_TAP, SW_TOP, T_PUSH, S_SEL, S_ON or S_OFF in the block instead."
+    elif rules.actions is not ActionPlace.INLINE:
+        objection = "actions of a sequencer of S7-GRAPH cannot stand in a block of their own"
+    elif rules.flags != LOCAL:
+        objection = "the step flags of a sequencer of S7-GRAPH are local variables"
+    elif rules.states is not States.NUMBERS:
+        objection = "a sequencer of S7-GRAPH is lowered to bits, which have no states to be named"
+    elif rules.reset_actions:
+        objection = "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it"
+    else:
+        return
+    raise LoweringError(objection, location=place, hint=hint)

@@ -132,9 +132,7 @@ _GRAFCET_CHAINS: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]
 }
 
 
-def _read(
-    pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project
-) -> ChartSource | GraphSource:
+def _read(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project) -> ChartSource:
     if rules.profile.graph_parameters:
         return read_sequencer(pou, chart, dialect, rules, project)
     if is_grafcet(chart, rules.profile):
@@ -142,9 +140,7 @@ def _read(
     return read_chart(pou, chart, dialect, rules.profile, names_of(project), project=project)
 
 
-def _code(
-    source: ChartSource | GraphSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project
-) -> Code:
+def _code(source: ChartSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project) -> Code:
     """Nothing yet, but all that is known of what it is for."""
     code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)

@@ -358,12 +358,18 @@ def test_a_case_cannot_hold_a_sequencer(construction: Construction) -> None:
 
 
 @pytest.mark.parametrize(
-    "options",
-    [{"modes": ["enable"]}, {"actions": "block"}, {"flags": "M20.0"}, {"reset_actions": True}, {"style": "classic"}],
-    ids=str,
+    ("options", "message"),
+    [
+        ({"modes": ("enable",)}, "operating modes of their own"),
+        ({"actions": "block"}, "cannot stand in a block of their own"),
+        ({"flags": "M20.0"}, "are local variables"),
+        ({"states": "constants"}, "no states to be named"),
+        ({"reset_actions": True}, "only R of the chart ends it"),
+        ({"style": "classic"}, "no classic style"),
+    ],
 )
-def test_options_that_sequencers_do_not_have_are_refused(options: dict[str, Any]) -> None:
-    with pytest.raises(LoweringError):
+def test_options_that_sequencers_do_not_have_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(LoweringError, match=message):
         sfc.lower(block(ring()), profile="s7graph", verify=False, **options)
 
 

@@ -11,7 +11,6 @@ from plcopen_sfc.lowering.code.logic import TRUE, assignment
 from plcopen_sfc.lowering.code.program import BOOL
 from plcopen_sfc.lowering.graph.shown import asked_outside
 from plcopen_sfc.lowering.graph.source import COILS, COUNTERS, SWITCHES, TIMERS, GraphSource, Row
-from plcopen_sfc.lowering.graph.surface import check_rules
 from plcopen_sfc.lowering.reading.texts import ConditionText, TextReader
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
@@ -42,9 +41,8 @@ def read_sequencer(
 ) -> GraphSource:
     """Read a sequencer of `pou`, a part of `project`.
 
-    Raises `LoweringError` for what has no meaning that could be lowered, and for options that sequencers do not have.
+    Raises `LoweringError` for what has no meaning that could be lowered.
     """
-    check_rules(rules)
     source = _Reader(pou, chart, dialect, rules.profile).source()
     shown = asked_outside(project, pou, source.net, rules.target) if project is not None else ()
     return replace(source, shown=shown)
