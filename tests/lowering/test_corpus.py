@@ -32,7 +32,7 @@ REASONS = {
     "cannot hold the chart": "several steps at a time",
     "not built of parts": "no regions",
     "no CASE can hold": "no regions",
-    "has no graphical form": "text that cannot be drawn",
+    "this cannot be drawn": "text that cannot be drawn",
     "cannot hold sequencers of S7-GRAPH": "S7-GRAPH",
     "a condition is of type BOOL": "condition that is no BOOL",
     "needs a time": "action without its time",
@@ -46,8 +46,8 @@ REFUSED = {
     "bits ST": _BROKEN,
     "case ST": {**_BROKEN, "several steps at a time": 15, "S7-GRAPH": 11},
     "regions ST": {**_BROKEN, "no regions": 6, "S7-GRAPH": 11},
-    "flipflop FBD": {**_BROKEN, "text that cannot be drawn": 2},
-    "flipflop LD": {**_BROKEN, "text that cannot be drawn": 2},
+    "flipflop FBD": {**_BROKEN, "text that cannot be drawn": 1},
+    "flipflop LD": {**_BROKEN, "text that cannot be drawn": 1},
 }
 """How many charts each form refuses. Four cannot be executed as they stand in their files."""
 
