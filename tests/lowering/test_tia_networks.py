@@ -115,3 +115,16 @@ END_FUNCTION_BLOCK
     assert [len(net.findall("{*}Parts/{*}Part[@Name='A']")) for net in networks] == [0, 1, 0]
     found = equivalent(project, sfc.loads(data), "iec")
     assert found.equal, str(found)
+
+
+def test_a_block_that_was_graph_is_none_any_more() -> None:
+    lowered = sfc.lower(sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml"), "bits", verify=False)
+    for fresh in (False, True):
+        data = sfc.dumps(lowered.project, format="simaticml", fresh=fresh)
+        block = etree.fromstring(data).find("SW.Blocks.FB")
+        assert block is not None
+        assert block.findtext("AttributeList/ProgrammingLanguage") == "SCL"
+        names = {value.tag for value in block.iterfind("AttributeList/*")}
+        assert names.isdisjoint({"GraphVersion", "LanguageInNetworks", "SkipSteps", "WithAlarmHandling"})
+        assert b"GRAPH_BASE" not in data
+        assert b"G7_" not in data

@@ -116,7 +116,16 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     for body in pou.bodies:
         write_units(ctx, writer.objects, body)
     writer.finish(frozenset(native))
+    if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
+        _without_graph(writer.values)
     ctx.place.pop()
+
+
+def _without_graph(values: etree._Element) -> None:
+    """Take the base of GRAPH out of the interface of a block that was one: only those have it."""
+    for section in list(values.iterfind("Interface/{*}Sections/{*}Section[@Name='Base']")):
+        if section.find("{*}Sections[@Datatype='GRAPH_BASE']") is not None:
+            section.getparent().remove(section)  # type: ignore[union-attr]  # it has one
 
 
 def _settings(writer: _Object, settings: GraphSettings | None) -> None:
