@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Collection, Container, Iterable
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -36,7 +36,7 @@ def condition_expression(
     """
     if transition.condition is None:
         return _failed("the transition has no condition")
-    return condition_reader(chart, dialect, transitions=transitions, taken=taken, known=known)(transition.condition)
+    return condition_reader(chart, dialect, transitions=transitions, taken=[*taken], known=known)(transition.condition)
 
 
 def condition_reader(
@@ -44,14 +44,15 @@ def condition_reader(
     dialect: Dialect = Dialect.IEC,
     *,
     transitions: Iterable[NamedTransition] = (),
-    taken: Iterable[str] = (),
+    taken: Collection[str] = (),
     known: Container[str] | None = None,
 ) -> Callable[[Condition], NetworkExpression]:
     """What `condition_expression` gives, for many conditions of a chart that does not change meanwhile.
 
-    The logic drawn in the chart is looked through once, not for each of them.
+    The logic drawn in the chart is looked through once, not for each of them. `taken` may grow
+    meanwhile.
     """
-    return _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, [*taken], known).read
+    return _ConditionReader(chart, dialect, {t.name.casefold(): t for t in transitions}, taken, known).read
 
 
 def chart_statements(
@@ -90,7 +91,7 @@ class _ConditionReader:
         chart: SfcNetwork,
         dialect: Dialect,
         transitions: dict[str, NamedTransition],
-        taken: list[str],
+        taken: Collection[str],
         known: Container[str] | None,
     ) -> None:
         self._chart = chart

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import Helper, NetworkText, body_statements, chart_statements, condition_reader
+from plcopen_sfc.languages.networks import (
+    Helper,
+    NetworkExpression,
+    NetworkText,
+    body_statements,
+    chart_statements,
+    condition_reader,
+)
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
@@ -30,26 +38,26 @@ class TextReader:
         self.chart = chart
         self.dialect = dialect
         self.helpers: list[Helper] = []
+        self._taken: list[str] = []
+        self._readers: dict[int, Callable[[Condition], NetworkExpression]] = {}
 
     def refuse(self, message: str, path: str) -> NoReturn:
         """Raise a `LoweringError` at `path` of the chart."""
         place = f"{self.pou.name} / {path}" if path else self.pou.name
         raise LoweringError(message, location=Location(path=place))
 
-    def _taken(self) -> list[str]:
-        return [helper.name for helper in self.helpers]
-
     def _accept(self, found: NetworkText, path: str) -> None:
         """Take over the variables that a drawing needs. Refuses what could not be read completely."""
         for wrong in found.obstacles:
             self.refuse(f"it cannot be read: {wrong.message}", path)
         self.helpers += found.helpers
+        self._taken += [helper.name for helper in found.helpers]
 
     def logic(self) -> tuple[n.Statement, ...]:
         """What is drawn in the chart and executed in every scan."""
         if not self.chart.logic:
             return ()
-        drawn = chart_statements(self.chart, self.dialect, taken=self._taken())
+        drawn = chart_statements(self.chart, self.dialect, taken=self._taken)
         self._accept(drawn, "logic of the chart")
         return drawn.tree.statements
 
@@ -57,8 +65,11 @@ class TextReader:
         """The condition of a transition or an action, however it is given."""
         if condition is None:
             self.refuse("it cannot be read: the transition has no condition", path)
-        read = condition_reader(chart, self.dialect, transitions=self.pou.transitions, taken=self._taken())
-        found = read(condition)
+        if id(chart) not in self._readers:
+            self._readers[id(chart)] = condition_reader(
+                chart, self.dialect, transitions=self.pou.transitions, taken=self._taken
+            )
+        found = self._readers[id(chart)](condition)
         self._accept(found, path)
         if found.tree is None:
             self.refuse("the condition has no value", path)
@@ -93,7 +104,7 @@ class TextReader:
             return self._staying(self.read(body.text, path), path)
         if not isinstance(body, FbdBody | LdBody):
             self.refuse(f"actions in {body.language} are not lowered", path)
-        found = body_statements(body, self.dialect, taken=self._taken())
+        found = body_statements(body, self.dialect, taken=self._taken)
         self._accept(found, path)
         return self._staying(found.tree.statements, path)
 
