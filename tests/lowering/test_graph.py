@@ -292,8 +292,7 @@ END_IF;
 // Step S3: actions
 IF #X3 THEN
     #P := TRUE;
-END_IF;
-"""
+END_IF;"""
     )
 
 
