@@ -60,7 +60,7 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
             return _patched_text(project, origin, kind, report), report
     note_unreadable(project, report)
     same = origin is not None and origin.format == kind.name and origin.version == version and not flavour
-    options = WriteOptions(version, flavour, same=same)
+    options = WriteOptions(version, flavour, same=same, source=origin.content if origin is not None and same else b"")
     copy = prepared(project, kind, options, report)
     data: bytes = kind.codec().write(copy, options, report)
     verify(copy, kind, kind.codec().read(data).project, report)
@@ -222,7 +222,7 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
             prepare_body(body, style, positions=False)
     codec = kind.codec()
     before: Project = codec.read(origin.content).project
-    options = WriteOptions(origin.version, same=True, untouched=frozenset(untouched - touched))
+    options = WriteOptions(origin.version, same=True, source=origin.content, untouched=frozenset(untouched - touched))
     after = codec.to_tree(project, replace(options, baseline=before), report)
     data = patch(origin.content, codec.to_tree(before, options, ConversionReport()), after)
     back = codec.to_tree(codec.read(data).project, options, ConversionReport())

@@ -44,7 +44,8 @@ class DrawingNeed(StrEnum):
 class WriteOptions:
     """How to write: `version` of the format, `flavour` of a family of readers (``beremiz``). Empty: the usual.
 
-    `same`: the project was read from this format in this version; ids come back by themselves then.
+    `same`: the project was read from this format in this version; ids come back by themselves then. `source` is the
+    file that it was read from, to keep to its habits.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
     file that is patched. `baseline` is the project as it was read, by which a writer sees what was edited.
     """
@@ -52,6 +53,7 @@ class WriteOptions:
     version: str = ""
     flavour: str = ""
     same: bool = False
+    source: bytes = b""
     untouched: frozenset[str] = frozenset()
     baseline: Project | None = None
 

@@ -203,7 +203,7 @@ class ChartWriter:
 
     def _shared(self, symbol: Symbol) -> dict[str, Any]:
         """The ids of the transitions that one symbol stands for; tools that draw so get them by counting."""
-        return {SHARED_FIELD: symbol.transitions} if symbol.transitions and not self.ctx.same else {}
+        return {SHARED_FIELD: symbol.transitions} if symbol.transitions and not self.ctx.counts_ids else {}
 
     def _left_of_wire(self, symbol: Symbol, transition: Transition) -> dict[str, Any]:
         """What TC6 1.01 cannot say of the pin of a wired condition, which has no element of its own there."""
@@ -285,7 +285,7 @@ class ChartWriter:
         if ctx.version.first_generation:
             for output in symbol.outputs:
                 write_output(ctx, element, output)
-            native = native - ({"entries"} if not ctx.same else set())
+            native = native - ({"entries"} if not ctx.counts_ids else set())
         else:
             # TC6 2.0 moved the output from the block to its actions
             native = native - {"outputs"}
@@ -331,7 +331,7 @@ class ChartWriter:
         """Write ``action`` of a block. `also` is more to carry."""
         ctx = self.ctx
         attributes: dict[str, str] = {}
-        native = _ASSOCIATION - ({"id"} if ctx.version.first_generation and not ctx.same else set())
+        native = _ASSOCIATION - ({"id"} if ctx.version.first_generation and not ctx.counts_ids else set())
         if not ctx.version.first_generation:
             attributes["localId"] = str(entry.association if entry.local_id is None else entry.local_id)
         states = ctx.dialect.states_actions

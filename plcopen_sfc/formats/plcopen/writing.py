@@ -8,6 +8,7 @@ forgotten that way, and each carried field is in the report.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,6 +29,9 @@ from plcopen_sfc.report import ConversionReport, Fate
 
 Written = tuple[str, UnknownDataRule, etree._Element]
 """One ``addData/data``: its name, its rule, and its content."""
+
+_IDS = re.compile(rb"<!--" + COMMENT_MARK.encode() + rb' ?\{"(?:id|entries)"')
+"""Comments in a file of TC6 1.01 that hold the ids of actions, which have no attribute for them there."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,8 @@ class WriteContext:
         self.untouched = options.untouched
         self.same = options.same
         """Whether the project was read from this format in this version."""
+        self.counts_ids = options.same and _IDS.search(options.source) is None
+        """Whether TC6 1.01 gets no ids in comments: the file has none either, and they come back by counting."""
         self.stale = stale
         """Objects (by `id()`) whose declaration as text is not written."""
         self.body_name = ""
