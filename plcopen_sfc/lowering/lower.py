@@ -136,6 +136,7 @@ def lower(
     chart = found.pou.sfc
     if chart is None:
         raise LoweringError("there is no chart to be lowered", location=Location(path=found.name))
+    _refuse_what_was_not_read(found)
     texts = TEXTS.get(lang)
     if texts is None:
         raise LoweringError(f"there are no texts in {lang!r}", hint="There are: " + ", ".join(TEXTS))
@@ -203,6 +204,18 @@ def lower(
         made.flags.following if made.flags is not None else "",
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
+
+
+def _refuse_what_was_not_read(subject: Subject) -> None:
+    """Raise `LoweringError` where the reader kept a chart's connections without understanding them."""
+    for finding in subject.project.diagnostics:
+        owner = (finding.location.path or "").partition(" / ")[0]
+        if finding.code == "SFC102" and owner.endswith(f" {subject.pou.name}"):
+            raise LoweringError(
+                f"the chart was not read completely: {finding.message}",
+                location=finding.location,
+                hint="Repair it in its tool and export it again.",
+            )
 
 
 def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:

@@ -103,6 +103,9 @@ def test_data_of_steps_that_the_target_cannot_show_are_refused(asking: str) -> N
 UNKNOWN_FUNCTION = {"FB_GraphSample"}
 """Blocks that call functions which their file does not hold: nobody can run them."""
 
+BROKEN = {"STATIONXSKFIXTURENR_FIXTURENAME_Sequence"}
+"""Templates with a connection to nothing."""
+
 
 @pytest.mark.parametrize("number", range(11))
 def test_blocks_of_the_corpus(number: int) -> None:
@@ -113,6 +116,10 @@ def test_blocks_of_the_corpus(number: int) -> None:
     project = sfc.load(path)
     charts = [pou for pou in project.pous if pou.sfc is not None]
     for pou in charts:
+        if pou.name in BROKEN:
+            with pytest.raises(LoweringError, match="not read completely"):
+                sfc.lower(project, pou=pou.name, verify=False)
+            continue
         lowered = sfc.lower(project, pou=pou.name, verify=False)
         if pou.name not in UNKNOWN_FUNCTION:
             read_back(project, lowered, FORMATS[1 + number % 4], cap=30, runs=2)

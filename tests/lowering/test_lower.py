@@ -11,6 +11,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.lower import lower
 from tests.lowering.charts import training_chain
+from tests.samples import FIXTURES
 
 
 def project() -> m.Project:
@@ -68,3 +69,9 @@ def test_what_is_not_known_is_refused() -> None:
     chart.steps[0].supervision = m.Supervised(condition=m.Expression(text="B5"))
     with pytest.raises(LoweringError, match="supervisions"):
         lower(original)
+
+
+def test_a_chart_that_was_not_read_completely_is_refused() -> None:
+    broken = sfc.load(FIXTURES / "broken" / "connection_to_nothing.xml")
+    with pytest.raises(LoweringError, match="not read completely"):
+        lower(broken, verify=False)
