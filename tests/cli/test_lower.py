@@ -187,3 +187,8 @@ def test_code_in_a_comment_is_no_code(cli: Cli, plant: Path, monkeypatch: pytest
     assert done.code == 2
     assert "would stand in a comment only: TIA Portal has no such element: an output variable" in done.err
     assert not (plant / "out.xml").exists()
+
+
+def test_a_project_without_charts_says_so(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
+    done = cli("lower", fixtures / "scl" / "filling_line.scl", tmp_path / "out.xml", "--to", "codesys")
+    assert (done.code, "there is no chart to be lowered" in done.err) == (2, True)

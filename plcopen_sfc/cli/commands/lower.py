@@ -103,6 +103,8 @@ def _refuse_comments(report: ConversionReport, lowered: Sequence[LoweredPou]) ->
 def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
     """The chart that was asked for, or all charts, each in the project that the one before it has left."""
     name = how.pou or _first_chart(project)
+    if name is None:
+        raise LoweringError("there is no chart to be lowered")
     several = how.pou is None and len(list(project.charts())) > 1
     following = ""
     while True:
