@@ -21,11 +21,15 @@ if TYPE_CHECKING:
 Source = str | os.PathLike[str] | BinaryIO
 
 
-def load(source: Source, *, format: str | None = None, progress: Progress | None = None) -> Project:
+def load(
+    source: Source, *, format: str | None = None, progress: Progress | None = None, as_tool: bool = False
+) -> Project:
     """Load a project from a path, a binary file, or a folder of documents of TIA Portal Openness.
 
     The format is recognised from the content; `format` insists on one. Charts that are wrong are loaded too; what is
-    wrong with them is in `Project.diagnostics`. Raises `FileAccessError` or `FormatError`.
+    wrong with them is in `Project.diagnostics`. With `as_tool` the file is read as the tool of its format sees it: what
+    this package carries in files of a format that has no place for it (comments, pragmas and foreign data of its own)
+    is ignored, and is gone where the project is saved. Raises `FileAccessError` or `FormatError`.
     """
     if isinstance(source, str | os.PathLike):
         path = os.fspath(source)
@@ -33,14 +37,14 @@ def load(source: Source, *, format: str | None = None, progress: Progress | None
         if Path(path).is_dir():
             from plcopen_sfc.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
 
-            return load_folder(path, format=format, progress=progress)
-        return loads(read_bytes(path), format=format, path=path)
-    return loads(source.read(), format=format, path=getattr(source, "name", None))
+            return load_folder(path, format=format, progress=progress, as_tool=as_tool)
+        return loads(read_bytes(path), format=format, path=path, as_tool=as_tool)
+    return loads(source.read(), format=format, path=getattr(source, "name", None), as_tool=as_tool)
 
 
-def loads(data: bytes, *, format: str | None = None, path: str | None = None) -> Project:
-    """Load a project from bytes. `path` is what messages call them."""
-    return read_document(data, format=format, path=path)
+def loads(data: bytes, *, format: str | None = None, path: str | None = None, as_tool: bool = False) -> Project:
+    """Load a project from bytes, as `load` does. `path` is what messages call them."""
+    return read_document(data, format=format, path=path, as_tool=as_tool)
 
 
 def save(

@@ -20,9 +20,14 @@ from plcopen_sfc.model.project import FolderOrigin, Origin, Project
 from plcopen_sfc.report import ConversionReport, Fate
 
 
-def read_document(data: bytes, *, format: str | None, path: str | None) -> Project:
-    """The project in the bytes of one file. `path` is what messages call them. Raises `FormatError`."""
+def read_document(data: bytes, *, format: str | None, path: str | None, as_tool: bool = False) -> Project:
+    """The project in the bytes of one file. `path` is what messages call them. Raises `FormatError`.
+
+    `as_tool`: as the tool of the format sees it. See `as_tool_sees`.
+    """
     kind = format_named(format)[0] if format is not None else recognise(data, file=path)
+    if as_tool:
+        data = as_tool_sees(data, kind, path)
     with collector_paused():
         reading: Reading = kind.codec().read(data, file=path)
         project = reading.project
@@ -32,6 +37,15 @@ def read_document(data: bytes, *, format: str | None, path: str | None) -> Proje
         digest = fingerprint(project)
     project._origin = Origin(kind.name, reading.version, data, digest, path, reading.diagnostics)
     return project
+
+
+def as_tool_sees(data: bytes, kind: Format, path: str | None = None) -> bytes:
+    """A file of the format `kind` without what writers of this package carry in it, which no other tool reads.
+
+    Data of vendors stays, as their tools read it. What else is there stays in its line.
+    """
+    seen = getattr(kind.codec(), "as_tool_sees", None)
+    return data if seen is None else seen(data, file=path)
 
 
 def fingerprint(project: Project) -> bytes:

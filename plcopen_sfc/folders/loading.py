@@ -24,8 +24,10 @@ Progress = Callable[[Sequence[str]], Iterable[str]]
 """Goes through the files of a folder and shows somebody how far it is."""
 
 
-def load_folder(folder: str, *, format: str | None = None, progress: Progress | None = None) -> Project:
-    """Read all documents below `folder` into one project.
+def load_folder(
+    folder: str, *, format: str | None = None, progress: Progress | None = None, as_tool: bool = False
+) -> Project:
+    """Read all documents below `folder` into one project; `as_tool`: as their tool sees them.
 
     A document that cannot be read does not keep the others from it: it is an error in `Project.diagnostics`. Raises
     `FileAccessError` where the folder cannot be read, `UnknownFormatError` where it has no document that can be.
@@ -38,7 +40,7 @@ def load_folder(folder: str, *, format: str | None = None, progress: Progress | 
     with collector_paused():
         for name in progress(scan.files) if progress is not None else scan.files:
             try:
-                things += _read(origin, kind, name)
+                things += _read(origin, kind, name, as_tool=as_tool)
             except SfcError as error:
                 origin.unreadable[name] = error
             except (MemoryError, RecursionError) as error:
@@ -106,7 +108,7 @@ def files_below(folder: str) -> list[str]:
     return [*scan.files, *scan.links]
 
 
-def _read(origin: FolderOrigin, kind: Format, name: str) -> list[ProjectObject]:
+def _read(origin: FolderOrigin, kind: Format, name: str, *, as_tool: bool) -> list[ProjectObject]:
     """Read one file, if it is a document of `kind`; its objects."""
     path = Path(origin.path, name)
     if path.suffix.casefold() not in kind.extensions:
@@ -115,7 +117,7 @@ def _read(origin: FolderOrigin, kind: Format, name: str) -> list[ProjectObject]:
     if not recognised_as(kind, _start(path)):
         origin.others.append(name)
         return []
-    return add_document(origin, name, read_bytes(path))
+    return add_document(origin, name, read_bytes(path), as_tool=as_tool)
 
 
 def _start(path: Path) -> bytes:
@@ -130,9 +132,9 @@ def _start(path: Path) -> bytes:
         raise access_failure(path, error) from error
 
 
-def add_document(origin: FolderOrigin, name: str, data: bytes) -> list[ProjectObject]:
+def add_document(origin: FolderOrigin, name: str, data: bytes, *, as_tool: bool = False) -> list[ProjectObject]:
     """Make `data` the document `name` of the folder; returns its objects, which know where they are from."""
-    part = read_document(data, format=origin.format, path=str(Path(origin.path, name)))
+    part = read_document(data, format=origin.format, path=str(Path(origin.path, name)), as_tool=as_tool)
     things = list(part.objects())
     origin.documents[name] = SourceDocument(without_objects(part), len(things))
     settle(things, name)

@@ -63,7 +63,8 @@ class Codec(Protocol):
 
     One with ``adapt(project, options, report)`` changes a copy of the project, before it is written, into what the
     format makes of it: numbers that its tool requires, names that it gives. One with ``normalize(data)`` takes out of a
-    file what its tool does not look at.
+    file what its tool does not look at. One with ``as_tool_sees(data, file=..)`` takes out what only this package
+    reads; without it a file holds nothing of the kind.
     """
 
     def read(self, data: bytes, *, file: str | None = None) -> Reading:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -24,3 +25,17 @@ def apply_edits(text: str, edits: Iterable[Edit]) -> str:
         pieces += text[position:start], new
         position = end
     return "".join(pieces) + text[position:]
+
+
+def without(text: str, spans: Iterable[tuple[int, int]]) -> str:
+    """`text` without what stands at `spans`; all the rest stays in its line, and words stay apart."""
+    return apply_edits(text, [Edit(start, end, _left_of(text, start, end)) for start, end in spans])
+
+
+def _left_of(text: str, start: int, end: int) -> str:
+    line_ends = "".join(_LINE_END.findall(text, start, end))
+    between_words = text[start - 1 : start].strip() and text[end : end + 1].strip()
+    return line_ends or (" " if between_words else "")
+
+
+_LINE_END = re.compile(r"\r\n|\r|\n")

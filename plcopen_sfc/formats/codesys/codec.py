@@ -16,11 +16,13 @@ from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01
-from plcopen_sfc.formats.xml import writing
+from plcopen_sfc.formats.xml import tool_view, writing
 from plcopen_sfc.formats.xml.writing import XmlStyle
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
+
+as_tool_sees = tool_view.as_tool_sees
 
 
 def read(data: bytes, *, file: str | None = None) -> Reading:

@@ -9,6 +9,7 @@ from plcopen_sfc.formats.iectext.lines import source_lines
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.project_writer import write_project
 from plcopen_sfc.formats.iectext.slices import file_slices
+from plcopen_sfc.formats.iectext.tool_view import without_own_pragmas
 from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
@@ -28,6 +29,11 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
 
 
 _MOST_NULS = 8
+
+
+def as_tool_sees(data: bytes, *, file: str | None = None) -> bytes:  # noqa: ARG001  # of every codec
+    """The file without pragmas of ours."""
+    return without_own_pragmas(data)
 
 
 def lines(content: bytes, _project: Project) -> dict[str, int]:

@@ -24,7 +24,7 @@ _DIALECT = re.compile(r"\{\s*plcopen_sfc\s+project\.dialect\s*:=\s*'(\w+)'\s*\}"
 
 def read_project(text: str, file: str | None) -> tuple[Project, Source]:
     """The project that a text says."""
-    src = Source(outline(text, _dialect(text)), file)
+    src = Source(outline(text, dialect_of(text)), file)
     for problem in src.outline.structure:
         src.note("IEC101", problem.message, problem.span[0])
     remark = Remark()
@@ -101,7 +101,8 @@ def _project_changes(src: Source, start: int, end: int, remark: Remark) -> int:
     return start
 
 
-def _dialect(text: str) -> Dialect:
+def dialect_of(text: str) -> Dialect:
+    """The dialect that a text says it is in."""
     found = _DIALECT.search(text)
     try:
         return Dialect(found.group(1)) if found is not None else Dialect.IEC

@@ -11,6 +11,7 @@ import json
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, merge
+from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
 
 FIELDS_DATA = "urn:plcopen-sfc:fields"
 STEP_ACTION_FIELD = "step_action"
@@ -19,7 +20,6 @@ APPLICATION_FIELD = "application"
 """At a configuration: it only holds an application."""
 SHARED_FIELD = "shared_ids"
 """At a transition below a convergence of steps: the ids of the transitions that it stands for."""
-COMMENT_MARK = "plcopen_sfc "
 
 
 def read_fields(ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:

@@ -16,10 +16,10 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.plcopen.carrying import COMMENT_MARK, FIELDS_DATA
+from plcopen_sfc.formats.plcopen.carrying import FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
-from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
+from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
 from plcopen_sfc.formats.xml.foreign import Markup, markup_of
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule

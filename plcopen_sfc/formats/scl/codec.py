@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.scl.blocks import OWN_COMMENT
 from plcopen_sfc.formats.scl.reader import read_source
 from plcopen_sfc.formats.scl.writer import write_pieces
 from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
+from plcopen_sfc.languages.declarations import split_units
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import without
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
@@ -14,6 +18,14 @@ def read(data: bytes, *, file: str | None = None) -> Reading:
     """Read a source. What does not parse is kept and reported."""
     found = read_source(decode(data), file)
     return Reading(found.project, found.diagnostics)
+
+
+def as_tool_sees(data: bytes, *, file: str | None = None) -> bytes:  # noqa: ARG001  # of every codec
+    """The source without comments of ours."""
+    source = decode(data)
+    comments = split_units(source.text, Dialect.SCL).comments
+    own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
+    return source.encode(without(source.text, own))[0] if own else data
 
 
 def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:

@@ -15,7 +15,7 @@ from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_v
 from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, TiaVersion, version_like
-from plcopen_sfc.formats.xml import writing
+from plcopen_sfc.formats.xml import tool_view, writing
 from plcopen_sfc.formats.xml.foreign import Markup, exchange, markup_of
 from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
@@ -26,6 +26,7 @@ from plcopen_sfc.report import ConversionReport
 
 standard_folder = layout.standard_folder
 new_document = layout.new_document
+as_tool_sees = tool_view.as_tool_sees
 
 
 def read(data: bytes, *, file: str | None = None) -> Reading:

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, neutral, schema_of
-from plcopen_sfc.formats.xml.carrying import markup
+from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, markup
 from plcopen_sfc.formats.xml.source import SourceLines
 from plcopen_sfc.model.base import Carried, Model
 
@@ -36,10 +36,8 @@ VERBATIM = "urn:plcopen-sfc:simaticml"
 It is written as long as it says what the model says. See docs/formats/simaticml.md.
 """
 
-COMMENT_MARK = "plcopen_sfc "
 ADDED = "added"
 """The mark of what only S7-GRAPH wants: it is not in the model."""
-"""XML comments that begin with it hold fields that SimaticML cannot say, as JSON."""
 
 
 class NotUnderstoodError(Exception):

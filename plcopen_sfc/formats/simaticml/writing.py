@@ -10,9 +10,9 @@ from xml.etree import ElementTree as ET
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.simaticml.reading import ADDED, COMMENT_MARK, VERBATIM, N
+from plcopen_sfc.formats.simaticml.reading import ADDED, VERBATIM, N
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
-from plcopen_sfc.formats.xml.carrying import add_markup, left_over, legal
+from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MultilingualText, Text, plain

@@ -10,7 +10,12 @@ from lxml import etree
 from plcopen_sfc.formats.xml.canonical import canonical_form
 from plcopen_sfc.model.base import Model
 
-__all__ = ["add_markup", "inner_markup", "left_over", "legal", "markup"]
+__all__ = ["COMMENT_MARK", "OWN_DATA", "add_markup", "inner_markup", "left_over", "legal", "markup"]
+
+COMMENT_MARK = "plcopen_sfc "
+"""XML comments that begin with it are ours: they hold fields that the format cannot say, as JSON."""
+OWN_DATA = "urn:plcopen-sfc:"
+"""The names of foreign data of ours begin with it: no other tool reads them."""
 
 
 def markup(element: etree._Element) -> str:
