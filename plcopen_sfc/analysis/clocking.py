@@ -15,7 +15,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts.grafcet.terms import term_times
 from plcopen_sfc.semantics.subjects import Subject
 
-__all__ = ["Clocking", "clocking"]
+__all__ = ["Clocking", "StepTimes", "clocking", "step_times"]
 
 _LITERAL = r"(?:TIME|LTIME|S5TIME|S5T|LT|T)\#[-+]?[0-9][0-9a-zA-Z_.]*"
 _DURATION = re.compile(rf"\b{_LITERAL}", re.IGNORECASE)
@@ -34,37 +34,59 @@ _DEFAULT_SCAN = 10_000_000
 class Clocking:
     """How time goes on in a search.
 
-    `scan_time` in nanoseconds; `constants` are the durations in the programs; elapsed times beyond `limit` make no
-    difference any more (None: they may); `reason` says why no finite number of states can stand for all times. `timed`
-    are the steps whose time anything depends on, `read` those of which a text reads it, `anywhere` those of which one
-    does elsewhere than in the conditions behind them. Names are in lower case.
+    `scan_time` in nanoseconds; `constants` are the durations in the programs; `reason` says why no finite number of
+    states can stand for all times.
     """
 
     scan_time: int
     constants: tuple[int, ...] = ()
-    limit: int | None = None
     reason: str = ""
-    timed: frozenset[str] = frozenset()
-    anywhere: frozenset[str] = frozenset()
-    read: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class StepTimes:
+    """What a program does with the times of the steps of its charts.
+
+    Elapsed times beyond `limit` make no difference any more (None: they may). `read` are the steps of which a text
+    reads the time, `anywhere` those of which one does elsewhere than in the conditions behind them. Names are in lower
+    case.
+    """
+
+    limit: int | None
+    anywhere: frozenset[str]
+    read: frozenset[str]
 
 
 def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
-    """Look through programs for what they do with times.
+    """Look through programs for the durations in them.
 
     Without `scan_time` it is half of the greatest one that all durations are multiples of, so that every duration ends
     in a scan and there is one before and one after it; 10 ms without durations.
     """
     texts = [text for subject in subjects for text in _texts(subject)]
-    charts = [chart for s in subjects if s.pou.sfc is not None for chart in _charts(s.pou.sfc)]
-    terms = [time for chart in charts for text in _conditions(chart) for time in term_times(text)]
-    constants = sorted({value for text in [*texts, *terms] for value in _durations(text)})
+    charts = [chart for subject in subjects for chart in _own_charts(subject)]
+    constants = sorted(_constants(texts, charts))
     if scan_time is None:
         common = math.gcd(*constants)
         scan_time = (common // 2 if common % 2 == 0 else common) or _DEFAULT_SCAN
-    reason = ""
-    if any(_CLOCK.search(text) for text in texts):
-        reason = "the program reads the clock"
+    reason = "the program reads the clock" if any(_CLOCK.search(text) for text in texts) else ""
+    return Clocking(scan_time, tuple(constants), reason)
+
+
+def _constants(texts: Sequence[str], charts: Sequence[SfcNetwork]) -> set[int]:
+    """The durations that times are compared with, or that timers are started with."""
+    terms = [time for chart in charts for text in _conditions(chart) for time in term_times(text)]
+    return {value for text in [*texts, *terms] for value in _durations(text)}
+
+
+def _own_charts(subject: Subject) -> list[SfcNetwork]:
+    return list(_charts(subject.pou.sfc)) if subject.pou.sfc is not None else []
+
+
+def step_times(subject: Subject, scan_time: int) -> StepTimes:
+    """Look through a program for what it does with the times of steps, which it alone sees."""
+    texts = _texts(subject)
+    charts = _own_charts(subject)
     plain = all(
         _COMPARED.match(text, match.end()) and not _CALCULATED.search(text[: match.start()][-8:])
         for text in texts
@@ -74,28 +96,24 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
     durations = [a.duration for step in steps for a in step.actions]
     durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
     known = all(duration is None or _DURATION.fullmatch(duration.strip()) for duration in durations)
-    limit = max(constants, default=0) + scan_time if plain and known else None
-    timed, anywhere, read = _timed_steps(charts, texts)
-    return Clocking(scan_time, tuple(constants), limit, reason, timed, anywhere, read)
+    limit = max(_constants(texts, charts), default=0) + scan_time if plain and known else None
+    return StepTimes(limit, *_steps_read(charts, texts))
 
 
-def _timed_steps(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[frozenset[str], ...]:
-    """The names of steps whose time is used, of those for which it is when they are not active, and of those read."""
+def _steps_read(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[frozenset[str], frozenset[str]]:
+    """The names of steps whose time is read when they are not active, and of those whose time is read."""
     read = Counter(name for text in texts for name in _times_read(text))
     own: Counter[str] = Counter()
     if any(_TIME_PIN in text for text in texts):
         read.update(step.name.casefold() for chart in charts for step in chart.steps)
-    timed = set(read)
     for chart in charts:
         for step in chart.steps:
             key = step.name.casefold()
-            if step.min_time or step.max_time or step.warning_time or any(a.duration for a in step.actions):
-                timed.add(key)
             if key in read:
                 conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
                 own[key] += sum(_times_read(each.model_dump_json()).count(key) for each in conditions)
     anywhere = frozenset(name for name, count in read.items() if count != own[name])
-    return frozenset(timed), anywhere, frozenset(read)
+    return anywhere, frozenset(read)
 
 
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:

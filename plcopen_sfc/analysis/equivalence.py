@@ -236,7 +236,7 @@ def equivalent(
                 break
     outcome = Outcome.DIFFERENT if counterexample is not None else Outcome.PROVEN if found.complete else Outcome.TESTED
     reason = found.reason
-    if reason and clock.limit is None and found.states >= cap:
+    if reason and None in (left.times.limit, right.times.limit) and found.states >= cap:
         reason += "; elapsed times of steps are used otherwise than in comparisons with constants"
     return Verdict(
         outcome,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.analysis.clocking import Clocking
+from plcopen_sfc.analysis.clocking import Clocking, step_times
 from plcopen_sfc.analysis.product import LeftOutError
 from plcopen_sfc.analysis.scratch import scratch_variables
 from plcopen_sfc.errors import ModelError
@@ -75,6 +75,7 @@ class ProgramSystem:
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
         self.steps, self._marking = step_marking(self.instance)
+        self.times = step_times(subject, clock.scan_time)
         self._forget = self._forgetting()
         self._scratch = self._scratch_cells()
         frames = [frame for _, _, frame in self.instance.charts()]
@@ -168,15 +169,13 @@ class ProgramSystem:
         """What sets back the times of steps."""
         found: list[tuple[Frame, Callable[[Frame, int], None]]] = []
         for _, chart, frame in self.instance.charts():
-            if isinstance(chart, ChartProgram):
-                found.append((frame, chart.forgetting(self.clock.anywhere, self.clock.timed)))
-            elif isinstance(chart, GraphProgram):
-                found.append((frame, chart.forgetting(self.clock.anywhere, self.clock.read)))
+            if isinstance(chart, ChartProgram | GraphProgram):
+                found.append((frame, chart.forgetting(self.times.anywhere, self.times.read)))
         return found
 
     def _clamp(self, now: int) -> None:
         """Set the times that charts keep back to the limit beyond which they make no difference."""
-        limit = self.clock.limit
+        limit = self.times.limit
         if limit is None:
             return
         for cells, slot in self._starts:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.clocking import clocking
+from plcopen_sfc.analysis.clocking import clocking, step_times
 from plcopen_sfc.model import ActionAssociation, PartialChart, Qualifier, SfcNetwork
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
@@ -27,7 +27,6 @@ def test_the_scan_time_divides_every_duration_twice() -> None:
     clock = clocking([chart("A.T > T#1s", "T#400ms"), chart("A.T > T#2.2s")], None)
     assert clock.constants == (400 * MS, 1000 * MS, 2200 * MS)
     assert clock.scan_time == 100 * MS
-    assert clock.limit == 2300 * MS
     assert clocking([chart("Go")], None).scan_time == 10 * MS
     assert clocking([chart("A.T > T#1s")], 7 * MS).scan_time == 7 * MS
 
@@ -57,7 +56,11 @@ def test_the_scan_time_divides_every_duration_twice() -> None:
 def test_elapsed_times_are_limited_where_they_are_compared_with_constants(
     condition: str, duration: str | None, *, limited: bool
 ) -> None:
-    assert (clocking([chart(condition, duration)], None).limit is not None) is limited
+    assert (step_times(chart(condition, duration), 10 * MS).limit is not None) is limited
+
+
+def test_times_of_steps_are_limited_by_the_durations_of_their_own_program() -> None:
+    assert step_times(chart("A.T > T#1s", "T#2s"), 10 * MS).limit == 2010 * MS
 
 
 def test_times_of_grafcet_are_durations_too() -> None:
@@ -84,7 +87,5 @@ def test_durations_of_what_is_called_count_too() -> None:
 
 
 def test_times_of_steps_with_names_in_quotes() -> None:
-    assert clocking([chart('#"Step 1".T >= T#2s AND "DB"."Other step".U > T#1s')], None).read == {
-        "step 1",
-        "other step",
-    }
+    times = step_times(chart('#"Step 1".T >= T#2s AND "DB"."Other step".U > T#1s'), 10 * MS)
+    assert times.read == {"step 1", "other step"}

@@ -153,8 +153,7 @@ class CheckedChart:
     @cached_property
     def types(self) -> dict[str, DataType]:
         """The types of the variables that the chart can name, by their names in lower case."""
-        interface = self.pou.interface if self.pou is not None else None
-        own = {v.name.casefold(): v.type for v in interface.variables()} if interface is not None else {}
+        own = {v.name.casefold(): v.type for v in self.pou.variables()} if self.pou is not None else {}
         return self.surroundings.globals | own
 
     @cached_property

@@ -42,7 +42,7 @@ def _clashes(chart: CheckedChart) -> Iterator[Finding]:
         return
     taken: dict[str, str] = {action.name.casefold(): "an action" for action in chart.pou.actions}
     taken |= {named.name.casefold(): "a transition" for named in chart.pou.transitions}
-    for variable in chart.pou.interface.variables() if chart.pou.interface is not None else ():
+    for variable in chart.pou.variables():
         type_ = variable.type
         if not (isinstance(type_, DerivedType) and type_.name.upper().startswith(_OF_STEPS)):
             taken[variable.name.casefold()] = "a variable"

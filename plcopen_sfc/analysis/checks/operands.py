@@ -103,9 +103,9 @@ def continuous_operands(chart: CheckedChart) -> set[Path]:
 
 def output_operands(chart: CheckedChart) -> set[Path]:
     """The variables that the POU declares as outputs."""
-    if chart.pou is None or chart.pou.interface is None:
+    if chart.pou is None:
         return set()
-    return {(variable.name.casefold(),) for variable in chart.pou.interface.variables(SectionKind.OUTPUT)}
+    return {(variable.name.casefold(),) for variable in chart.pou.variables(SectionKind.OUTPUT)}
 
 
 # -- code of actions

@@ -117,6 +117,13 @@ class Actions:
         out = reserve("out", ELEMENTARY["USINT"])
         return Action(draft.name, 1 << index, out, memory, control, associations, draft.model)
 
+    @property
+    def step_times(self) -> set[int]:
+        """The slots with starts of steps that controls depend on; others have timers of their own."""
+        if self._profile.action_control is not ActionControl.PER_STEP:
+            return set()
+        return {association.since for action in self._actions for association in action.associations}
+
     def translate(self) -> None:
         """Prepare bodies, targets, times and conditions. Raises `UnknownBehaviourError`."""
         for action in self._actions:

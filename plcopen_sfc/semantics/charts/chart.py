@@ -86,13 +86,14 @@ class ChartProgram:
             owners.append((Owner(macro.path, macro.steps, since, macro.step.negated), macro.step.actions))
         return [(owner, model) for owner, models in owners for model in models if not model.exclude]
 
-    def forgetting(self, anywhere: Container[str], timed: Container[str]) -> Callable[[Frame, int], None]:
+    def forgetting(self, anywhere: Container[str], read: Container[str]) -> Callable[[Frame, int], None]:
         """A function that sets back times of steps that nobody will see, so that fewer states are different.
 
-        `timed` are the steps whose time anything depends on (names in lower case), `anywhere` those of them whose time
-        is read elsewhere than in the conditions behind them, and so also when they are not active.
+        `read` are the steps whose time a text reads (names in lower case), `anywhere` those of which one does elsewhere
+        than in the conditions behind them, and so also when they are not active.
         """
-        return forgetting(self._steps, anywhere, timed)
+        used = {self._steps.since[index] for index in (*self._waits, *self._watches)} | self._actions.step_times
+        return forgetting(self._steps, anywhere, read, used)
 
     # -- preparing
 
