@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import Net, NetTransition
 
 
@@ -36,8 +37,10 @@ def _numbered(step: Step, path: str) -> str:
 class Texts:
     """English texts."""
 
+    language = "en"
     culture = ""
     init = "Start the chain anew"
+    init_input = "Init"
     stop = "holds the chain at its initial step"
     restart = "Restart"
     restart_comment = "the chain starts anew"
@@ -114,6 +117,10 @@ class Texts:
     moving_comment = "a transition was cleared"
     unstable = "unstable"
     unstable_comment = "no stable situation was found"
+
+    def remark(self, element: Step | Transition) -> str:
+        """What the chart says of a step or transition: its title and comment, in this language where they are in it."""
+        return "\n".join(filter(None, (plain(text, self.language) for text in (element.title, element.comment))))
 
     def set_while(self, condition: str) -> str:
         """The comment of an action with a condition."""
@@ -200,6 +207,7 @@ class Texts:
 class GermanTexts(Texts):
     """German texts."""
 
+    language = "de"
     culture = "de-DE"
     init = "Kette initialisieren"
     stop = "hält die Kette im Initialschritt"

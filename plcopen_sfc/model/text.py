@@ -27,11 +27,13 @@ Text = str | MarkupText | MultilingualText
 
 
 def plain(text: Text | None, language: str = "") -> str:
-    """What a person reads of `text`; of a multilingual one the text in `language`, else the first."""
+    """What a person reads of `text`; of a multilingual one that in `language` (``de-DE``, ``de``), else the first."""
     if text is None:
         return ""
     if isinstance(text, str):
         return text
     if isinstance(text, MarkupText):
         return text.text
-    return text.texts.get(language) or next(iter(text.texts.values()), "")
+    spoken = language.partition("-")[0]
+    others = (said for tag, said in text.texts.items() if said and tag.partition("-")[0] == spoken)
+    return text.texts.get(language) or next(others, "") or next(iter(text.texts.values()), "")

@@ -9,11 +9,17 @@ from __future__ import annotations
 from plcopen_sfc.languages.st.nodes import Statement
 from plcopen_sfc.lowering.chains.steps import StepFlags
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, negation, when
+from plcopen_sfc.semantics.net import NetStep
 from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class StepBits(StepFlags):
     """Lowers one chart into `code`."""
+
+    def flag_comment(self, step: NetStep) -> str:
+        """With what the chart says of the step: it has no network of its own."""
+        remark = " ".join(self.texts.remark(step.step).split())
+        return ": ".join(filter(None, [self.texts.flag_of(step.path), remark]))
 
     def move(self) -> None:
         """Append all resets, then all sets."""

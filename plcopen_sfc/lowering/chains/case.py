@@ -73,15 +73,17 @@ class CaseChain(RegionChain):
         used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
         main = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
         lines = [f"{self.text(self.names.step(step.index))}: // {self.heading(step)}"]
+        lines += [INDENT + remark for remark in self.remarks(step.step)]
         if used or main:
             lines.append(f"{INDENT}// {self.texts.actions}")
             done = [*main, *(line for action, use in used for line in self._acting(action, use))]
             lines += [INDENT + line for text in done for line in text.splitlines()]
             lines.append("")
         ending = [line for action, use in used for line in self._ending(action, use)]
-        lines += [INDENT + line for line in self._classic_transitions(step, ending)]
-        if len(lines) == 1:
-            lines.append(f"{INDENT};")
+        transitions = self._classic_transitions(step, ending)
+        if not (used or main or transitions):
+            transitions = [";"]
+        lines += [INDENT + line for line in transitions]
         return [*lines, ""]
 
     def _classic_transitions(self, step: NetStep, ending: list[str]) -> list[str]:
@@ -94,7 +96,7 @@ class CaseChain(RegionChain):
             target = self.net.steps[transition.targets[0]]
             initial = bool(self.net.initial & target.bit)
             jump = self.texts.jump(target.step, initial=initial, back=target.index <= step.index)
-            lines.append(f"// {self.texts.transition}")
+            lines += [f"// {self.texts.transition}", *self.remarks(transition.transition)]
             lines.append(f"{word} {self.text(self.source.conditions[transition.index])} THEN")
             lines += [INDENT + line for line in ending]
             lines.append(f"{INDENT}{self.entered(target.index)} // {jump}")

@@ -15,7 +15,6 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chains.steps import StepFlags
 from plcopen_sfc.lowering.code.logic import conjunction, disjunction, negation
 from plcopen_sfc.lowering.rules import OperatingMode
-from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
@@ -56,7 +55,9 @@ class FlipFlopChain(StepFlags):
             if self.rules.init is None and self.net.initial & step.bit:
                 set_.insert(0, self.memory.starting())
             following = {t for i in self.net.leaving[step.index] for t in self.net.transitions[i].targets}
-            self._add_step(step, set_, [self.active(i) for i in sorted(following)], classic=True, before=before)
+            reset = [self.active(i) for i in sorted(following)]
+            remarks = [f"{t.path}: {remark}" for t in entering if (remark := self.texts.remark(t.transition))]
+            self._add_step(step, set_, reset, classic=True, before=before, remarks=remarks)
         self.add_actions()
         self.memory.finish(self.texts.first_scan)
 
@@ -76,6 +77,7 @@ class FlipFlopChain(StepFlags):
         guarded: bool = False,
         classic: bool = False,
         before: Sequence[Statement] = (),
+        remarks: Sequence[str] = (),
     ) -> None:
         initial = bool(self.net.initial & step.bit)
         selecting = self.modes.selecting
@@ -94,4 +96,5 @@ class FlipFlopChain(StepFlags):
         statements: list[Statement] = [*before]
         name = f"FF_{self.texts.flag_name(step.step)}"
         self.memory.latch(name, disjunction(set_), disjunction(reset), statements, flag)
-        self.code.add(self.texts.step(step.step, step.path, initial=initial), statements, plain(step.step.comment))
+        comment = "\n".join([*filter(None, [self.texts.remark(step.step)]), *remarks])
+        self.code.add(self.texts.step(step.step, step.path, initial=initial), statements, comment)

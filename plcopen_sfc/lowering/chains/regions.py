@@ -19,6 +19,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chains.chain import Chain
 from plcopen_sfc.lowering.chains.rivals import firing_together
 from plcopen_sfc.lowering.chains.states import StateNames
+from plcopen_sfc.lowering.code.emitting import comment_lines
 from plcopen_sfc.lowering.code.logic import (
     FALSE,
     TRUE,
@@ -33,7 +34,7 @@ from plcopen_sfc.lowering.code.logic import (
 from plcopen_sfc.lowering.code.program import TextNetwork
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import States
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.sfc import SfcFlag, Step, Transition
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
@@ -71,6 +72,7 @@ class _Try(NamedTuple):
     before: tuple[Statement, ...]
     condition: Expression
     effect: list[str]
+    remarks: list[str]
 
 
 class RegionChain(Chain):
@@ -270,7 +272,8 @@ class RegionChain(Chain):
             leaving = [self.net.transitions[t] for t in self.net.leaving[i]]
             choice = [self._try(machine, t) for t in leaving if len(t.sources) == 1]
             idle = f"; // {self.texts.until_joined}" if len(choice) < len(leaving) else ";"
-            lines += self._branch(self.names.step(i), self.heading(step), self._tried(choice) or [idle])
+            content = self._tried(choice) or [idle]
+            lines += self._branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content])
         for block in machine.blocks:
             firsts = [self.net.steps[self.machines[branch].first].path for branch in block.branches]
             choice = [self._try(machine, self.net.transitions[t]) for t in block.joins]
@@ -285,10 +288,15 @@ class RegionChain(Chain):
         """The comment of a step's branch."""
         return self.texts.step(step.step, step.path, initial=bool(self.net.initial & step.bit))
 
+    def remarks(self, element: Step | Transition) -> list[str]:
+        """What the chart says of a step or transition, as comments."""
+        return comment_lines(self.texts.remark(element))
+
     def _try(self, machine: Machine, transition: NetTransition) -> _Try:
         effect = self._effect(machine, transition)
+        remarks = self.remarks(transition.transition)
         if transition.index in self._bits:
-            return _Try((), self._bits[transition.index], effect)
+            return _Try((), self._bits[transition.index], effect, remarks)
         # a step with one source is active where it is tried, a join is tried while its branches are
         enabled = TRUE if len(transition.sources) == 1 else self._enabled(transition)
         condition = conjunction([enabled, self.source.conditions[transition.index]])
@@ -296,7 +304,7 @@ class RegionChain(Chain):
         asked = self.sfc_flags.is_asked()
         if before and not is_constant(asked, TRUE):
             before = (when(asked, *before),)
-        return _Try(before, condition, effect)
+        return _Try(before, condition, effect, remarks)
 
     def _effect(self, machine: Machine, transition: NetTransition) -> list[str]:
         joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
@@ -325,6 +333,7 @@ class RegionChain(Chain):
         for number, each in enumerate(choice):
             if lines and each.before:
                 return [*lines, "ELSE", *(INDENT + line for line in self._tried(choice[number:])), "END_IF;"]
+            lines += each.remarks
             if each.before:
                 lines += self.text(n.Statements(each.before)).splitlines()
             opened = number > 0

@@ -13,8 +13,7 @@ from plcopen_sfc.lowering.chains.rivals import exclusive_rivals, firing_together
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.program import CodeNetwork
 from plcopen_sfc.lowering.reading.source import ChartSource
-from plcopen_sfc.model.text import plain
-from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.net import NetStep, NetTransition
 
 
 class StepFlags(Chain):
@@ -26,7 +25,7 @@ class StepFlags(Chain):
         self.fired: list[n.Name] = []
         for step in source.net.steps:
             initial = bool(source.net.initial & step.bit)
-            comment = self.texts.flag_of(step.path)
+            comment = self.flag_comment(step)
             name = self.texts.flag_name(step.step)
             self.flags.append(self.code.declare_flag(name, initial=initial, comment=comment))
         if self.code.flags is not None and not self.code.flags.have_values:
@@ -37,6 +36,10 @@ class StepFlags(Chain):
             comment = self.texts.transition_of(transition.path)
             name = self.texts.transition_name(source.net, transition)
             self.fired.append(self.code.declare(name, comment=comment))
+
+    def flag_comment(self, step: NetStep) -> str:
+        """What is said of the flag of a step where it is declared."""
+        return self.texts.flag_of(step.path)
 
     def active(self, step: int) -> Expression:
         """The flag of a step."""
@@ -62,7 +65,8 @@ class StepFlags(Chain):
             condition = self.source.conditions[transition.index]
             statements.append(assignment(self.fired[transition.index], conjunction([*enabled, condition, *free])))
             title = self.texts.transition_title(transition.path)
-            parts.append(CodeNetwork(title, tuple(statements), plain(transition.transition.comment)))
+            remark = self.texts.remark(transition.transition)
+            parts.append(CodeNetwork(title, tuple(statements), remark))
         self.code.add_each(self.texts.transitions, parts)
 
     def chosen(self) -> Sequence[n.Name]:

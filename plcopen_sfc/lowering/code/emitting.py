@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.errors import Location, LoweringError
@@ -47,10 +48,20 @@ def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRul
 def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
     """The text of a network, with its title and comment before it."""
     title = " ".join(network.title.split())  # a line break in a name would end the comment
-    comments = [title, *network.comment.splitlines()]
-    heading = [f"// {line}".rstrip() for line in comments if line]
-    text = network.text if isinstance(network, TextNetwork) else print_node(n.Statements(network.statements), dialect)
-    return "\n".join([*heading, text])
+    heading = [*comment_lines(title), *comment_lines(network.comment)]
+    if isinstance(network, TextNetwork):
+        return "\n".join([*heading, network.text])
+    starts = sorted({0, *network.remarks})
+    parts = pairwise([*starts, len(network.statements)])
+    for start, end in parts:
+        heading += comment_lines(network.remarks.get(start, ""))
+        heading.append(print_node(n.Statements(network.statements[start:end]), dialect))
+    return "\n".join(heading)
+
+
+def comment_lines(text: str) -> list[str]:
+    """A text as comments, a line each."""
+    return [f"// {line}".rstrip() for line in text.splitlines() if line.strip()]
 
 
 def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules, pou: str) -> list[LogicNetwork]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -35,11 +35,15 @@ StepValue: TypeAlias = Callable[[int], n.Expression]
 
 @dataclass(frozen=True)
 class CodeNetwork:
-    """Statements that belong together: a network of FBD and LD, a paragraph of ST."""
+    """Statements that belong together: a network of FBD and LD, a paragraph of ST.
+
+    `remarks` are comments inside a paragraph, by the index of the statement that they stand before.
+    """
 
     title: str
     statements: tuple[n.Statement, ...]
     comment: str = ""
+    remarks: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -167,5 +171,12 @@ class Code:
         """Append parts that belong together: as networks of their own where they are drawn, else as one paragraph."""
         if self.drawn:
             self.networks += [part for part in parts if part.statements]
-        else:
-            self.add(title, [statement for part in parts for statement in part.statements])
+            return
+        statements: list[n.Statement] = []
+        remarks: dict[int, str] = {}
+        for part in parts:
+            if part.comment:
+                remarks[len(statements)] = part.comment
+            statements += part.statements
+        if statements:
+            self.networks.append(CodeNetwork(title, tuple(statements), remarks=remarks))

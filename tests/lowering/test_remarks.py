@@ -1,0 +1,65 @@
+"""What a chart says to people stands in its code, in whatever form that is."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcopen_sfc import model as m
+from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.model.text import plain
+from tests.lowering.charts import training_chain
+
+TEXTS = ("Waits for parts", "tank in the cellar", "two lines,", "both of them")
+
+
+def commented() -> m.Pou:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.steps[1].comment = TEXTS[0]
+    chart.steps[2].title = m.MultilingualText(texts={"de-DE": "Tank im Keller", "en-US": TEXTS[1]})
+    chart.transitions[0].comment = "\n".join(TEXTS[2:])
+    return pou
+
+
+def said(lowered: LoweredPou) -> str:
+    """All comments of the code."""
+    body = lowered.pou.body
+    if isinstance(body, m.StBody):
+        comments = [line.strip() for line in body.text.splitlines() if line.strip().startswith("//")]
+        return "\n".join([*comments, *(plain(variable.comment) for variable in lowered.pou.variables())])
+    assert isinstance(body, m.FbdBody | m.LdBody)
+    return "\n".join(plain(network.comment) for network in body.networks)
+
+
+FORMS = [
+    ("case", "ST", "exact"),
+    ("case", "ST", "classic"),
+    ("regions", "ST", "exact"),
+    ("bits", "ST", "exact"),
+    *(("flipflop", language, style) for language in ("ST", "FBD", "LD") for style in ("exact", "classic")),
+]
+
+
+@pytest.mark.parametrize(("construction", "language", "style"), FORMS)
+def test_comments_of_steps_and_transitions_stand_in_the_code(construction: str, language: str, style: str) -> None:
+    lowered = lower(commented(), construction, style=style, language=language, profile="iec", verify=False)
+    assert [text for text in TEXTS if text not in said(lowered)] == [], said(lowered)
+
+
+def test_a_title_in_several_languages_is_said_in_that_of_the_code() -> None:
+    german = said(lower(commented(), "case", profile="iec", lang="de", verify=False))
+    assert "Tank im Keller" in german
+    assert TEXTS[1] not in german
+
+
+def test_a_comment_is_before_its_transition() -> None:
+    lowered = lower(commented(), "case", profile="iec")
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    lines = [line.strip() for line in body.text.splitlines()]
+    place = lines.index(f"// {TEXTS[2]}")
+    assert lines[place + 1] == f"// {TEXTS[3]}"
+    assert lines[place + 2].startswith("IF ")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
