@@ -12,7 +12,7 @@ from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.case import no_case
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.reading.source import ChartSource
-from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
+from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
 from plcopen_sfc.semantics.profile import Profile
 
 
@@ -84,8 +84,6 @@ def _choice(
     if not several:
         ends = any(not transition.targets for transition in source.net.transitions)
         return Construction.CASE, f"{'at most' if ends else 'exactly'} one step is active at a time"
-    if OperatingMode.SELECT in rules.modes:
-        return Construction.BITS, f"steps are to be selected, and several can be active: {several}"
     objection = no_regions(source)
     if not objection:
         return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"

@@ -16,6 +16,7 @@ from plcopen_sfc.lowering.chains.chain import Chain
 from plcopen_sfc.lowering.chains.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.chains.regions import RegionChain
 from plcopen_sfc.lowering.chains.restart import names_in_conditions
+from plcopen_sfc.lowering.chains.states import step_numbers
 from plcopen_sfc.lowering.choosing import choose
 from plcopen_sfc.lowering.code.flag_places import LOCAL, FlagPlaces
 from plcopen_sfc.lowering.code.flattening import flatten
@@ -38,7 +39,7 @@ from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.surface import without_step_data
 from plcopen_sfc.lowering.reading.chart import read_chart
 from plcopen_sfc.lowering.reading.source import ChartSource
-from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.lowering.rules import LoweringRules, OperatingMode
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -52,6 +53,7 @@ class Constructed:
     `step_flags` is what tells in its code that a step is active, by the path of the step; `situation` what does between
     two scans, where that is not the same. `at_rest` and `left_out` say when it does what the chart does: while inputs
     that were added have these values, and the variable is FALSE. `data_types` are what the project needs besides.
+    `step_numbers` are the numbers that steps have in the code, by their paths, where it knows them by numbers.
     """
 
     pou: Pou
@@ -62,6 +64,7 @@ class Constructed:
     at_rest: dict[str, bool]
     left_out: str | None
     data_types: tuple[DataTypeDeclaration, ...]
+    step_numbers: dict[str, int]
     flags: FlagPlaces | None = None
     blocks: tuple[Pou, ...] = ()
 
@@ -115,6 +118,7 @@ def construct(
         code.at_rest,
         code.left_out.identifier if code.left_out is not None else None,
         tuple(code.data_types),
+        _numbers(source, chosen, rules),
         code.flags,
         (drive_block(drive, dialect, language),) if drive is not None else (),
     )
@@ -164,6 +168,13 @@ def _fill(maker: Sequencer | Chain, construction: Construction, style: Style) ->
         maker.classic()
     else:
         raise LoweringError(f"{construction} has no classic style")
+
+
+def _numbers(source: ChartSource, construction: Construction, rules: LoweringRules) -> dict[str, int]:
+    """The numbers of steps where they are states, or are selected by them."""
+    if construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
+        return {}
+    return dict(zip((step.path for step in source.net.steps), step_numbers(source.net), strict=True))
 
 
 def _told(expression: Expression, dialect: Dialect) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeVar
 
@@ -42,7 +42,8 @@ class LoweredPou:
     scans but those in which a variable of the code is TRUE. `faults` are those that textbook code has (`find_faults`),
     as far as it was compared; `step_flags` and `situation` are those of `Constructed`. `name` says whose chart it was:
     ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too. `following` is the address behind
-    its flags, if they have some.
+    its flags, if they have some. `step_numbers` are those that steps have in the code, by their paths: as states of a
+    CASE, or because they are selected by them; else there are none.
     """
 
     project: Project
@@ -59,6 +60,7 @@ class LoweredPou:
     situation: Mapping[str, str]
     name: str
     following: str = ""
+    step_numbers: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def code(self) -> Body | None:
@@ -77,8 +79,11 @@ class LoweredPou:
         return str(self.code.language) if self.code is not None else ""
 
     def __str__(self) -> str:
-        """What was made and why, what the comparison came to, and the faults."""
+        """What was made and why, the numbers that select steps, what the comparison came to, and the faults."""
         lines = [f"{self.name}: {self.style} {self.construction} in {self.language}: {self.why}"]
+        if OperatingMode.SELECT in self.rules.modes:
+            numbers = ", ".join(f"{number} {path}" for path, number in self.step_numbers.items())
+            lines.append(f"steps are selected by their numbers: {numbers}")
         if self.proof is not None:
             verdict = str(self.proof).splitlines()
             lines.append(f"under the profile {self.profile.name}: {verdict[0]}")
@@ -96,6 +101,7 @@ class LoweredPou:
             "why": self.why,
             "proof": self.proof.as_dict() if self.proof is not None else None,
             "faults": [fault.as_dict() for fault in self.faults],
+            "step_numbers": dict(self.step_numbers),
         }
 
 
@@ -202,6 +208,7 @@ def lower(
         made.situation,
         found.name,
         made.flags.following if made.flags is not None else "",
+        made.step_numbers,
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
 

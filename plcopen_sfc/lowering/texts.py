@@ -195,6 +195,13 @@ class Texts:
         """The title of a step's network."""
         return f"Step {_numbered(step, path)}" + (" – initial step" if initial else "")
 
+    def step_numbers(self, net: Net, numbers: Sequence[int]) -> str:
+        """The comment that tells the numbers of steps, a line for each; empty where their names say them."""
+        pairs = list(zip(net.steps, numbers, strict=True))
+        if all(step_digits(step.path) == str(number) for step, number in pairs):
+            return ""
+        return "\n".join(f"{number} = {step.path}" for step, number in sorted(pairs, key=lambda pair: pair[1]))
+
     def maximum_time(self, path: str) -> str:
         """The title of the network that watches the time of a step."""
         return f"Maximum time of step {path}"

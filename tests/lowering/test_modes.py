@@ -14,7 +14,7 @@ from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate
-from tests.lowering.charts import pou_with, training_chain
+from tests.lowering.charts import act, pou_with, training_chain
 
 FORMS = [("flipflop", "ST"), ("flipflop", "FBD"), ("flipflop", "LD"), ("case", "ST"), ("bits", "ST")]
 MODES = ("enable", "single-step", "advance", "select")
@@ -181,6 +181,70 @@ def test_a_push_leads_one_step_on_in_the_textbook_chain_too() -> None:
         assert seen[-1] == [2]
 
 
+def driven() -> m.Project:
+    """Simultaneous branches and a sequence of its own beside them, with an output for each step."""
+    chart = m.SfcNetwork()
+    first, left, right = (chart.add_step(f"S{n}", initial=n == 1) for n in (1, 2, 3))
+    inner = chart.add_step("Inner")
+    beside, behind = chart.add_step("Beside", initial=True), chart.add_step("Behind")
+    chart.add_transition(first, [left, right], "a")
+    chart.add_transition(left, inner, "b")
+    chart.add_transition([inner, right], first, "c")
+    chart.add_transition(beside, behind, "b")
+    chart.add_transition(behind, beside, "c")
+    for step in chart.steps:
+        act(chart, step, f"Q_{step.name}")
+    return m.Project(pous=[pou_with(chart)])
+
+
+@pytest.mark.parametrize(
+    ("profile", "states"),
+    [("iec", "numbers"), ("iec", "constants"), ("codesys", "numbers"), ("codesys", "enumeration")],
+)
+def test_selecting_is_the_same_in_every_construction(profile: str, states: str) -> None:
+    """Of several regions too: all that step bits and CASEs can do together is searched, with every number."""
+    modes = ["select"]
+    bits = lower(driven(), "bits", profile=profile, init="Init", modes=modes, verify=False)
+    made = lower(driven(), "regions", profile=profile, init="Init", modes=modes, states=states)
+    assert made.proof is not None
+    assert made.proof.outcome is Outcome.PROVEN
+    found = equivalent(bits.project, made.project, profile)
+    assert found.outcome is Outcome.PROVEN, str(found)
+    wrong = lower(driven(), "bits", profile=profile, init="Init", verify=False)
+    assert equivalent(wrong.project, made.project, profile).outcome is Outcome.DIFFERENT
+
+
+def test_an_enumeration_is_selected_by_numbers() -> None:
+    made = lower(project(), "case", modes=["select"], states="enumeration")
+    bits = lower(project(), "bits", modes=["select"])
+    found = equivalent(bits.project, made.project, "iec")
+    assert found.outcome is Outcome.PROVEN, str(found)
+    assert "SelectedStep: INT" in sfc.dumps(made.project, format="iec-text").decode().replace(" :", ":")
+
+
+@pytest.mark.parametrize(("construction", "language"), [("flipflop", "FBD"), ("bits", "ST"), ("regions", "ST")])
+def test_the_report_and_the_code_tell_the_numbers_of_steps(construction: str, language: str) -> None:
+    made = lower(driven(), construction, language=language, modes=["select"], verify=False)
+    assert made.step_numbers == {"S1": 1, "S2": 2, "S3": 3, "Inner": 4, "Beside": 5, "Behind": 6}
+    assert made.as_dict()["step_numbers"] == made.step_numbers
+    assert "4 Inner, 5 Beside" in str(made)
+    body = made.code
+    if isinstance(body, m.StBody):
+        assert "// Operating modes\n// 1 = S1\n" in body.text
+        assert "// 4 = Inner\n// 5 = Beside\n// 6 = Behind\nSelect_edge" in body.text
+    else:
+        assert isinstance(body, m.FbdBody)
+        assert any(sheet.comment and "\n4 = Inner\n" in str(sheet.comment) for sheet in body.networks)
+    plain = lower(project(), construction, language=language, modes=["select"], verify=False)
+    assert "= S1" not in str(plain.code)  # their names say them
+
+
+def test_numbers_are_told_where_the_code_has_them() -> None:
+    assert lower(project(), "case", verify=False).step_numbers == {"S1": 1, "S2": 2, "S3": 3, "S4": 4}
+    assert lower(project(), "bits", verify=False).step_numbers == {}
+    assert "steps are selected" not in str(lower(project(), "case", verify=False))
+
+
 def test_names_that_are_taken_get_a_number() -> None:
     original = project()
     assert original.pous[0].interface is not None
@@ -194,9 +258,5 @@ def test_what_cannot_be_stepped_by_hand_is_refused() -> None:
     regions = lower(parallel(), "regions", modes=["enable", "advance"])
     assert regions.proof is not None
     assert regions.proof.outcome is Outcome.PROVEN
-    with pytest.raises(LoweringError, match="selected by their numbers"):
-        lower(parallel(), "regions", modes=["select"])
-    with pytest.raises(LoweringError, match="selected by their numbers"):
-        lower(project(), "case", modes=["select"], states="enumeration")
     with pytest.raises(LoweringError, match="search for stability"):
         lower(project(), "bits", modes=["single-step"], profile="grafcet")

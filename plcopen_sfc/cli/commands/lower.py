@@ -174,7 +174,7 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
     for each in lowered:
         head, *rest = str(each).splitlines()
         screen.line((each.name, "bold"), head.removeprefix(each.name))
-        for line in rest if each.proof is not None else ["not compared with the chart"]:
+        for line in rest if each.proof is not None else [*rest, "not compared with the chart"]:
             screen.line(line)
     losses = report.losses
     for item in losses if screen.verbose else losses[:_SHOWN]:

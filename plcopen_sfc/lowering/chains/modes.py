@@ -34,7 +34,8 @@ class Modes:
                 location=Location(path=source.pou.name),
             )
         self._usual, self._forced = self._declared(init)
-        code.add(rules.texts.modes, self._statements)
+        told = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
+        code.add(rules.texts.modes, self._statements, told)
 
     def may_fire(self, condition: Expression) -> Expression:
         """When a transition whose steps are active fires, by its condition."""
@@ -44,7 +45,11 @@ class Modes:
         """Whether a step, by its index, has the number that is selected."""
         if self.selected is None:
             return FALSE
-        return equal(self.selected, n.Literal(str(self._numbers[step])))
+        return equal(self.selected, self.number(step))
+
+    def number(self, step: int) -> Expression:
+        """The number by which a step, given by its index, is selected."""
+        return n.Literal(str(self._numbers[step]))
 
     def _declared(self, init: Expression | None) -> tuple[Expression, Expression]:
         """What lets transitions fire whose conditions are TRUE, and what lets all fire whose steps are active."""

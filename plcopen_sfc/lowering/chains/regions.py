@@ -115,18 +115,28 @@ class RegionChain(Chain):
             self.code.networks.append(TextNetwork(self._title(machine), "\n".join(lines)))
 
     def select(self) -> None:
-        """Append what makes the number of the selected step the state. Raises `LoweringError` for several regions."""
+        """Append what makes the selected step the state of its region, and leaves all others without a step."""
         selecting, selected = self.modes.selecting, self.modes.selected
         if selecting is None or selected is None:
             return
-        if len(self.machines) > 1 or self.rules.states is States.ENUMERATION:
-            raise LoweringError(
-                "steps are selected by their numbers where one of them is active at a time and has a number",
-                location=Location(path=self.source.pou.name),
-                hint="Step bits and flip-flops have no such limits.",
-            )
-        state = self._next[self.machines[0].region.index]
-        self.code.add(self.texts.selection, [when(selecting, assignment(state, selected))])
+        named = self.rules.states is States.ENUMERATION
+        if len(self.machines) == 1 and not named:
+            state = self._next[self.machines[0].region.index]
+            self.code.add(self.texts.selection, [when(selecting, assignment(state, selected))])
+            return
+        ended: list[Statement] = []
+        if len(self.machines) > 1:
+            ended = [assignment(self._next[machine.region.index], self.names.none) for machine in self.machines]
+        branches: list[n.CaseBranch] = []
+        for machine in self.machines:
+            state, numbers = self._next[machine.region.index], [self.modes.number(i) for i in machine.region.steps]
+            if named:
+                states = [assignment(state, self.names.step(i)) for i in machine.region.steps]
+                branches += [n.CaseBranch((each,), (to,)) for each, to in zip(numbers, states, strict=True)]
+            else:
+                branches.append(n.CaseBranch(tuple(numbers), (assignment(state, selected),)))
+        chosen = n.Case(selected, tuple(branches))
+        self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
 
     def move(self) -> None:
         """Append what makes the states those that they are to be, where that had to wait."""

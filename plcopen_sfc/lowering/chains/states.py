@@ -21,7 +21,7 @@ from plcopen_sfc.lowering.code.naming import Naming
 from plcopen_sfc.lowering.code.program import INT, Code
 from plcopen_sfc.lowering.code.targets import tool_of
 from plcopen_sfc.lowering.reading.source import ChartSource
-from plcopen_sfc.lowering.rules import LoweringRules, States
+from plcopen_sfc.lowering.rules import LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.texts import Texts, step_digits
 from plcopen_sfc.model.types import (
     DataType,
@@ -87,7 +87,9 @@ class StateNames:
         self, source: ChartSource, regions: Regions, code: Code, rules: LoweringRules, surroundings: Collection[str]
     ) -> None:
         self._code, self._texts = code, rules.texts
-        steps, waiting, none = _states(source.net, regions, rules.texts)
+        # where steps are selected, the regions of all others have none
+        left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
+        steps, waiting, none = _states(source.net, regions, rules.texts, left=left)
         states = [*steps, *waiting, *none]
         largest = max(state.number for state in states)
         self._type: DataType = integer(largest)
@@ -170,8 +172,8 @@ def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> N
         )
 
 
-def _states(net: Net, regions: Regions, texts: Texts) -> tuple[list[_State], list[_State], list[_State]]:
-    """The states of the steps, of the waits for joins, and of no step, where that can be."""
+def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[list[_State], list[_State], list[_State]]:
+    """The states of the steps, of the waits for joins, and of no step, where that can be: any region can be `left`."""
     numbers = step_numbers(net)
     # waits have numbers of a hundred of their own: they stay when steps are added
     hundred = 100 * (max(numbers) // 100 + 1)
@@ -187,7 +189,8 @@ def _states(net: Net, regions: Regions, texts: Texts) -> tuple[list[_State], lis
         firsts = [net.steps[regions.first_step(regions.regions[branch])] for branch in block.branches]
         name = f"{texts.waiting_constant}_{_short(firsts[0].path, numbers[firsts[0].index])}"
         waits.append(_State(hundred + 1 + block.index, name, name, texts.waiting(step.path for step in firsts)))
-    if all(region.initial is not None for region in regions.regions) and all(t.targets for t in net.transitions):
+    starting = all(region.initial is not None for region in regions.regions)
+    if starting and not left and all(t.targets for t in net.transitions):
         return steps, waits, []
     none = hundred if 0 in numbers else 0
     return steps, waits, [_State(none, texts.no_step, texts.no_step, texts.no_step_comment)]
