@@ -107,7 +107,7 @@ def construct(
         else:
             _fill(maker, chosen, style)
     if code.needs_flat_statements:
-        flatten(code, pou.interface.variables() if pou.interface is not None else ())
+        flatten(code, pou.variables())
     drive = maker.drive if isinstance(maker, Chain) else None
     return Constructed(
         assemble(pou, code, dialect, language),

@@ -97,17 +97,15 @@ def _compared(
 
 def _operating(chart: Subject, profile: Profile) -> dict[str, int]:
     """The inputs of a block that operate its sequencer, and their values at rest."""
-    interface = chart.pou.interface
-    if not profile.graph_parameters or interface is None:
+    if not profile.graph_parameters:
         return {}
-    return {v.name: 0 for v in interface.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}
+    return {v.name: 0 for v in chart.pou.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}
 
 
 def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
     """The SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
     charts = [body.chart for _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
-    interface = chart.pou.interface
-    own = {v.name.casefold() for v in interface.variables()} if interface is not None else set()
+    own = {v.name.casefold() for v in chart.pou.variables()}
     known = own | names_of(chart.project)
     used = {flag for each in charts for flag in flags_in_use(each, profile, lambda name: name.casefold() in known)}
     around = known - own

@@ -13,7 +13,8 @@ from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
-from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import Interface, SectionKind
 
 
 class PouKind(StrEnum):
@@ -81,6 +82,10 @@ class Pou(ProjectObject):
     def sfc(self) -> SfcNetwork | None:
         """The chart of the first SFC body."""
         return next((body.chart for body in self.bodies if isinstance(body, SfcBody)), None)
+
+    def variables(self, kind: SectionKind | None = None) -> list[Variable]:
+        """The variables of its interface, or those of one kind of section, in the order of their declaration."""
+        return self.interface.variables(kind) if self.interface is not None else []
 
     def action(self, name: str) -> Action | None:
         """The action of this name; case does not matter."""

@@ -48,8 +48,7 @@ def write_pou(printer: Printer, pou: Pou) -> Piece:
 def _names(pou: Pou) -> list[str]:
     """Every name in the POU that an action in place must not take."""
     parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
-    names = [part.name for part in parts]
-    names += [v.name for v in pou.interface.variables()] if pou.interface is not None else []
+    names = [*(part.name for part in parts), *(variable.name for variable in pou.variables())]
     for _, body in pou.named_bodies():
         if isinstance(body, SfcBody):
             names += [step.name for step in body.chart.steps]

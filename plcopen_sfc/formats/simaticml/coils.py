@@ -45,8 +45,7 @@ def types_of(project: Project, pou: Pou) -> dict[str, str]:
     Names are in lower case.
     """
     tags = {f'"{tag.name.lower()}"': tag.type for table in project.tag_tables for tag in table.tags}
-    variables = pou.interface.variables() if pou.interface is not None else ()
-    return tags | {f"#{variable.name.lower()}": write_type(variable.type) for variable in variables}
+    return tags | {f"#{variable.name.lower()}": write_type(variable.type) for variable in pou.variables()}
 
 
 def put_coils(project: Project) -> None:

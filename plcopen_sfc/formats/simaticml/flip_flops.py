@@ -78,8 +78,8 @@ def _put_flip_flops(
 
 
 def _instances(pou: Pou, types: frozenset[str]) -> dict[str, Variable]:
-    variables = pou.interface.variables() if pou.interface is not None else []
-    return {v.name.casefold(): v for v in variables if isinstance(v.type, DerivedType) and v.type.name.upper() in types}
+    derived = ((v, v.type) for v in pou.variables() if isinstance(v.type, DerivedType))
+    return {v.name.casefold(): v for v, type_ in derived if type_.name.upper() in types}
 
 
 def _blocks(body: object) -> Iterator[Block]:

@@ -81,8 +81,7 @@ class DriveBlock:
     def _passed(self) -> dict[str, Variable]:
         """The variables of the chain that the actions name, in the order of their declaration."""
         pou = self._source.pou
-        declared = pou.interface.variables() if pou.interface is not None else []
-        declared = [*declared, *self._chain.inputs, *self._chain.constants, *self._chain.variables]
+        declared = [*pou.variables(), *self._chain.inputs, *self._chain.constants, *self._chain.variables]
         own = {v.name.casefold() for v in (*self.code.variables, *self.code.inputs)}
         named = {name.identifier.casefold() for name in self._names()} - own
         for action in pou.actions:

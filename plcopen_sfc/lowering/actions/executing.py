@@ -226,7 +226,7 @@ def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
 def _standard_instances(source: ChartSource) -> set[Path]:
     interface = source.pou.interface
     found: set[Path] = set()
-    for variable in interface.variables() if interface is not None else ():
+    for variable in source.pou.variables():
         block = standard_block(variable.type.name) if isinstance(variable.type, DerivedType) else None
         if block is not None and block.stateful:
             found.add((variable.name.casefold(),))

@@ -100,9 +100,7 @@ class _Conditions:
         return self._inputs[name]
 
     def _declared(self, name: str) -> object:
-        interface = self._source.pou.interface
-        variables = interface.variables() if interface is not None else []
-        return next((v.type for v in variables if v.name.casefold() == name.casefold()), None)
+        return next((v.type for v in self._source.pou.variables() if v.name.casefold() == name.casefold()), None)
 
     def _parsed(self, text: str) -> Expression:
         parsed = parse_expression(text, self._source.dialect)

@@ -38,7 +38,7 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
     that tell what transitions want at the end of a scan, too.
     """
     flags = {path.casefold(): parse_expression(text, source.dialect).tree for path, text in situation.items()}
-    declared = {v.name.casefold() for v in code.interface.variables()} if code.interface is not None else set()
+    declared = {v.name.casefold() for v in code.variables()}
     first = Code(Naming(source.dialect, declared | source.names()))
     last = Code(first.naming)
     names: list[dict[int, str]] = []
@@ -50,7 +50,7 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
     if copy.interface is not None:
         copy.interface.sections.append(VariableSection(variables=[*first.variables, *last.variables]))
     bodies = list(copy.bodies)
-    bodies[0] = _around(bodies[0], first, last, source, copy.interface.variables() if copy.interface else [])
+    bodies[0] = _around(bodies[0], first, last, source, copy.variables())
     copy.bodies = bodies
     return WatchedPou(copy, *names)
 

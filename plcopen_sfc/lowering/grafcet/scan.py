@@ -242,8 +242,7 @@ class GrafcetScan:
 
 def _bits(source: ChartSource) -> set[str]:
     """The names of the BOOL variables of the POU, in lower case."""
-    declared = source.pou.interface.variables() if source.pou.interface is not None else []
-    return {variable.name.casefold() for variable in declared if variable.type == BOOL}
+    return {variable.name.casefold() for variable in source.pou.variables() if variable.type == BOOL}
 
 
 def _outputs(profile: Profile) -> Profile:

@@ -70,8 +70,7 @@ class _Reader(TextReader):
         self._targets = Targets(pou, project, dialect)
         self._grafcet = grafcet
         self._profile = profile
-        own = pou.interface.variables() if pou.interface is not None else []
-        self._types = {variable.name.casefold(): variable.type for variable in own}
+        self._types = {variable.name.casefold(): variable.type for variable in pou.variables()}
         self._declared = {*self._types, *surroundings}
         self._flags = flags_in_use(chart, profile, lambda name: name.casefold() in self._declared)
         self._net = Net.of(chart)

@@ -74,7 +74,7 @@ class _StepVariables:
         # `_x` changes behind the transitions, where nothing asks for it but drawn logic in the next scan
         announced = profile.order is ScanOrder.ACTIONS_FIRST and not source.logic
         self._quantities = {"x", "_x"} if announced else {"x"}
-        declared = {v.name.casefold() for v in source.pou.interface.variables()} if source.pou.interface else set()
+        declared = {v.name.casefold() for v in source.pou.variables()}
         steps = _bits_by_name(source.net)
         self._steps = {name: bits for name, bits in steps.items() if name not in declared}
         simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)

@@ -150,8 +150,8 @@ class ChartSource:
 
     def names(self) -> set[str]:
         """Every name that occurs in the POU or in its chart."""
-        found = {variable.name for variable in self.pou.interface.variables()} if self.pou.interface else set()
-        found |= {self.pou.name, *(action.name for action in self.pou.actions)}
+        found = {self.pou.name, *(variable.name for variable in self.pou.variables())}
+        found |= {action.name for action in self.pou.actions}
         found |= {step.step.name for step in self.net.steps} | {each.name for each in self.pou.transitions}
         found |= {helper.name for helper in self.helpers}
         read = {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
