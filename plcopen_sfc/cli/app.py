@@ -245,8 +245,12 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         str | None, typer.Option("--profile", metavar="NAME", help="What the chart does: iec, codesys, codesys23 ..")
     ] = None,
     init: Annotated[
-        str | None, typer.Option("--init", metavar="NAME", help="Add an input that starts the chain anew.")
+        str | None,
+        typer.Option("--init", metavar="NAME", help="Add an input that starts the chain anew; classic: Init."),
     ] = None,
+    no_init: Annotated[
+        bool, typer.Option("--no-init", help="Of classic forms: the first scan starts the chain, there is no input.")
+    ] = False,
     stop: Annotated[
         str | None,
         typer.Option("--stop", metavar="CONDITION", help="Emergency stop: sets the initial step, resets all others."),
@@ -278,6 +282,8 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     verbose: Verbose = 0,
 ) -> None:
     """Make program code of a chart, and prove that it does the same."""
+    if no_init and init is not None:
+        raise typer.BadParameter("--init and --no-init exclude each other")
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
         from plcopen_sfc.cli.commands import lower  # noqa: PLC0415
 
@@ -288,7 +294,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             style,
             language,
             profile,
-            init,
+            "" if no_init else init,
             stop,
             reset_actions,
             states,

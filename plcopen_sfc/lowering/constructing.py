@@ -15,7 +15,7 @@ from plcopen_sfc.lowering.chains.case import CaseChain
 from plcopen_sfc.lowering.chains.chain import Chain
 from plcopen_sfc.lowering.chains.flipflops import FlipFlopChain
 from plcopen_sfc.lowering.chains.regions import RegionChain
-from plcopen_sfc.lowering.chains.restart import names_in_conditions
+from plcopen_sfc.lowering.chains.restart import names_in_conditions, with_usual_input
 from plcopen_sfc.lowering.chains.states import step_numbers
 from plcopen_sfc.lowering.choosing import choose
 from plcopen_sfc.lowering.code.flag_places import LOCAL, FlagPlaces
@@ -32,6 +32,7 @@ from plcopen_sfc.lowering.grafcet.classic import plain_chart
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.scan import add_grafcet
+from plcopen_sfc.lowering.graph.bits import BitSequencer
 from plcopen_sfc.lowering.graph.flipflops import FlipFlopSequencer
 from plcopen_sfc.lowering.graph.reading import read_sequencer
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
@@ -48,7 +49,7 @@ from plcopen_sfc.model.types import DataTypeDeclaration
 
 @dataclass(frozen=True)
 class Constructed:
-    """A POU made of a chart. `why` says why this construction was taken.
+    """A POU made of a chart. `why` says why this construction was taken, `rules` what it obeys.
 
     `step_flags` is what tells in its code that a step is active, by the path of the step; `situation` what does between
     two scans, where that is not the same. `at_rest` and `left_out` say when it does what the chart does: while inputs
@@ -58,6 +59,7 @@ class Constructed:
 
     pou: Pou
     construction: Construction
+    rules: LoweringRules
     why: str
     step_flags: dict[str, str]
     situation: dict[str, str]
@@ -87,6 +89,7 @@ def construct(
     project = project or Project(dialect=dialect)
     surroundings = names_of(project)
     source = _read(pou, chart, dialect, rules, project)
+    rules = with_usual_input(rules, style, source, surroundings)
     if isinstance(source, GraphSource):
         pou = without_step_data(pou)
     chosen, language, why = choose(source, construction, rules, style=style, language=language)
@@ -95,7 +98,7 @@ def construct(
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
     maker: Sequencer | Chain
     if isinstance(source, GraphSource):
-        sequencer = FlipFlopSequencer if chosen is Construction.FLIPFLOP else Sequencer
+        sequencer = FlipFlopSequencer if chosen is Construction.FLIPFLOP else BitSequencer
         maker = sequencer(source, code, _memory(code, language), rules, surroundings)
         _fill(maker, chosen, style)
     else:
@@ -112,6 +115,7 @@ def construct(
     return Constructed(
         assemble(pou, code, dialect, language),
         chosen,
+        rules,
         why,
         {path: _told(expression, dialect) for path, expression in maker.tells().items()},
         {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps},

@@ -198,7 +198,7 @@ def lower(
         lowered_pou,
         made.construction,
         wanted_style,
-        rules,
+        made.rules,
         made.why,
         proof,
         (),

@@ -45,7 +45,8 @@ class OperatingMode(StrEnum):
 class LoweringRules:
     """What a lowering obeys.
 
-    `profile`: what the chart does. `init`: the name of an input to add that starts the chain anew. `stop`: a condition
+    `profile`: what the chart does. `init`: the name of an input to add that starts the chain anew; None is the usual
+    one, which textbook forms have and exact ones have not, an empty text is none for both. `stop`: a condition
     in the dialect of the project, or the name of an input to add; while it is TRUE initial steps are set and all others
     reset. `reset_actions`: `init` and `stop` end stored actions too. `flags`: where step flags are: ``local``, an
     address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,

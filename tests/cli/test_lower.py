@@ -36,7 +36,7 @@ def test_writes_code_that_is_proven(cli: Cli, plant: Path) -> None:
 
 
 def test_a_classic_chain_is_written_and_its_faults_are_shown(cli: Cli, plant: Path) -> None:
-    done = cli("lower", "plant.xml", "--to", "plcopen", "--as", "fup", "--style", "classic", "--init", "Init")
+    done = cli("lower", "plant.xml", "--to", "plcopen", "--as", "fup", "--style", "classic")
     assert done.code == 1
     lines = done.out.splitlines()
     assert lines[0] == "Ablauf: classic flipflop in FBD: asked for"
@@ -50,6 +50,15 @@ def test_a_classic_chain_is_written_and_its_faults_are_shown(cli: Cli, plant: Pa
     ]
     assert lines[-1] == "written: plant-lowered.xml"
     assert (plant / "plant-lowered.xml").is_file()
+
+
+def test_a_classic_chain_starts_in_the_first_scan_where_it_is_to_have_no_input_for_that(cli: Cli, plant: Path) -> None:
+    textbook = ("lower", "plant.xml", "out.st", "--to", "iec-text", "--as", "fup", "--style", "classic", "--no-init")
+    done = cli(*textbook)
+    assert (done.code, "LOW101" in done.out, "LOW104" in done.out) == (1, True, False)
+    assert "Init" not in (plant / "out.st").read_text(encoding="utf-8")
+    done = cli(*textbook, "--init", "Start")
+    assert (done.code, "--init and --no-init exclude each other" in done.err) == (2, True)
 
 
 def test_as_json(cli: Cli, plant: Path) -> None:

@@ -19,7 +19,7 @@ from plcopen_sfc.semantics.profile import PROFILES
 from tests.corpus import CORPUS
 from tests.lowering.charts import act, boolean, training_chain
 
-RULES = LoweringRules(PROFILES["iec"], GermanTexts(), "Init")
+RULES = LoweringRules(PROFILES["iec"], GermanTexts())
 
 
 def squeezed(text: str) -> list[str]:
@@ -72,6 +72,47 @@ def test_flip_flops_are_set_by_the_step_before_and_reset_by_the_step_behind() ->
         "Q2 := Q2_S;",
         "Q3 := X3 AND B5;",
     ]
+
+
+@pytest.mark.parametrize(("construction", "line"), [("fup", 0), ("case", 1)])
+def test_the_input_that_starts_the_chain_is_a_part_of_the_textbook_forms(construction: str, line: int) -> None:
+    def first_line(project: m.Project, **options: str) -> str:
+        made = lower(project, construction, style="classic", language="ST", verify=False, **options)
+        assert isinstance(made.pou.body, StBody)
+        return next(row for row in made.pou.body.text.splitlines() if not row.startswith("//"))
+
+    usual = {"fup": "X1 := ({} OR X4 AND B4 OR X1) AND NOT X2;", "case": "IF {} THEN"}[construction]
+    chain = m.Project(pous=[training_chain()])
+    assert first_line(chain) == usual.format("Init")
+    assert first_line(chain, init="Start") == usual.format("Start")
+    assert first_line(chain, init="") != usual.format("Init")
+    assert "Init" not in first_line(chain, init="")
+
+
+def test_an_input_of_the_block_that_is_called_so_starts_the_chain() -> None:
+    pou = training_chain()
+    assert pou.interface is not None
+    pou.interface.sections[0].variables.append(boolean("INIT"))
+    made = lower(m.Project(pous=[pou]), "fup", style="classic", verify=False)
+    assert made.at_rest == {"INIT": False}
+    assert [v.name for v in made.pou.variables() if v.name.casefold() == "init"] == ["INIT"]
+
+
+def test_a_name_that_means_something_else_is_not_taken_for_the_start_of_the_chain() -> None:
+    asked, stepped, number, output = (training_chain() for _ in range(4))
+    integer = m.Variable(name="Init", type=m.ElementaryType(name=m.Elementary.INT))
+    for pou, section, variable in ((asked, 0, boolean("Init")), (number, 0, integer), (output, 1, boolean("Init"))):
+        assert pou.interface is not None
+        pou.interface.sections[section].variables.append(variable)
+    assert asked.sfc is not None
+    asked.sfc.transitions[0].condition = m.Expression(text="init AND B1")
+    assert stepped.sfc is not None
+    stepped.sfc.steps[0].name = "Init"
+    for pou in (asked, stepped, number, output):
+        made = lower(m.Project(pous=[pou]), "fup", style="classic", verify=False)
+        assert made.at_rest == {"Init_2": False}
+    tagged = m.Project(pous=[training_chain(), m.Pou(name="Init", kind=m.PouKind.PROGRAM)])
+    assert lower(tagged, "fup", pou="Ablauf", style="classic", verify=False).at_rest == {"Init_2": False}
 
 
 def refused(pou: m.Pou, construction: Construction, **options: str) -> str:

@@ -28,20 +28,30 @@ def test_faults_are_named_where_textbook_code_differs(first: int) -> None:
     for seed in range(first, first + BATCH):
         pou = random_chart(seed)
         project = m.Project(pous=[pou])
-        for construction in ("flipflop", "case"):
+        for construction, init in (("flipflop", None), ("flipflop", ""), ("case", None)):
             try:
-                lowered = lower(project, construction, style="classic", language="ST", profile="iec", verify=False)
+                lowered = lower(
+                    project, construction, style="classic", language="ST", profile="iec", init=init, verify=False
+                )
             except LoweringError:
                 assert construction == "case"
                 continue
             found = faults_of(resolve(project), lowered)
             verdict = equivalent(
-                pou, lowered.project, "iec", step_flags=lowered.step_flags, cap=1_000, runs=5, scans=60
+                pou,
+                lowered.project,
+                "iec",
+                fixed=lowered.at_rest,
+                step_flags=lowered.step_flags,
+                cap=1_000,
+                runs=5,
+                scans=60,
             )
             if verdict.outcome is Outcome.DIFFERENT:
                 assert found, f"{pou.name} {construction}: {verdict}"
             for fault in found:
-                assert is_possible(fault, Net.of(chart_of(pou))), f"{pou.name} {construction}: {fault}"
+                possible = is_possible(fault, Net.of(chart_of(pou)), initialised=bool(lowered.at_rest))
+                assert possible, f"{pou.name} {construction}: {fault}"
 
 
 def chart_of(pou: m.Pou) -> m.SfcNetwork:
@@ -49,8 +59,8 @@ def chart_of(pou: m.Pou) -> m.SfcNetwork:
     return pou.sfc
 
 
-def is_possible(fault: Fault, net: Net) -> bool:
-    """Whether the chart has what the fault needs."""
+def is_possible(fault: Fault, net: Net, *, initialised: bool) -> bool:
+    """Whether the chart has what the fault needs, and the code an input that starts it anew."""
     following = [{s for t in leaving for s in net.transitions[t].targets} for leaving in net.leaving]
     index = {step.path: step.index for step in net.steps}
     steps = [index[name] for name in fault.place if name in index]
@@ -65,7 +75,9 @@ def is_possible(fault: Fault, net: Net) -> bool:
             return {steps[1], steps[2]} <= following[steps[0]]
         case FaultKind.LOST:
             return steps[0] in following[steps[0]]
-        case FaultKind.NOT_STARTED | FaultKind.INIT_EMPTIES | FaultKind.STUCK | FaultKind.INIT_IGNORED:
-            return False  # nothing initialises these charts
+        case FaultKind.INIT_EMPTIES:
+            return initialised and steps[1] in following[steps[0]]
+        case FaultKind.NOT_STARTED | FaultKind.STUCK | FaultKind.INIT_IGNORED:
+            return initialised
         case _:
             return True

@@ -19,6 +19,8 @@ from tests.analysis.nets import block_chart
 from tests.lowering.charts import act, pou_with, training_chain
 
 FLIP_FLOPS = [FaultKind.OVERLAP, FaultKind.RUN_THROUGH]
+USUAL = [*FLIP_FLOPS, FaultKind.INIT_EMPTIES]
+"""Of a chain with an input that starts it anew."""
 
 
 def lowered(pou: m.Pou, construction: str, **options: str) -> LoweredPou:
@@ -57,25 +59,26 @@ HEADER = "scan | inputs | chart | code"
 
 def test_the_training_chain_as_flip_flops_overlaps_and_runs_through() -> None:
     found = faults(training_chain(), "fup")
-    assert list(found) == FLIP_FLOPS
-    overlap, through = found.values()
+    assert list(found) == USUAL
+    overlap, through, empties = found.values()
     assert (overlap.place, overlap.shortest) == (("S1", "S2"), True)
     assert overlap.others == (("S2", "S3"), ("S3", "S4"))  # S4 stands behind S1, which resets it in the same scan
     assert table(overlap) == [HEADER, "1 | B1 | S2 | S1 S2"]
     assert (through.place, through.shortest) == (("S1", "S2", "S3"), True)
     assert table(through) == [HEADER, "1 | B1 B2 | S2 | S1 S2 S3"]
+    assert empties.place == ("S1", "S2")
+    assert table(empties) == [HEADER, "1 | B1 | S2 | S1 S2", "2 | Init | S1 | -"]
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD", "ST"])
 def test_all_languages_have_the_same_faults(language: str) -> None:
-    assert list(faults(training_chain(), "fup", language=language)) == FLIP_FLOPS
+    waiting = [] if language == "ST" else [FaultKind.NOT_STARTED]  # the blocks keep their own value
+    assert list(faults(training_chain(), "fup", language=language)) == [*USUAL, *waiting]
 
 
-def test_an_init_of_one_scan_empties_the_chain() -> None:
-    found = faults(training_chain(), "fup", init="Init")
-    assert list(found) == [*FLIP_FLOPS, FaultKind.INIT_EMPTIES]
-    assert found[FaultKind.INIT_EMPTIES].place == ("S1", "S2")
-    assert table(found[FaultKind.INIT_EMPTIES]) == [HEADER, "1 | B1 | S2 | S1 S2", "2 | Init | S1 | -"]
+@pytest.mark.parametrize("language", ["FBD", "LD", "ST"])
+def test_without_an_input_to_start_it_the_first_scan_starts_the_chain(language: str) -> None:
+    assert list(faults(training_chain(), "fup", language=language, init="")) == FLIP_FLOPS
 
 
 def test_two_steps_that_lead_to_each_other_block() -> None:
@@ -142,7 +145,7 @@ def test_conditions_with_times_and_numbers_are_followed() -> None:
         m.Variable(name="level", type=m.ElementaryType(name=m.Elementary.INT)),
         m.Variable(name="c", type=m.ElementaryType(name=m.Elementary.BOOL)),
     ]
-    found = faults(pou, "fup")
+    found = faults(pou, "fup", init="")
     assert list(found) == FLIP_FLOPS
     assert found[FaultKind.RUN_THROUGH].shortest
     assert found[FaultKind.RUN_THROUGH].trace[-1].inputs["level"] == 6
@@ -154,25 +157,22 @@ def test_conditions_with_times_and_numbers_are_followed() -> None:
     [{"flags": "M20.0"}, {"flags": "Merker", "target": "simaticml"}, {"actions": "block"}, {"stop": "NOT NotAus"}],
 )
 def test_faults_are_found_wherever_the_flags_are(options: dict[str, str]) -> None:
-    assert [*FLIP_FLOPS, FaultKind.INIT_EMPTIES] == [
-        kind
-        for kind in faults(training_chain(), "fup", language="FBD", init="Init", **options)
-        if kind is not FaultKind.NOT_STARTED
-    ]
+    found = faults(training_chain(), "fup", language="FBD", **options)
+    assert [kind for kind in found if kind is not FaultKind.NOT_STARTED] == USUAL
 
 
 def test_the_query_of_the_step_before_the_last_ends_the_running_through() -> None:
     """Which textbooks add for stepping by hand; neighbours still overlap."""
     project = m.Project(pous=[training_chain()])
     stepped = lower(project, "fup", style="classic", language="ST", modes=["single-step"])
-    assert [fault.kind for fault in stepped.faults] == [FaultKind.OVERLAP]
+    assert [fault.kind for fault in stepped.faults] == [FaultKind.OVERLAP, FaultKind.INIT_EMPTIES]
 
 
 # -- CASE
 
 
 def test_outputs_of_a_case_are_late_swallowed_or_stuck() -> None:
-    found = faults(training_chain(), "case", init="Init")
+    found = faults(training_chain(), "case")
     kinds = [FaultKind.SHIFTED, FaultKind.SWALLOWED, FaultKind.STUCK, FaultKind.INIT_IGNORED, FaultKind.LATE]
     assert list(found) == kinds
     assert found[FaultKind.LATE].place == ("S2", "Q2")
@@ -202,7 +202,8 @@ def test_a_step_alone_that_leads_to_itself_is_lost_at_once() -> None:
     only = chart.add_step("S1", initial=True)
     chart.add_transition(only, only, "a")
     act(chart, only, "Q")
-    assert list(faults(pou_with(chart), "fup")) == [FaultKind.LOST]
+    assert list(faults(pou_with(chart), "fup", init="")) == [FaultKind.LOST]
+    assert list(faults(pou_with(chart), "fup")) == [FaultKind.LOST, FaultKind.NOT_STARTED]  # until, and a scan long
 
 
 def test_an_output_of_two_neighbours_has_a_gap() -> None:
@@ -233,7 +234,7 @@ def test_textbook_code_of_a_grafcet_does_not_search_for_stability(construction: 
 
 
 def test_a_fault_as_text_as_data_and_as_finding() -> None:
-    result = lowered(training_chain(), "fup", init="Init")
+    result = lowered(training_chain(), "fup")
     empties = result.faults[-1]
     assert str(empties).splitlines() == [
         "LOW104: an initialisation of one scan leaves no initial step active: S1, S2",

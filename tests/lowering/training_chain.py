@@ -62,7 +62,7 @@ def graph_project() -> m.Project:
 
 def lowered(construction: str, form: str | None) -> sfc.LoweredPou:
     """The textbook program of the chain."""
-    return sfc.lower(project(), construction, style="classic", init="Init", lang="de", target=form, verify=False)
+    return sfc.lower(project(), construction, style="classic", lang="de", target=form, verify=False)
 
 
 def listing(project: m.Project) -> str:

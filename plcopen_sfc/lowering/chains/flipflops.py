@@ -40,7 +40,7 @@ class FlipFlopChain(StepFlags):
     def classic(self) -> None:
         """The textbook chain: steps one after the other, each looks at the flags as they are at that moment.
 
-        The input for starting anew also starts it first; without one the first scan does.
+        The input for starting anew also starts it first; where there is to be none the first scan does.
         """
         unused = {name.identifier for name in self.fired}
         self.code.variables = [variable for variable in self.code.variables if variable.name not in unused]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from dataclasses import replace
 from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -11,9 +12,12 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.lowering.code.logic import assignment, disjunction
+from plcopen_sfc.lowering.code.naming import free_name
 from plcopen_sfc.lowering.code.program import BOOL, Code
+from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
+from plcopen_sfc.model.variables import SectionKind
 
 
 def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
@@ -21,6 +25,26 @@ def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
     texts = [text for text in (rules.init, rules.stop) if text is not None]
     trees = [parse_expression(text, dialect).tree for text in texts]
     return {node.identifier for tree in trees for node in walk(tree) if isinstance(node, n.Name)}
+
+
+def with_usual_input(
+    rules: LoweringRules, style: Style, source: ChartSource, surroundings: Collection[str]
+) -> LoweringRules:
+    """The rules with the name of the input that a textbook form has where none was asked for; or with none.
+
+    An input of the POU that is called so is taken, unless the chart reads it: then it means something else.
+    """
+    if rules.init or (rules.init is None and style is Style.EXACT):
+        return rules
+    if rules.init is not None:
+        return replace(rules, init=None)
+    wanted = rules.texts.init_input
+    inputs = (v.name for v in source.pou.variables(SectionKind.INPUT) if v.type == BOOL)
+    own = next((name for name in inputs if name.casefold() == wanted.casefold()), None)
+    if own is not None and own.casefold() not in map(str.casefold, source.names_in_texts()):
+        return replace(rules, init=own)
+    taken = {*surroundings, *map(str.casefold, source.names())}
+    return replace(rules, init=free_name(wanted, taken))
 
 
 def declare_restart(

@@ -137,7 +137,7 @@ def _init_empties(facts: Facts, scan: Scan) -> Iterator[Place]:
     if not scan.restarted:
         return
     for step in indexes(facts.net.initial & ~scan.after):
-        behind = facts.following[step] & scan.before
+        behind = facts.following[step] & scan.before & ~(1 << step)
         if behind and not scan.after & ~facts.net.initial:
             yield facts.names(step, next(indexes(behind)))
 

@@ -154,9 +154,12 @@ class ChartSource:
         found |= {action.name for action in self.pou.actions}
         found |= {step.step.name for step in self.net.steps} | {each.name for each in self.pou.transitions}
         found |= {helper.name for helper in self.helpers}
-        read = {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
         steps = self.grafcet.step_variables if self.grafcet is not None else ()  # their flags may be called so
-        return found | {name for name in read if name.casefold() not in steps}
+        return found | {name for name in self.names_in_texts() if name.casefold() not in steps}
+
+    def names_in_texts(self) -> set[str]:
+        """Every name that conditions, actions and times have."""
+        return {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
 
     def _trees(self) -> Iterator[n.Node]:
         yield from self.conditions
