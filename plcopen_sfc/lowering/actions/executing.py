@@ -224,7 +224,6 @@ def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
 
 
 def _standard_instances(source: ChartSource) -> set[Path]:
-    interface = source.pou.interface
     found: set[Path] = set()
     for variable in source.pou.variables():
         block = standard_block(variable.type.name) if isinstance(variable.type, DerivedType) else None
