@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeVar
 
@@ -17,6 +17,7 @@ from plcopen_sfc.lowering.faults.search import find_faults
 from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.classic import read_plain
 from plcopen_sfc.lowering.leftovers import without_leftovers
+from plcopen_sfc.lowering.losses import losses
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
@@ -26,6 +27,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.report import Item
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve
@@ -43,7 +45,8 @@ class LoweredPou:
     as far as it was compared; `step_flags` and `situation` are those of `Constructed`. `name` says whose chart it was:
     ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too. `following` is the address behind
     its flags, if they have some. `step_numbers` are those that steps have in the code, by their paths: as states of a
-    CASE, or because they are selected by them; else there are none.
+    CASE, or because they are selected by them; else there are none. `losses` are what the chart held and the code does
+    not.
     """
 
     project: Project
@@ -61,6 +64,7 @@ class LoweredPou:
     name: str
     following: str = ""
     step_numbers: Mapping[str, int] = field(default_factory=dict)
+    losses: tuple[Item, ...] = ()
 
     @property
     def code(self) -> Body | None:
@@ -102,6 +106,7 @@ class LoweredPou:
             "proof": self.proof.as_dict() if self.proof is not None else None,
             "faults": [fault.as_dict() for fault in self.faults],
             "step_numbers": dict(self.step_numbers),
+            "losses": [asdict(item) for item in self.losses],
         }
 
 
@@ -209,6 +214,7 @@ def lower(
         found.name,
         made.flags.following if made.flags is not None else "",
         made.step_numbers,
+        losses(found, lowered_pou, semantics),
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
 

@@ -176,7 +176,7 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
         screen.line((each.name, "bold"), head.removeprefix(each.name))
         for line in rest if each.proof is not None else [*rest, "not compared with the chart"]:
             screen.line(line)
-    losses = report.losses
+    losses = [*(item for each in lowered for item in each.losses), *report.losses]
     for item in losses if screen.verbose else losses[:_SHOWN]:
         screen.line((item.fate.value, "yellow"), f": {item.what} {item.path}: {item.why}")
     if len(losses) > _SHOWN and not screen.verbose:

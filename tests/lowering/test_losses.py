@@ -1,0 +1,72 @@
+"""What a chart holds and its code does not is told, one by one."""
+
+from __future__ import annotations
+
+from plcopen_sfc import model as m
+from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.report import Item
+from tests.lowering.charts import training_chain
+
+
+def lost(pou: m.Pou, profile: str) -> list[tuple[str, str]]:
+    return [(item.what, item.path) for item in items(pou, profile)]
+
+
+def items(pou: m.Pou, profile: str) -> tuple[Item, ...]:
+    return lower(pou, "bits", profile=profile, verify=False).losses
+
+
+def timed() -> m.Pou:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.sfc.steps[1].min_time = "T#2s"
+    pou.sfc.steps[2].max_time = "T#4s"
+    return pou
+
+
+def test_nothing_is_lost_of_a_plain_chart() -> None:
+    assert lost(training_chain(), "iec") == []
+
+
+def test_times_that_a_profile_does_not_have_are_told() -> None:
+    pou = timed()
+    assert lost(pou, "iec") == [
+        ("minimum time", f"POU {pou.name} / step S2"),
+        ("maximum time", f"POU {pou.name} / step S3"),
+    ]
+    assert "T#2s" in items(pou, "iec")[0].why
+
+
+def test_a_maximum_time_counts_where_a_flag_reports_it() -> None:
+    pou = timed()
+    assert lost(pou, "codesys") == [("maximum time", f"POU {pou.name} / step S3")]
+    assert pou.interface is not None
+    pou.interface.sections[0].variables.append(m.Variable(name="SFCError", type=m.ElementaryType(name="BOOL")))
+    assert lost(pou, "codesys") == []
+
+
+def test_what_is_excluded_and_comments_of_the_drawing_are_told() -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    chart.steps[0].actions[0].exclude = True
+    chart.comment = "drawn by hand"
+    chart.logic.append(m.CommentBox(id=chart.new_id(), content="look here"))
+    action = chart.steps[0].actions[0].target
+    assert lost(pou, "iec") == [
+        ("action", f"POU {pou.name} / step S1 / action {action}"),
+        ("comment", f"POU {pou.name}"),
+        ("comment", f"POU {pou.name}"),
+    ]
+    assert "'look here'" in items(pou, "iec")[-1].why
+
+
+def test_charts_of_actions_that_are_lowered_along_lose_nothing_in_silence() -> None:
+    outer, inner = training_chain(), timed()
+    assert outer.sfc is not None
+    assert inner.sfc is not None
+    outer.actions.append(m.Action(name="Fill", body=m.SfcBody(chart=inner.sfc)))
+    outer.sfc.steps[1].actions.append(m.ActionAssociation(id=900, target="Fill"))
+    assert ("minimum time", f"POU {outer.name} / action Fill / step S2") in lost(outer, "iec")
+    alone = lower(m.Project(pous=[outer]), "bits", pou=f"{outer.name}.Fill", profile="iec", verify=False)
+    assert [item.what for item in alone.losses] == ["minimum time", "maximum time"]
