@@ -11,7 +11,7 @@ from plcopen_sfc.analysis.equivalence import Outcome, Verdict
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.code.targets import without_version
-from plcopen_sfc.lowering.constructing import construct
+from plcopen_sfc.lowering.constructing import Constructed, construct
 from plcopen_sfc.lowering.faults.kinds import Fault
 from plcopen_sfc.lowering.faults.search import find_faults
 from plcopen_sfc.lowering.forms import Construction, Language, Style
@@ -19,6 +19,7 @@ from plcopen_sfc.lowering.grafcet.classic import read_plain
 from plcopen_sfc.lowering.leftovers import without_leftovers
 from plcopen_sfc.lowering.losses import losses
 from plcopen_sfc.lowering.nested import with_actions
+from plcopen_sfc.lowering.placing import errors_of
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.texts import TEXTS
@@ -164,7 +165,7 @@ def lower(
         frozenset(_chosen(OperatingMode, str(mode)) for mode in modes),
         without_version(target) if target is not None else None,
     )
-    with collector_paused():
+    with collector_paused(), errors_of(found.pou, found.name):
         made = construct(
             found.pou,
             chart,
@@ -182,22 +183,7 @@ def lower(
     if made.flags is not None:
         made.flags.put_into(project)
     code = Subject(project, made.pou, found.name)
-    proof: Verdict | None = None
-    if verify:
-        proof = prove(
-            found,
-            code,
-            semantics,
-            fixed=made.at_rest,
-            left_out=made.left_out,
-            step_flags=made.step_flags or None,
-        )
-        if proof.outcome is Outcome.DIFFERENT and wanted_style is Style.EXACT:
-            raise LoweringError(
-                f"the code does not do what the chart does: {proof}",
-                location=Location(path=found.name),
-                hint="This is an error of plcopen_sfc: please report it with the chart.",
-            )
+    proof = _proof(found, code, made, semantics, wanted_style) if verify else None
     lowered = LoweredPou(
         project,
         lowered_pou,
@@ -217,6 +203,20 @@ def lower(
         losses(found, lowered_pou, semantics),
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
+
+
+def _proof(chart: Subject, code: Subject, made: Constructed, profile: Profile, style: Style) -> Verdict:
+    """What comparing `code` with `chart` comes to. Raises `LoweringError` where exact code is different."""
+    with errors_of(chart.pou, chart.name):
+        found = prove(
+            chart, code, profile, fixed=made.at_rest, left_out=made.left_out, step_flags=made.step_flags or None
+        )
+        if found.outcome is Outcome.DIFFERENT and style is Style.EXACT:
+            raise LoweringError(
+                f"the code does not do what the chart does: {found}",
+                hint="This is an error of plcopen_sfc: please report it with the chart.",
+            )
+    return found
 
 
 def _refuse_what_was_not_read(subject: Subject) -> None:

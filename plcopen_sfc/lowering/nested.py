@@ -8,6 +8,7 @@ from dataclasses import replace
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Constructed, construct
 from plcopen_sfc.lowering.forms import Construction, Language
+from plcopen_sfc.lowering.placing import errors_of
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Action, Pou
@@ -38,9 +39,10 @@ def with_actions(
             if isinstance(action.body, SfcBody):
                 alone = pou.model_copy(update={"bodies": [action.body]})  # as if it were the body
                 chart = action.body.chart
-                found = construct(
-                    alone, chart, dialect, inner, construction=construction, language=language, project=project
-                )
+                with errors_of(pou, f"{pou.name}.{action.name}"):
+                    found = construct(
+                        alone, chart, dialect, inner, construction=construction, language=language, project=project
+                    )
                 data_types += found.data_types
                 pou = found.pou.model_copy(update={"bodies": pou.bodies})
                 _named(pou, action.name).body = found.pou.body

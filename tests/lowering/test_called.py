@@ -151,4 +151,4 @@ def test_what_cannot_be_drawn_is_named_with_its_pou() -> None:
     with pytest.raises(LoweringError, match=r"Drive\.Start") as refused:
         lower(project, "flipflop", pou="Ablauf", target="plcopen", verify=False)
     assert refused.value.location is not None
-    assert str(refused.value.location.path).startswith("Ablauf / network ")
+    assert str(refused.value.location.path).startswith("POU Ablauf / network ")

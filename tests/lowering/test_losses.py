@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from plcopen_sfc import model as m
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.report import Item
 from tests.lowering.charts import training_chain
@@ -70,3 +73,17 @@ def test_charts_of_actions_that_are_lowered_along_lose_nothing_in_silence() -> N
     assert ("minimum time", f"POU {outer.name} / action Fill / step S2") in lost(outer, "iec")
     alone = lower(m.Project(pous=[outer]), "bits", pou=f"{outer.name}.Fill", profile="iec", verify=False)
     assert [item.what for item in alone.losses] == ["minimum time", "maximum time"]
+
+
+def test_an_error_names_the_action_whose_chart_it_is_in() -> None:
+    outer, inner = training_chain(), training_chain()
+    assert outer.sfc is not None
+    assert inner.sfc is not None
+    inner.sfc.transitions[1].condition = None
+    outer.actions.append(m.Action(name="Fill", body=m.SfcBody(chart=inner.sfc)))
+    outer.sfc.steps[1].actions.append(m.ActionAssociation(id=900, target="Fill"))
+    project = m.Project(pous=[outer])
+    for name in (outer.name, f"{outer.name}.Fill"):
+        with pytest.raises(LoweringError) as refused:
+            lower(project, "bits", pou=name, profile="iec", verify=False)
+        assert refused.value.location.path == f"POU {outer.name} / action Fill / transition S2 -> S3"
