@@ -143,8 +143,8 @@ def test_times_and_blocks_of_conditions_are_part_of_textbook_forms() -> None:
     assert pou.sfc is not None
     pou.sfc.transitions[1].condition = m.Expression(text="S2.T >= T#2s")
     for construction, expected in (
-        (Construction.FLIPFLOP, "X2_time(IN := X2,"),
-        (Construction.CASE, "X2_time(IN := schrittnummer = 2,"),
+        (Construction.FLIPFLOP, "X2_zeit(IN := X2,"),
+        (Construction.CASE, "X2_zeit(IN := schrittnummer = 2,"),
     ):
         made = lower(m.Project(pous=[pou]), construction, style="classic", language="ST", lang="de", verify=False)
         assert isinstance(made.pou.body, StBody)

@@ -8,9 +8,23 @@ from collections import Counter
 
 import pytest
 
+from plcopen_sfc import model as m
+from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.texts import TEXTS, GermanTexts, Texts
+from tests.lowering.charts import act, boolean, training_chain
+from tests.lowering.grafcets import pou_with
 
-SAME = {"flag_name", "time_name", "transition_name", "delay_name", "transition_title", "waiting_constant"}
+SAME = {
+    "flag_name",
+    "time_name",
+    "transition_name",
+    "delay_name",
+    "transition_title",
+    "waiting_constant",
+    "init_input",
+    "remark",
+    "step_numbers",
+}
 """What is the same in all languages."""
 
 
@@ -42,3 +56,69 @@ def test_nothing_is_said_twice_under_one_name(language: str) -> None:
     ]
     names += [each.name for each in body if isinstance(each, ast.FunctionDef)]
     assert [name for name, count in Counter(names).items() if count > 1] == []
+
+
+def with_everything() -> m.Pou:
+    """A chart of whose variables every kind has a name of its own."""
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    assert pou.interface is not None
+    flags = ("SFCReset", "SFCTip", "SFCTipMode", "SFCError", "SFCTrans", "SFCEnableLimit")
+    pou.interface.sections[0].variables += map(boolean, flags)
+    chart.steps[1].max_time = "T#5s"
+    chart.steps[2].min_time = "T#5s"
+    chart.add_transition(chart.steps[2], chart.steps[2], "B5")
+    for step, qualifier, duration in (
+        (0, m.Qualifier.P, None),
+        (1, m.Qualifier.SD, "Long"),
+        (2, m.Qualifier.D, "T#2s"),
+    ):
+        act(chart, chart.steps[step], "Q3", qualifier, duration=duration)
+    pou.interface.sections[0].variables.append(m.Variable(name="Long", type="TIME"))
+    return pou
+
+
+def with_edges() -> m.Pou:
+    """The same of a GRAFCET."""
+    chart = m.SfcNetwork()
+    first, second, third = (chart.add_step(name, initial=name == "1") for name in "123")
+    for source, target, condition in ((first, second, "↑Go"), (second, third, "Go"), (third, first, "NOT Go")):
+        chart.add_transition(source, target, condition)
+    act(chart, second, "Q", m.Qualifier.P1)
+    second.actions.append(m.ActionAssociation(id=99, kind="onActivation", target="n", value="n + 1"))
+    return pou_with(chart, "Go", "Q n:INT")
+
+
+@pytest.mark.parametrize("language", ["ST", "FBD"])
+@pytest.mark.parametrize(
+    ("pou", "profile", "modes"),
+    [
+        (with_everything(), "codesys", ["single-step", "select"]),
+        (with_everything(), "matiec", []),
+        (with_edges(), "grafcet", []),
+    ],
+)
+def test_all_names_are_german_where_german_was_asked_for(
+    pou: m.Pou, profile: str, modes: list[str], language: str
+) -> None:
+    if profile == "grafcet" and language != "ST":
+        pytest.skip("networks have no loop")
+    english = {text for name, text in vars(Texts).items() if name.endswith("_suffix")} - {GermanTexts.start_suffix}
+    english |= {Texts.pulse, Texts.condition, Texts.state}
+
+    def words(lang: str) -> set[str]:
+        made = lower(
+            m.Project(pous=[pou]),
+            "flipflop" if language == "FBD" else "bits",
+            language=language,
+            profile=profile,
+            modes=modes,
+            target="simaticml" if language == "FBD" else None,
+            lang=lang,
+            verify=False,
+        )
+        return {word for variable in made.pou.variables() for word in variable.name.split("_")}
+
+    assert words("en") & english
+    assert not words("de") & english

@@ -52,7 +52,9 @@ class FlagCode:
         init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
         causes: list[Expression] = [init] if init is not None else []
         if reset is not None:
-            causes.append(self._memory.rising(f"{reset.identifier}_edge", reset, self._edges, kept=True))
+            causes.append(
+                self._memory.rising(f"{reset.identifier}_{self._texts.edge_suffix}", reset, self._edges, kept=True)
+            )
         back = disjunction(causes)
         if len(causes) > 1:
             return self._memory.named(self._texts.restart, back, self._edges)
@@ -136,7 +138,7 @@ class FlagCode:
         tip = self._flags.get(SfcFlag.TIP)
         if tip is None:
             return FALSE
-        return self._memory.rising(f"{tip.identifier}_edge", tip, self._tip_edge, kept=True)
+        return self._memory.rising(f"{tip.identifier}_{self._texts.edge_suffix}", tip, self._tip_edge, kept=True)
 
     # -- reports
 
@@ -171,7 +173,9 @@ class FlagCode:
                 *self._assigned(SfcFlag.ERROR_POU, self._text(self._source.pou.name)),
                 *self._analysis(watch),
             ]
-            statements = self._memory.conditional(f"{self._texts.flag_name(step.step)}_late", late, report)
+            statements = self._memory.conditional(
+                f"{self._texts.flag_name(step.step)}_{self._texts.late_suffix}", late, report
+            )
             self._code.add(self._texts.maximum_time(step.path), statements)
 
     def _analysis(self, watch: Watch) -> list[Statement]:

@@ -47,7 +47,7 @@ def flatten(code: Code, declared: Iterable[Variable] = ()) -> None:
     flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
     for place, network in enumerate(code.networks):
         if isinstance(network, CodeNetwork):
-            flat = _Flattener(lambda: code.declare("Condition"), flags).statements(network.statements, TRUE)
+            flat = _Flattener(lambda: code.declare(code.texts.condition), flags).statements(network.statements, TRUE)
             code.networks[place] = CodeNetwork(network.title, tuple(flat), network.comment)
 
 

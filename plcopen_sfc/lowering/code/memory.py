@@ -20,10 +20,12 @@ class Memory(ABC):
     """Flip-flops, edges and timers of `code`.
 
     `ends`: what makes all of them what they were at the start, but for those with a `flag` and edges that are `kept`.
+    `texts`: what variables are called.
     """
 
     def __init__(self, code: Code) -> None:
         self.ends: list[Statement] = []
+        self.texts = code.texts
         self._code = code
 
     @abstractmethod
@@ -152,7 +154,7 @@ def _edge(
     code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool
 ) -> tuple[Expression, Statement]:
     """An edge, and what makes it forget."""
-    pulse, before = code.declare(wanted), code.declare(f"{wanted}_old")
+    pulse, before = code.declare(wanted), code.declare(f"{wanted}_{code.texts.old_suffix}")
     now, then = (value, negation(before)) if rising else (negation(value), before)
     into.append(assignment(pulse, conjunction([now, then])))
     into.append(assignment(before, value))

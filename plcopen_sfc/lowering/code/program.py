@@ -11,6 +11,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.logic import FALSE, assignment
 from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.text import MultilingualText, Text
 from plcopen_sfc.model.types import (
     DataType,
@@ -61,8 +62,8 @@ class Code:
 
     `data_types` are what the project gets besides. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
     `tool`: whose, where that matters. `culture` (``de-DE``): that of what is made for people, where the target has
-    another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes. `pulse`: the name
-    of the variable that is TRUE in the first scan.
+    another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes. `texts`: what its
+    variables are called.
     `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
     is FALSE. `flags`: where step flags are; None: among the local variables. `known_types`: the data types of the
     project, in lower case.
@@ -84,7 +85,7 @@ class Code:
     operands: dict[n.Expression, str] = field(default_factory=dict)
     flags: FlagPlaces | None = None
     first_scan: n.Name | None = None
-    pulse: str = "FirstScan"
+    texts: Texts = field(default_factory=Texts)
     known_types: Collection[str] = ()
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
@@ -127,7 +128,7 @@ class Code:
     def first_scan_pulse(self) -> n.Name:
         """A variable that is TRUE until the end of the first scan. What ends it is `Memory.finish`."""
         if self.first_scan is None:
-            self.first_scan = self.declare(self.pulse, initial="TRUE")
+            self.first_scan = self.declare(self.texts.pulse, initial="TRUE")
         return self.first_scan
 
     def end_first_scan(self, title: str) -> None:

@@ -39,7 +39,8 @@ class OperandMemory(BlockMemory):
         return self._edge("F_TRIG", wanted, value, into, kept=False)
 
     def _edge(self, block: str, wanted: str, value: Expression, into: list[Statement], *, kept: bool) -> Expression:
-        pulse, before = self._code.declare(wanted), self._code.declare(f"{wanted}_old")
+        pulse = self._code.declare(wanted)
+        before = self._code.declare(f"{wanted}_{self._code.texts.old_suffix}")
         self._code.operands[before] = block
         into.append(call(before, CLK=value))
         into.append(assignment(pulse, n.Member(before, n.Name("Q"))))

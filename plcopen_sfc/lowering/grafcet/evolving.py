@@ -38,7 +38,7 @@ class EvolvingFlags:
         """A copy of the flag."""
         if step not in self._olds:
             name = self._chain.texts.flag_name(self._chain.net.steps[step].step)
-            self._olds[step] = self._chain.code.declare(f"{name}_old")
+            self._olds[step] = self._chain.code.declare(f"{name}_{self._chain.texts.old_suffix}")
         return self._olds[step]
 
     def remembered(self) -> list[Statement]:
@@ -82,5 +82,5 @@ class EvolvingState:
         if self._old is None:
             code = self._chain.code
             kind = next(v.type for v in code.variables if v.name == self._state.identifier)
-            self._old = code.declare(f"{self._state.identifier}_old", kind)
+            self._old = code.declare(f"{self._state.identifier}_{code.texts.old_suffix}", kind)
         return self._old
