@@ -8,6 +8,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction, Language
+from plcopen_sfc.lowering.lower import lower
 from tests.lowering.charts import boolean, training_chain
 from tests.lowering.test_exact import FORMS, verdict
 
@@ -99,3 +100,49 @@ def test_a_block_with_a_state_in_the_condition_of_an_action_is_refused() -> None
     chart.steps[0].actions[0].condition = condition
     with pytest.raises(LoweringError, match="blocks that have a state"):
         verdict(pou, Construction.BITS, Language.ST)
+
+
+@pytest.mark.parametrize(
+    ("declared", "said"),
+    [("INT", "INT"), ("STRING", "string"), ("Colour", "enum"), ("Number", "WORD"), ("Rate", "subrange")],
+)
+@pytest.mark.parametrize("profile", ["iec", "codesys", "grafcet"])
+def test_an_action_is_a_boolean_variable(declared: str, said: str, profile: str) -> None:
+    types: dict[str, m.EnumType | m.ElementaryType | m.SubrangeType] = {
+        "Colour": m.EnumType(values=[m.EnumValue(name="Red")]),
+        "Number": m.ElementaryType(name=m.Elementary.WORD),
+        "Rate": m.SubrangeType(base=m.ElementaryType(name=m.Elementary.INT), bounds=m.Dimension(lower="0", upper="9")),
+    }
+    pou = training_chain()
+    project = m.Project(pous=[pou], data_types=[m.DataTypeDeclaration(name=n, type=t) for n, t in types.items()])
+    next(v for v in pou.variables() if v.name == "Q3").type = m.Variable(name="v", type=declared).type
+    with pytest.raises(LoweringError, match=f"Q3 is of type {said}: only a Boolean variable can be an action") as found:
+        lower(project, profile=profile, verify=False)
+    assert str(found.value.location) == "POU Ablauf / step S3 / action Q3"
+
+
+def test_the_type_of_an_action_can_have_a_name_of_its_own_and_stand_outside() -> None:
+    pou = training_chain()
+    assert pou.interface is not None
+    outputs = pou.interface.sections[1].variables
+    signal = m.DataTypeDeclaration(name="Signal", type=m.ElementaryType(name=m.Elementary.BOOL))
+    outputs[0].type = m.Variable(name="v", type="Signal").type
+    outside = m.VariableSection(name="GVL", variables=[m.Variable(name="Q3", type="INT")])
+    del outputs[2]
+    project = m.Project(pous=[pou], data_types=[signal], global_variables=[outside])
+    with pytest.raises(LoweringError, match="Q3 is of type INT"):
+        lower(project, verify=False)
+    outside.variables[0].type = m.ElementaryType(name=m.Elementary.BOOL)
+    assert lower(project, verify=False).construction == "case"
+
+
+def test_a_stored_action_without_a_value_is_of_a_boolean_variable() -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.sfc.steps[0].actions = [m.ActionAssociation(id=90, kind="onActivation", target="Q1")]
+    pou.sfc.steps[1].actions = [m.ActionAssociation(id=91, kind="continuous", target="Q2")]
+    for name in ("Q1", "Q2"):
+        next(v for v in pou.variables() if v.name == name).type = m.ElementaryType(name=m.Elementary.INT)
+        with pytest.raises(LoweringError, match=f"{name} is of type INT"):
+            lower(m.Project(pous=[pou]), profile="grafcet", verify=False)
+        pou.sfc.steps[0].actions[0].value = "Q1 + 1"

@@ -10,6 +10,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.lowering.code.logic import TRUE
+from plcopen_sfc.lowering.reading.called import Targets
 from plcopen_sfc.lowering.reading.chart import read_chart
 from plcopen_sfc.lowering.reading.grafcet_source import Delay, Edge, GrafcetSource, StoredAction
 from plcopen_sfc.lowering.reading.references import bits_by_number
@@ -51,8 +52,7 @@ def read_grafcet(
     chart = copied.sfc
     if chart is None:
         raise LoweringError("there is no chart to be lowered")
-    net = Net.of(chart)
-    reader = _Reader(copied, chart, dialect, profile, net)
+    reader = _Reader(copied, chart, dialect, profile, Targets(pou, project, dialect))
     grafcet = reader.grafcet()
     once = replace(profile, evolution=Evolution.SINGLE)
     plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=True)
@@ -71,10 +71,10 @@ def _owned(net: Net) -> list[Owned]:
 class _Reader(TextReader):
     """Takes everything out of a copy of the chart that `read_chart` does not know."""
 
-    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, net: Net) -> None:
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, targets: Targets) -> None:
         super().__init__(pou, chart, dialect)
-        self._profile = profile
-        self._net = net
+        self._profile, self._targets = profile, targets
+        net = self._net = Net.of(chart)
         self._owned = _owned(net)
         self._terms = TermTexts()
         if profile.order is ScanOrder.ACTIONS_FIRST:
@@ -133,6 +133,8 @@ class _Reader(TextReader):
             if model.body is not None:
                 statements = self.statements(model.body, path)
             elif model.target is not None:
+                if model.value is None:
+                    self.variable(model.target, self._targets, path)
                 statements = self.read(f"{model.target} := {model.value or 'TRUE'};", path)
             if statements:
                 yield StoredAction(model.kind, tuple(indexes(owner.steps)), event, statements)
@@ -160,7 +162,7 @@ class _Reader(TextReader):
     def _action(self, target: str, path: str) -> ActionSource:
         action = self.pou.action(target)
         if action is None:
-            return ActionSource(target, self.expression(target, path), (), ())
+            return ActionSource(target, self.variable(target, self._targets, path), (), ())
         return ActionSource(target, None, self.statements(action.body, f"action {target}"), ())
 
     def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> Use:

@@ -12,6 +12,15 @@ from plcopen_sfc.languages.names.resolving import Resolver, Untyped
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import (
+    ArrayType,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    StringType,
+    StructType,
+    SubrangeType,
+)
 
 
 class Targets:
@@ -46,3 +55,13 @@ class Targets:
             return True
         type_ = self._resolver.type_of_declaration(declaration)
         return isinstance(type_, Pou) or (declaration.kind is Kind.VARIABLE and type_ is Untyped.FOREIGN)
+
+    def other_type(self, target: n.Expression) -> str:
+        """The type of a variable that is known not to be Boolean; empty if it is, or can be."""
+        type_ = self._resolver.type_of(target, self._site)
+        if isinstance(type_, ElementaryType):
+            return "" if type_.name is Elementary.BOOL else type_.name.value
+        return type_.kind if isinstance(type_, _NEVER_BOOLEAN) else ""
+
+
+_NEVER_BOOLEAN = (StringType, ArrayType, StructType, EnumType, SubrangeType)

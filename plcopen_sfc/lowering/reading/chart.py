@@ -154,7 +154,7 @@ class _Reader(TextReader):
 
     def _actions(self) -> Iterator[ActionSource]:
         """Associations with the same target are one action, every body in place is one of its own; as in the chart."""
-        targets: dict[str, tuple[str, str, list[Use]]] = {}
+        targets: dict[str, tuple[str, str, str, list[Use]]] = {}
         found: list[str | ActionSource] = []
         for owner in self._owners():
             for number, association in enumerate(owner.step.actions, 1):
@@ -166,9 +166,9 @@ class _Reader(TextReader):
                     assigned = f" := {association.value}" if association.value is not None else ""
                     key = f"{association.target}{assigned}".casefold()
                     if key not in targets:
-                        targets[key] = association.target, assigned, []
+                        targets[key] = association.target, assigned, path, []
                         found.append(key)
-                    targets[key][2].append(use)
+                    targets[key][3].append(use)
                 if association.body is not None:
                     statements = self.statements(association.body, path)
                     name = f"{owner.step.name}_{number}"
@@ -178,7 +178,7 @@ class _Reader(TextReader):
             if isinstance(each, ActionSource):
                 yield each
                 continue
-            name, assigned, uses = targets[each]
+            name, assigned, path, uses = targets[each]
             if assigned:
                 yield ActionSource(name, None, self.read(f"{name}{assigned};", f"action {name}"), tuple(uses))
                 continue
@@ -191,7 +191,7 @@ class _Reader(TextReader):
             if self._targets.is_called(target):
                 yield ActionSource(name, None, self.read(f"{name}();", f"action {name}"), tuple(uses))
             else:
-                yield ActionSource(name, target, (), tuple(uses))
+                yield ActionSource(name, self.variable(name, self._targets, path), (), tuple(uses))
 
     def _statements_of(self, action: Action) -> tuple[n.Statement, ...]:
         """What an action does; one with a chart of its own is called, and one that RETURN leaves."""

@@ -17,6 +17,7 @@ from plcopen_sfc.languages.networks import (
 )
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
+from plcopen_sfc.lowering.reading.called import Targets
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.pou import Pou
@@ -45,6 +46,14 @@ class TextReader:
         """Raise a `LoweringError` at `path` of the chart."""
         place = f"{self.pou.name} / {path}" if path else self.pou.name
         raise LoweringError(message, location=Location(path=place))
+
+    def variable(self, name: str, targets: Targets, path: str) -> n.Expression:
+        """The variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
+        variable = self.expression(name, path)
+        other = targets.other_type(variable)
+        if other:
+            self.refuse(f"{name} is of type {other}: only a Boolean variable can be an action", path)
+        return variable
 
     def _accept(self, found: NetworkText, path: str) -> None:
         """Take over the variables that a drawing needs. Refuses what could not be read completely."""
