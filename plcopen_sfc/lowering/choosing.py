@@ -10,6 +10,7 @@ from plcopen_sfc.lowering.code.flag_places import LOCAL
 from plcopen_sfc.lowering.code.targets import has_networks, shows_networks
 from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.case import no_case
+from plcopen_sfc.lowering.graph.sequences import one_sequence, sequences
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
@@ -31,7 +32,7 @@ def choose(
     place = Location(path=source.pou.name)
     if isinstance(source, GraphSource):
         _check_options_of_sequencer(rules, place)
-        chosen, why = _choice_for_sequencer(wanted, place)
+        chosen, why = _choice_for_sequencer(source, wanted, rules, language)
     elif source.grafcet is not None:
         chosen, why = _choice_for_grafcet(source, wanted, rules.profile)
     else:
@@ -99,13 +100,20 @@ def _choice_for_grafcet(source: ChartSource, wanted: Construction, profile: Prof
     return Construction.CASE, "one step is active at a time"
 
 
-def _choice_for_sequencer(wanted: Construction, place: Location) -> tuple[Construction, str]:
-    if wanted is Construction.AUTO:
-        return Construction.BITS, "the chart is a sequencer of S7-GRAPH, whose steps can be switched by hand"
-    if wanted not in (Construction.BITS, Construction.FLIPFLOP):
-        message = f"{wanted} cannot hold sequencers of S7-GRAPH: several steps can be active, or none"
-        raise LoweringError(message, location=place)
-    return wanted, "asked for"
+def _choice_for_sequencer(
+    source: GraphSource, wanted: Construction, rules: LoweringRules, language: Language | None
+) -> tuple[Construction, str]:
+    if wanted is not Construction.AUTO:
+        return wanted, "asked for"
+    if language not in (None, Language.ST):
+        return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
+    several = one_sequence(source, rules.profile)
+    if not isinstance(several, str):
+        return Construction.CASE, "at most one step is active at a time"
+    objection = sequences(source, rules.profile)
+    if not isinstance(objection, str):
+        return Construction.REGIONS, f"in each of its parts at most one step is active at a time, but {several}"
+    return Construction.BITS, f"no CASE can hold the chart: {objection}"
 
 
 def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
@@ -118,8 +126,6 @@ def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
         objection = "actions of a sequencer of S7-GRAPH cannot stand in a block of their own"
     elif rules.flags != LOCAL:
         objection = "the step flags of a sequencer of S7-GRAPH are local variables"
-    elif rules.states is not States.NUMBERS:
-        objection = "a sequencer of S7-GRAPH is lowered to bits, which have no states to be named"
     elif rules.reset_actions:
         objection = "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it"
     else:

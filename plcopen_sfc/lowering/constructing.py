@@ -33,6 +33,7 @@ from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.reading import is_grafcet, read_grafcet
 from plcopen_sfc.lowering.grafcet.scan import add_grafcet
 from plcopen_sfc.lowering.graph.bits import BitSequencer
+from plcopen_sfc.lowering.graph.cases import CaseSequencer, RegionSequencer
 from plcopen_sfc.lowering.graph.flipflops import FlipFlopSequencer
 from plcopen_sfc.lowering.graph.reading import read_sequencer
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
@@ -98,8 +99,7 @@ def construct(
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
     maker: Sequencer | Chain
     if isinstance(source, GraphSource):
-        sequencer = FlipFlopSequencer if chosen is Construction.FLIPFLOP else BitSequencer
-        maker = sequencer(source, code, _memory(code, language), rules, surroundings)
+        maker = _SEQUENCERS[chosen](source, code, _memory(code, language), rules, surroundings)
         _fill(maker, chosen, style)
     else:
         plain = plain_chart(source) if style is Style.CLASSIC else source
@@ -128,6 +128,12 @@ def construct(
     )
 
 
+_SEQUENCERS: dict[Construction, type[Sequencer]] = {
+    Construction.FLIPFLOP: FlipFlopSequencer,
+    Construction.CASE: CaseSequencer,
+    Construction.REGIONS: RegionSequencer,
+    Construction.BITS: BitSequencer,
+}
 _CHAINS: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
     Construction.FLIPFLOP: FlipFlopChain,
     Construction.CASE: CaseChain,

@@ -67,18 +67,20 @@ def _declared(names: str) -> list[m.Variable]:
     return [m.Variable(name=name, type=type_ or "BOOL") for name, _, type_ in words]
 
 
-def lowered(project: m.Project, language: Language = Language.ST, **options: Any) -> Constructed:
-    """The block as code: bits in structured text, flip-flops in FBD and LD."""
+def lowered(
+    project: m.Project, language: Language = Language.ST, construction: Construction | None = None, **options: Any
+) -> Constructed:
+    """The block as code: bits in structured text, flip-flops in FBD and LD, if nothing else is wanted."""
     (pou,) = project.pous
     assert pou.sfc is not None
     rules = LoweringRules(PROFILES["s7graph"], Texts(), **options)
-    construction = Construction.BITS if language is Language.ST else Construction.FLIPFLOP
+    construction = construction or (Construction.BITS if language is Language.ST else Construction.FLIPFLOP)
     return construct(pou, pou.sfc, Dialect.SCL, rules, construction=construction, language=language, project=project)
 
 
-def text(project: m.Project) -> str:
+def text(project: m.Project, construction: Construction = Construction.BITS) -> str:
     """The block as text."""
-    body = lowered(project).pou.body
+    body = lowered(project, construction=construction).pou.body
     assert isinstance(body, m.StBody)
     return body.text
 

@@ -350,19 +350,12 @@ def test_networks_have_no_loops() -> None:
 # -- what sequencers cannot be lowered to
 
 
-@pytest.mark.parametrize("construction", [Construction.CASE, Construction.REGIONS])
-def test_a_case_cannot_hold_a_sequencer(construction: Construction) -> None:
-    with pytest.raises(LoweringError, match="several steps can be active"):
-        sfc.lower(block(ring()), construction, profile="s7graph")
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         ({"modes": ("enable",)}, "operating modes of their own"),
         ({"actions": "block"}, "cannot stand in a block of their own"),
         ({"flags": "M20.0"}, "are local variables"),
-        ({"states": "constants"}, "no states to be named"),
         ({"reset_actions": True}, "only R of the chart ends it"),
         ({"style": "classic"}, "no classic style"),
     ],
@@ -394,7 +387,7 @@ def test_what_is_refused(action: m.ActionAssociation, message: str) -> None:
 
 def test_an_input_that_starts_the_sequence_anew() -> None:
     project = block(ring(act("N")), outputs="Q")
-    lowered_block = sfc.lower(project, profile="s7graph", init="Restart")
+    lowered_block = sfc.lower(project, "bits", profile="s7graph", init="Restart")
     assert lowered_block.proof is not None
     assert lowered_block.proof.proven
     body = lowered_block.pou.body
@@ -406,14 +399,14 @@ def test_an_input_that_starts_the_sequence_anew() -> None:
 
 
 @st.composite
-def sequencers(draw: st.DrawFn) -> tuple[m.SfcNetwork, str, str]:
-    """Any net with any actions, checks and parameters; its inputs and outputs."""
+def sequencers(draw: st.DrawFn, *, switching: bool = True) -> tuple[m.SfcNetwork, str, str]:
+    """Any net with any actions, checks and parameters; its inputs and outputs. `switching`: with ON and OFF."""
     chart = draw(nets())
     conditions = st.sampled_from(["#c1", "#c2", "#c3", "NOT #c1", "#c1 AND #c2", "TRUE", *_questions(chart)])
     for transition in chart.transitions:
         transition.condition = draw(st.none() | conditions.map(lambda text: m.Expression(text=text)))
     for step in chart.steps:
-        step.actions = draw(st.lists(actions(chart), max_size=3))
+        step.actions = draw(st.lists(actions(chart, switching=switching), max_size=3))
         for name in ("interlock", "supervision"):
             if draw(st.integers(0, 3)) == 0:
                 setattr(step, name, m.Supervised(condition=m.Expression(text=draw(conditions))))
@@ -447,7 +440,7 @@ def _questions(chart: m.SfcNetwork) -> list[str]:
 
 
 @st.composite
-def actions(draw: st.DrawFn, chart: m.SfcNetwork) -> m.ActionAssociation:
+def actions(draw: st.DrawFn, chart: m.SfcNetwork, *, switching: bool) -> m.ActionAssociation:
     """Any action."""
     event = draw(st.sampled_from("S1 S0 L1 L0 V1 V0 A1 R1".split()))
     some_event = draw(st.sampled_from([None, event]))
@@ -455,6 +448,7 @@ def actions(draw: st.DrawFn, chart: m.SfcNetwork) -> m.ActionAssociation:
     target = draw(st.sampled_from(["P", "Q", "R"]))
     step = draw(st.sampled_from([*(step.name for step in chart.steps), "S_ALL"]))
     duration = draw(st.sampled_from(["T#10ms", "T#20ms", "T#0ms"]))
+    switches = [act("ON", step, event), act("OFF", step, event, interlock=interlock)] if switching else []
     return draw(
         st.sampled_from(
             [
@@ -470,8 +464,7 @@ def actions(draw: st.DrawFn, chart: m.SfcNetwork) -> m.ActionAssociation:
                 act("TD", "t", event, duration=duration, interlock=interlock),
                 act("TR", "t", event),
                 act("TF", "t", duration=duration, interlock=interlock),
-                act("ON", step, event),
-                act("OFF", step, event, interlock=interlock),
+                *switches,
             ]
         )
     )

@@ -39,10 +39,12 @@ _LAST_COUNT = "999"
 class StepSignals:
     """What tells of steps, by their indexes: that one is active, an event of one, that its interlock is satisfied.
 
-    `over`: that one has been active for a time. `gone`: that one was left in the cycle before.
+    `touched`: that one is active or was left in this cycle, `gone`: that it was left in the cycle before. `over`: that
+    one has been active for a time.
     """
 
     active: StepValue
+    touched: StepValue
     event: Callable[[int, ActionEvent], Expression]
     released: StepValue
     over: Callable[[int, Expression], Expression]
@@ -124,9 +126,7 @@ class Actions:
         """Whether any step drives a coil or was left; what S0 has set is reset a cycle later."""
         steps = list(dict.fromkeys(step.index for step, _ in found))
         leaving = list(dict.fromkeys(step.index for step, row in found if row.event is ActionEvent.S0))
-        active = [self._signals.active(step) for step in steps]
-        left = [self._signals.event(step, ActionEvent.S0) for step in steps]
-        return disjunction([*active, *left, *map(self._signals.gone, leaving)])
+        return disjunction([*map(self._signals.touched, steps), *map(self._signals.gone, leaving)])
 
     # -- what is executed
 

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import (
     FALSE,
@@ -24,7 +23,7 @@ from plcopen_sfc.lowering.code.logic import (
 )
 from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.graph.source import GraphSource
-from plcopen_sfc.lowering.graph.step_data import Phase, Questions
+from plcopen_sfc.lowering.graph.step_data import Phase, Questions, StepSign
 
 INTERLOCK = ("LS", "LA", "L1", "L0")
 SUPERVISION = ("VS", "VA", "V1", "V0", "A1")
@@ -35,9 +34,9 @@ Resolve = Callable[[Any, Phase], Any]
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of a step: `flag` tells that it is active, `needed` is what of its checks is wanted anywhere."""
+    """What is asked of a step, and how code speaks of it; `needed` is what of its checks is wanted anywhere."""
 
-    flag: n.Name
+    sign: StepSign
     needed: set[str]
     questions: Questions
 
@@ -46,8 +45,8 @@ class StepChecks:
     """The checks of one step. `early`: they are evaluated before the step change."""
 
     def __init__(self, source: GraphSource, step: int, code: Code, asked: Asked) -> None:
-        flag, needed, questions = asked.flag, asked.needed, asked.questions
-        self._flag = flag
+        needed, questions = asked.needed, asked.questions
+        self._flag = asked.sign.active
         self._interlock = source.interlocks.get(step)
         self._supervision = source.supervisions.get(step)
         self._must_acknowledge = source.acknowledged
@@ -78,7 +77,7 @@ class StepChecks:
                 wanted |= {"VS"}
         self._remembers = remembers
         self._asked_between = questions.asked(step, _EVENTS, Phase.CHECK)
-        self._variables = {name: code.declare(f"{flag.identifier}_{name}") for name in _ORDER if name in wanted}
+        self._variables = {name: code.declare(f"{asked.sign.name}_{name}") for name in _ORDER if name in wanted}
 
     def value(self, quantity: str) -> Expression:
         """What tells of a quantity that is needed."""

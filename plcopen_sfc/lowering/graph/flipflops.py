@@ -10,13 +10,13 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.flattening import flatten
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
-from plcopen_sfc.lowering.graph.sequencer import Sequencer
+from plcopen_sfc.lowering.graph.bits import BitSequencer
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetStep
 
 
-class FlipFlopSequencer(Sequencer):
+class FlipFlopSequencer(BitSequencer):
     """Lowers one sequencer into `code`."""
 
     def exact(self) -> None:

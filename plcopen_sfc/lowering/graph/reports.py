@@ -6,7 +6,16 @@ from collections.abc import Iterator, Sequence
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
 from plcopen_sfc.lowering.code.program import INT, Code
 from plcopen_sfc.lowering.graph.checks import StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
@@ -20,9 +29,18 @@ _FEW = 6
 
 
 def add_reports(
-    source: GraphSource, code: Code, commands: Commands, steps: Sequence[tuple[n.Name, StepChecks]], texts: GraphTexts
+    source: GraphSource,
+    code: Code,
+    commands: Commands,
+    steps: Sequence[tuple[Expression, StepChecks]],
+    texts: GraphTexts,
+    *,
+    state: n.Name | None,
 ) -> None:
-    """Append what writes the outputs that the block has. `steps`: the flags and checks of all steps."""
+    """Append what writes the outputs that the block has. `steps`: what tells that they are active, and their checks.
+
+    `state` is the number of the only active step, 0 where none is, if there is such a variable.
+    """
     statements = [
         assignment(lamp, commands.is_on(mode))
         for mode, name in MODES.values()
@@ -32,15 +50,38 @@ def add_reports(
     if disturbance is not None:
         statements.append(assignment(disturbance, disjunction(check.disturbed() for _, check in steps)))
     code.add(texts.reports, statements)
-    if {"S_NO", "S_ACTIVE", "S_MORE"} & set(source.parameters):
+    if not {"S_NO", "S_ACTIVE", "S_MORE"} & set(source.parameters):
+        return
+    if state is not None:
+        code.add(texts.display, list(_one_displayed(commands, state)))
+    else:
         code.add(texts.display, list(_Display(source, code, commands, [flag for flag, _ in steps], texts).statements()))
+
+
+def _one_displayed(commands: Commands, state: n.Name) -> Iterator[Statement]:
+    """Of one active step at most: the one selected by hand, else that one."""
+    number, more, active = (commands.variable(name) for name in ("S_NO", "S_MORE", "S_ACTIVE"))
+    selection, by_hand = commands.variable("S_SEL"), commands.is_on(Mode.MANUAL)
+    some = negation(equal(state, _NONE))
+    other: Expression = FALSE
+    if number is not None:
+        yield assignment(number, state)
+    if selection is not None and not is_constant(by_hand, FALSE):
+        selected = conjunction([by_hand, negation(equal(selection, _NONE))])
+        other = conjunction([selected, negation(equal(selection, state))])
+        if number is not None:
+            yield when(selected, assignment(number, selection))
+    if more is not None:
+        yield assignment(more, FALSE)
+    if active is not None:
+        yield assignment(active, conjunction([some, negation(other)]))
 
 
 class _Display:
     """The step displayed: the one selected by hand, else the one shown before while it is active, else the first."""
 
     def __init__(
-        self, source: GraphSource, code: Code, commands: Commands, flags: Sequence[n.Name], texts: GraphTexts
+        self, source: GraphSource, code: Code, commands: Commands, flags: Sequence[Expression], texts: GraphTexts
     ) -> None:
         self._commands, self._code, self._texts = commands, code, texts
         numbered = [(step.step.number or 0, flags[step.index]) for step in source.net.steps]
@@ -104,7 +145,7 @@ class _Display:
         branches = [n.Branch(flag, (self._show(number),)) for number, flag in self._steps]
         return [n.If(tuple(branches), (none,)) if branches else none]
 
-    def _other(self, steps: Sequence[tuple[int, n.Name]], beyond: n.Operator) -> list[Statement]:
+    def _other(self, steps: Sequence[tuple[int, Expression]], beyond: n.Operator) -> list[Statement]:
         """The next active step behind the one shown; behind the last one the first."""
         further = [
             n.Branch(

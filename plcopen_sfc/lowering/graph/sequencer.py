@@ -6,23 +6,15 @@ operations. What the block does not declare and what nobody asks for makes no co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.chains.restart import declare_restart
-from plcopen_sfc.lowering.code.logic import (
-    FALSE,
-    TRUE,
-    assignment,
-    conjunction,
-    disjunction,
-    is_constant,
-    negation,
-    when,
-)
+from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.graph.actions import Actions, StepSignals
@@ -30,23 +22,25 @@ from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
 from plcopen_sfc.lowering.graph.reports import add_reports
 from plcopen_sfc.lowering.graph.shown import show
-from plcopen_sfc.lowering.graph.skipping import add_skips
 from plcopen_sfc.lowering.graph.source import GraphSource
-from plcopen_sfc.lowering.graph.step_data import Phase, Questions, step_quantity
+from plcopen_sfc.lowering.graph.step_data import Phase, Questions, StepSign, step_quantity
 from plcopen_sfc.lowering.graph.texts import graph_texts
 from plcopen_sfc.lowering.graph.times import StepClock
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.actions import ActionEvent
 from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
-from plcopen_sfc.semantics.net import NetTransition, Rivals
 
 _STEP_EVENTS = frozenset({"S1", "S0", "R1"})
 _LIMITS = {"T_MAX": "max_time", "T_WARN": "warning_time"}
 
 
-class Sequencer:
-    """Lowers one sequencer into `code`: a bit for each step, a bit for each transition."""
+class Sequencer(ABC):
+    """Lowers one sequencer into `code`.
+
+    A construction says what tells that a step is active (`active`), how that changes (`add_transitions`,
+    `add_step_change`), and what tells of its changes (`changed`, `touched`, `gone`).
+    """
 
     def __init__(
         self,
@@ -61,29 +55,14 @@ class Sequencer:
         self.own_texts = graph_texts(rules.texts)
         self.init = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)
-        self.flags = [
-            code.declare(self.texts.flag_name(step.step), comment=self.texts.flag_of(step.path))
-            for step in self.net.steps
-        ]
-        self.fired = [
-            code.declare(self.texts.transition_name(self.net, t), comment=self.texts.transition_of(t.path))
-            for t in self.net.transitions
-        ]
+        names = self.declare_states(surroundings)
+        self.signs = [StepSign(self.active(step), name) for step, name in enumerate(names)]
         self.first = code.declare("FirstScan", initial="TRUE", comment=self.own_texts.first_cycle)
         self.questions = Questions(source)
         self.commands = Commands(source, code, memory, self.own_texts)
-        self.clock = StepClock(source, code, self.flags, self.texts, self.questions)
-        self._events: dict[tuple[int, ActionEvent], n.Name] = {}
-        self._old: dict[int, n.Name] = {}
-        self._left_before: dict[int, tuple[n.Name, Expression]] = {}
+        self.clock = StepClock(source, code, self.signs, self.texts, self.questions)
+        self._registered: dict[int, n.Name] = {}
         self.checks = [self._checks_of(step.index) for step in self.net.steps]
-        switched = {i for rows in source.rows for row in rows for i in row.switched}
-        self.wanted = {
-            i: code.declare(
-                f"{self.flags[i].identifier}_next", comment=self.own_texts.wanted_of(self.net.steps[i].path)
-            )
-            for i in sorted(switched)
-        }
 
     def _checks_of(self, step: int) -> StepChecks:
         needed = self.questions.of(step)
@@ -92,29 +71,65 @@ class Sequencer:
             needed |= {"LS"} if row.interlock else set()
         if "ERR_FLT" in self.source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
-        return StepChecks(self.source, step, self.code, Asked(self.flags[step], needed, self.questions))
+        return StepChecks(self.source, step, self.code, Asked(self.signs[step], needed, self.questions))
+
+    @abstractmethod
+    def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:
+        """Declare the variables that keep the situation. Gives the beginning of the names of what belongs to steps."""
+
+    @abstractmethod
+    def active(self, step: int) -> Expression:
+        """What tells that a step, given by its index in the net, is active."""
+
+    def only_state(self) -> n.Name | None:
+        """The number of the active step, 0 where none is, if a variable has that; None where there can be several."""
+        return None
+
+    @abstractmethod
+    def add_transitions(self) -> None:
+        """Append the networks that tell which transitions fire."""
+
+    @abstractmethod
+    def add_step_change(self) -> None:
+        """Append the networks that change the situation."""
+
+    @abstractmethod
+    def changed(self, step: int, event: ActionEvent) -> Expression:
+        """What tells, from the step change on, that a step was entered (S1) or left (S0)."""
+
+    @abstractmethod
+    def touched(self, step: int) -> Expression:
+        """Whether a step is active or was left in this cycle."""
+
+    @abstractmethod
+    def gone(self, step: int) -> Expression:
+        """Whether a step was left in the cycle before."""
+
+    @abstractmethod
+    def add_events(self, place: int, registered: Sequence[Statement]) -> None:
+        """Insert at `place`, right behind the step change, what finds out its events, and which steps `registered`."""
+
+    @abstractmethod
+    def add_switched(self, actions: Actions) -> None:
+        """Append what actions do that switch steps on and off."""
 
     def tells(self) -> dict[str, Expression]:
         """What tells that a step is active, by its path."""
-        return {step.path: self.flags[step.index] for step in self.net.steps}
-
-    def active(self, step: int) -> Expression:
-        """What tells that a step is active."""
-        return self.flags[step]
+        return {step.path: self.active(step.index) for step in self.net.steps}
 
     def exact(self) -> None:
         """One cycle."""
         code, own_texts = self.code, self.own_texts
-        code.add(own_texts.before, [*self._resolved(self.source.before, Phase.BEFORE)])
-        code.add(self.texts.logic, [*self._resolved(self.source.logic, Phase.BEFORE)])
+        code.add(own_texts.before, [*self.resolved(self.source.before, Phase.BEFORE)])
+        code.add(self.texts.logic, [*self.resolved(self.source.logic, Phase.BEFORE)])
         place = len(code.networks)
         self._add_checks()
-        self._add_transitions()
+        self.add_transitions()
         self.add_step_change()
         self._add_actions()
-        steps = list(zip(self.flags, self.checks, strict=True))
-        add_reports(self.source, code, self.commands, steps, own_texts)
-        code.add(own_texts.after, [*self._resolved(self.source.after, Phase.ACT)])
+        steps = [(sign.active, check) for sign, check in zip(self.signs, self.checks, strict=True)]
+        add_reports(self.source, code, self.commands, steps, own_texts, state=self.only_state())
+        code.add(own_texts.after, [*self.resolved(self.source.after, Phase.ACT)])
         values = [self._value(*asked, Phase.ACT) for asked in self.source.shown]
         code.add(own_texts.shown_data, show(self.source.shown, values, self.net, code))
         self._insert_commands(place)
@@ -128,7 +143,8 @@ class Sequencer:
 
     # -- texts
 
-    def _resolved(self, statements: tuple[n.Statement, ...], phase: Phase) -> list[Statement]:
+    def resolved(self, statements: tuple[n.Statement, ...], phase: Phase) -> list[Statement]:
+        """Texts with what stands for the data of steps."""
         return [self.resolve(statement, phase) for statement in statements]
 
     def resolve(self, tree: Any, phase: Phase) -> Any:
@@ -142,7 +158,7 @@ class Sequencer:
 
     def _value(self, step: int, quantity: str, phase: Phase) -> Expression:
         if quantity == "X":
-            return self.flags[step]
+            return self.active(step)
         if quantity == "SNO":
             return n.Literal(str(self.net.steps[step].step.number or 0))
         if quantity in _LIMITS:
@@ -156,16 +172,15 @@ class Sequencer:
 
     def event(self, step: int, event: ActionEvent) -> Expression:
         """What tells of an event of a step, from the step change on."""
-        if event not in (ActionEvent.S1, ActionEvent.S0, ActionEvent.R1):
+        if event in (ActionEvent.S1, ActionEvent.S0):
+            return self.changed(step, event)
+        if event is not ActionEvent.R1:
             return self.checks[step].value(event.value)
-        if event is ActionEvent.R1 and is_constant(self._registers(), FALSE):
+        if is_constant(self._registers(), FALSE):
             return FALSE
-        if (step, event) not in self._events:
-            flag = self.flags[step].identifier
-            self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
-            if event is not ActionEvent.R1 and step not in self._old:
-                self._old[step] = self.code.declare(f"{flag}_old")
-        return self._events[step, event]
+        if step not in self._registered:
+            self._registered[step] = self.code.declare(f"{self.signs[step].name}_{event.value}")
+        return self._registered[step]
 
     def _registers(self) -> Expression:
         return disjunction([self.commands.edge("REG_EF"), self.commands.edge("REG_S")])
@@ -180,97 +195,14 @@ class Sequencer:
         self.code.add(self.own_texts.checks, checked, "" if self._checked_late else self._alarms())
         self.code.add(self.own_texts.undisturbed, self.clock.counted(self.checks))
 
-    def enabled(self, transition: NetTransition) -> Expression:
-        """Whether all steps before a transition are active."""
-        return conjunction(self.wanted.get(i, self.flags[i]) for i in transition.sources)
-
-    def _add_transitions(self) -> None:
-        statements: list[Statement] = []
-        permitted, pushed = self.commands.permitted(), self.commands.pushed()
-        if not is_constant(permitted, TRUE):
-            permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
-        if not is_constant(pushed, FALSE):
-            pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
-        for transition in self.net.transitions:
-            index = transition.index
-            enabled = self.enabled(transition)
-            preparation = self._resolved(self.source.preparations[index], Phase.SWITCH)
-            if preparation:
-                statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
-            condition = self.resolve(self.source.conditions[index], Phase.SWITCH)
-            switches = disjunction([conjunction([condition, permitted]), pushed])
-            held = [self._held(i) for i in transition.sources]
-            rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
-            free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
-            statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
-        self.code.add(self.texts.transitions, statements)
-
-    def _held(self, step: int) -> Expression:
-        """Whether its supervision keeps a step active; one that was only just switched on is not supervised yet."""
-        held = self.checks[step].held(self.resolve)
-        return conjunction([self.flags[step], held]) if step in self.wanted else held
-
-    def stays(self, step: int) -> Expression:
-        """Whether a step is active and no transition leaves it."""
-        leaving = [negation(self.fired[t]) for t in self.net.leaving[step]]
-        return conjunction([self.wanted.get(step, self.flags[step]), *leaving])
-
     def evolves(self) -> Expression:
         """Whether conditions of transitions are evaluated in this cycle."""
         idle = (self.commands.is_on(Mode.MANUAL), self.started(), self.commands.edge("OFF_SQ"))
         return conjunction(map(negation, idle))
 
-    # -- the step change
-
-    def add_step_change(self) -> None:
-        """Append the networks that change the situation: all resets, then all sets."""
-        resets: list[Statement] = [assignment(self.flags[i], wanted) for i, wanted in self.wanted.items()]
-        sets: list[Statement] = []
-        for transition in self.net.transitions:
-            flag = self.fired[transition.index]
-            resets += self._all(transition.sources, FALSE, flag)
-            sets += self._all(transition.targets, TRUE, flag)
-        if self.source.skips:
-            sets = add_skips(self)
-        self.code.add(self.texts.resets, resets)
-        self.code.add(self.texts.sets, sets)
-        self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
-        steps = range(len(self.net.steps))
-        initial = [assignment(self.flags[i], self._initial(i)) for i in steps]
-        start = disjunction([self.first, self.started()])
-        self.code.add(self.own_texts.start, [when(start, *initial, assignment(self.first, FALSE))])
-        off = self.commands.edge("OFF_SQ")
-        self.code.add(self.own_texts.off, [when(off, *self._off(steps))] if not is_constant(off, FALSE) else [])
-
     def started(self) -> Expression:
         """Whether the sequence is started anew."""
         return disjunction([self.commands.edge("INIT_SQ"), *([self.init] if self.init is not None else [])])
-
-    def _initial(self, step: int) -> Expression:
-        return TRUE if self.net.initial & self.net.steps[step].bit else FALSE
-
-    def _off(self, steps: range) -> list[Statement]:
-        return [assignment(self.flags[i], FALSE) for i in steps]
-
-    def _all(self, steps: tuple[int, ...], value: Expression, condition: Expression) -> list[Statement]:
-        return [when(condition, *(assignment(self.flags[i], value) for i in steps))] if steps else []
-
-    def _selected(self, command: str, value: Expression) -> list[Statement]:
-        """S_ON and S_OFF: the step whose number S_SEL says."""
-        by_hand = self.commands.is_on(Mode.MANUAL)
-        selection = self.commands.variable("S_SEL")
-        edge = self.commands.edge(command) if not is_constant(by_hand, FALSE) else FALSE
-        if selection is None or is_constant(edge, FALSE):
-            return []
-        numbers: dict[int, int] = {}
-        for step in self.net.steps:
-            if step.step.number is not None:
-                numbers.setdefault(step.step.number, step.index)
-        branches = tuple(
-            n.CaseBranch((n.Literal(str(number)),), (assignment(self.flags[index], value),))
-            for number, index in numbers.items()
-        )
-        return [when(conjunction([by_hand, edge]), n.Case(selection, branches))] if branches else []
 
     # -- behind the step change
 
@@ -281,12 +213,16 @@ class Sequencer:
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
         self.code.add(self.own_texts.checks_behind, self._checked(), self._alarms() if self._checked_late else "")
-        signals = StepSignals(self.flags.__getitem__, self.event, self._released, self.clock.over, self._gone)
+        signals = StepSignals(self.active, self.touched, self.event, self._released, self.clock.over, self.gone)
         actions = Actions(self.source, self.code, self.texts, self.own_texts, signals)
         actions.add()
-        changes = [assignment(wanted, self._next(actions, step)) for step, wanted in self.wanted.items()]
-        self.code.add(self.own_texts.switched, changes)
-        self._insert_events(place)
+        self.add_switched(actions)
+        registers = self._registers()
+        registered = [
+            assignment(name, conjunction([self.active(step), registers]))
+            for step, name in sorted(self._registered.items())
+        ]
+        self.add_events(place, registered)
 
     def _restarted(self) -> list[Statement]:
         return self.clock.restarted(lambda step: self.event(step, ActionEvent.S1))
@@ -320,33 +256,3 @@ class Sequencer:
 
     def _released(self, step: int) -> Expression:
         return self.checks[step].value("LS")
-
-    def _gone(self, step: int) -> Expression:
-        """Whether a step was left in the cycle before."""
-        left = self.event(step, ActionEvent.S0)
-        if step not in self._left_before:
-            self._left_before[step] = self.code.declare(f"{self.flags[step].identifier}_S0_old"), left
-        return self._left_before[step][0]
-
-    def _next(self, actions: Actions, step: int) -> Expression:
-        """Whether a step is active at the start of the next cycle: what is switched on is so in any case."""
-        stays = conjunction([self.flags[step], negation(actions.switched(Qualifier.OFF, step))])
-        return disjunction([stays, actions.switched(Qualifier.ON, step)])
-
-    def _insert_events(self, place: int) -> None:
-        """Events stand right behind the step change; which ones are needed is only known in the end."""
-        rest = self.code.networks[place:]
-        del self.code.networks[place:]
-        statements: list[Statement] = [assignment(old, event) for old, event in self._left_before.values()]
-        for (step, event), name in sorted(self._events.items(), key=lambda item: (item[0][0], item[0][1].value)):
-            flag = self.flags[step]
-            if event is ActionEvent.S1:
-                value = conjunction([flag, negation(self._old[step])])
-            elif event is ActionEvent.S0:
-                value = conjunction([self._old[step], negation(flag)])
-            else:
-                value = conjunction([flag, self._registers()])
-            statements.append(assignment(name, value))
-        statements += [assignment(old, self.flags[step]) for step, old in sorted(self._old.items())]
-        self.code.add(self.own_texts.events, statements)
-        self.code.networks += rest

@@ -10,10 +10,10 @@ from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction
 from plcopen_sfc.lowering.graph.step_data import Phase
 
 if TYPE_CHECKING:
-    from plcopen_sfc.lowering.graph.sequencer import Sequencer
+    from plcopen_sfc.lowering.graph.bits import BitSequencer
 
 
-def add_skips(sequencer: Sequencer) -> list[Statement]:
+def add_skips(sequencer: BitSequencer) -> list[Statement]:
     """Append what finds out which steps become active; gives what activates them. Conditions see the old situation."""
     net, code = sequencer.net, sequencer.code
     entering = {step.index: net.entering[step.index] for step in net.steps if net.entering[step.index]}
@@ -35,13 +35,13 @@ def add_skips(sequencer: Sequencer) -> list[Statement]:
     return [when(flag, assignment(sequencer.flags[i], TRUE)) for i, flag in entered.items()]
 
 
-def _onward(sequencer: Sequencer, step: int) -> list[int]:
+def _onward(sequencer: BitSequencer, step: int) -> list[int]:
     """The transitions that can lead on from a step that is alone."""
     net = sequencer.net
     return [t for t in net.leaving[step] if net.transitions[t].sources == (step,)]
 
 
-def _passing(sequencer: Sequencer, step: int, entered: dict[int, n.Name], again: n.Name) -> list[Statement]:
+def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], again: n.Name) -> list[Statement]:
     """Go on behind a step if a transition is satisfied: the first one wins."""
     source = sequencer.source
     following: list[Statement] = []

@@ -34,6 +34,14 @@ _COMPARING = frozenset(
 )
 
 
+@dataclass(frozen=True)
+class StepSign:
+    """How code speaks of a step: what tells that it is `active`, and how the names of its variables begin."""
+
+    active: n.Expression
+    name: str
+
+
 class Phase(Enum):
     """Where in a cycle a text stands.
 

@@ -16,7 +16,7 @@ from plcopen_sfc.lowering.code.program import TIME, Code, StepValue
 from plcopen_sfc.lowering.code.times import FOREVER
 from plcopen_sfc.lowering.graph.checks import StepChecks
 from plcopen_sfc.lowering.graph.source import GraphSource
-from plcopen_sfc.lowering.graph.step_data import Questions
+from plcopen_sfc.lowering.graph.step_data import Questions, StepSign
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.model.types import DerivedType
 
@@ -24,12 +24,12 @@ _NONE = n.Literal("T#0ms")
 
 
 class StepClock:
-    """The times of the steps of one sequencer. `flags` tell that steps are active."""
+    """The times of the steps of one sequencer."""
 
     def __init__(
-        self, source: GraphSource, code: Code, flags: Sequence[n.Name], texts: Texts, questions: Questions
+        self, source: GraphSource, code: Code, signs: Sequence[StepSign], texts: Texts, questions: Questions
     ) -> None:
-        self._source, self._flags, self._questions = source, flags, questions
+        self._source, self._signs, self._questions = source, signs, questions
         self._timers: dict[int, n.Name] = {}
         self._limits: dict[int, Expression] = {}
         self._kept: dict[int, n.Name] = {}
@@ -45,10 +45,10 @@ class StepClock:
             counted = "U" in asked and self._is_checked(index)
             elapsed = asked - {"U"} if counted else asked
             if not all(questions.only_while_active(index, quantity) for quantity in elapsed):
-                self._kept[index] = code.declare(f"{flags[index].identifier}_T", TIME)
+                self._kept[index] = code.declare(f"{signs[index].name}_T", TIME)
             if counted:
-                sum_ = code.declare(f"{flags[index].identifier}_U", TIME)
-                self._undisturbed[index] = sum_, code.declare(f"{flags[index].identifier}_T_old", TIME)
+                sum_ = code.declare(f"{signs[index].name}_U", TIME)
+                self._undisturbed[index] = sum_, code.declare(f"{signs[index].name}_T_old", TIME)
 
     def _is_checked(self, step: int) -> bool:
         """Whether anything could disturb a step; where nothing does, its times T and U are the same."""
@@ -86,8 +86,8 @@ class StepClock:
 
     def calls(self) -> list[Statement]:
         """The calls of the timers."""
-        calls = [call(timer, IN=self._flags[i], PT=self._limits[i]) for i, timer in self._timers.items()]
-        kept = [when(self._flags[i], assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
+        calls = [call(timer, IN=self._signs[i].active, PT=self._limits[i]) for i, timer in self._timers.items()]
+        kept = [when(self._signs[i].active, assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
         return [*calls, *kept]
 
     def counted(self, checks: Sequence[StepChecks]) -> list[Statement]:
@@ -97,7 +97,7 @@ class StepClock:
             elapsed = self._elapsed(step)
             passed = n.Operation(Operator.SUBTRACT, (elapsed, old))
             more = assignment(sum_, n.Operation(Operator.ADD, (sum_, n.Parenthesized(passed))))
-            calm = conjunction([self._flags[step], negation(checks[step].disturbed())])
+            calm = conjunction([self._signs[step].active, negation(checks[step].disturbed())])
             found += [when(calm, more), assignment(old, elapsed)]
         return found
 

@@ -1,0 +1,183 @@
+"""Sequencers with a bit for each step and a bit for each transition: all resets, then all sets."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.graph.actions import Actions
+from plcopen_sfc.lowering.graph.sequencer import Sequencer
+from plcopen_sfc.lowering.graph.skipping import add_skips
+from plcopen_sfc.lowering.graph.step_data import Phase
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.semantics.charts.graph.parameters import Mode
+from plcopen_sfc.semantics.net import NetTransition, Rivals
+
+
+class BitSequencer(Sequencer):
+    """Lowers one sequencer into `code`. It holds every one, whatever switches its steps."""
+
+    def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:  # noqa: ARG002
+        """The flags of steps, the bits of transitions, and what actions want of the steps that they switch."""
+        code, texts = self.code, self.texts
+        self.flags = [
+            code.declare(texts.flag_name(step.step), comment=texts.flag_of(step.path)) for step in self.net.steps
+        ]
+        self.fired = [
+            code.declare(texts.transition_name(self.net, t), comment=texts.transition_of(t.path))
+            for t in self.net.transitions
+        ]
+        self._events: dict[tuple[int, ActionEvent], n.Name] = {}
+        self._old: dict[int, n.Name] = {}
+        self._left_before: dict[int, tuple[n.Name, Expression]] = {}
+        switched = {i for rows in self.source.rows for row in rows for i in row.switched}
+        self.wanted = {
+            i: code.declare(
+                f"{self.flags[i].identifier}_next", comment=self.own_texts.wanted_of(self.net.steps[i].path)
+            )
+            for i in sorted(switched)
+        }
+        return [flag.identifier for flag in self.flags]
+
+    def active(self, step: int) -> Expression:
+        """The flag of a step."""
+        return self.flags[step]
+
+    def add_switched(self, actions: Actions) -> None:
+        """What is to be in the next cycle: a step that is switched on is so in any case."""
+        changes = [assignment(wanted, self._next(actions, step)) for step, wanted in self.wanted.items()]
+        self.code.add(self.own_texts.switched, changes)
+
+    def _next(self, actions: Actions, step: int) -> Expression:
+        stays = conjunction([self.flags[step], negation(actions.switched(Qualifier.OFF, step))])
+        return disjunction([stays, actions.switched(Qualifier.ON, step)])
+
+    # -- events
+
+    def changed(self, step: int, event: ActionEvent) -> Expression:
+        """A bit for each event that anything asks for."""
+        if (step, event) not in self._events:
+            flag = self.flags[step].identifier
+            self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
+            if step not in self._old:
+                self._old[step] = self.code.declare(f"{flag}_old")
+        return self._events[step, event]
+
+    def touched(self, step: int) -> Expression:
+        """The flag, or the event that the step was left."""
+        return disjunction([self.flags[step], self.changed(step, ActionEvent.S0)])
+
+    def gone(self, step: int) -> Expression:
+        """A bit that keeps the event of the last cycle."""
+        left = self.changed(step, ActionEvent.S0)
+        if step not in self._left_before:
+            self._left_before[step] = self.code.declare(f"{self.flags[step].identifier}_S0_old"), left
+        return self._left_before[step][0]
+
+    def add_events(self, place: int, registered: Sequence[Statement]) -> None:
+        """Insert the comparison of flags with those of the last cycle."""
+        statements: list[Statement] = [assignment(old, event) for old, event in self._left_before.values()]
+        for (step, event), name in sorted(self._events.items(), key=lambda item: (item[0][0], item[0][1].value)):
+            flag, old = self.flags[step], self._old[step]
+            value = [flag, negation(old)] if event is ActionEvent.S1 else [old, negation(flag)]
+            statements.append(assignment(name, conjunction(value)))
+        statements += registered
+        statements += [assignment(old, self.flags[step]) for step, old in sorted(self._old.items())]
+        self.code.add(self.own_texts.events, statements, place=place)
+
+    # -- transitions
+
+    def enabled(self, transition: NetTransition) -> Expression:
+        """Whether all steps before a transition are active."""
+        return conjunction(self.wanted.get(i, self.flags[i]) for i in transition.sources)
+
+    def add_transitions(self) -> None:
+        """Append a bit for each transition: enabled, satisfied or pushed, not held, no rival before it has fired."""
+        statements: list[Statement] = []
+        permitted, pushed = self.commands.permitted(), self.commands.pushed()
+        if not is_constant(permitted, TRUE):
+            permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
+        if not is_constant(pushed, FALSE):
+            pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
+        for transition in self.net.transitions:
+            index = transition.index
+            enabled = self.enabled(transition)
+            preparation = self.resolved(self.source.preparations[index], Phase.SWITCH)
+            if preparation:
+                statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
+            condition = self.resolve(self.source.conditions[index], Phase.SWITCH)
+            switches = disjunction([conjunction([condition, permitted]), pushed])
+            held = [self._held(i) for i in transition.sources]
+            rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
+            free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
+            statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
+        self.code.add(self.texts.transitions, statements)
+
+    def _held(self, step: int) -> Expression:
+        """Whether its supervision keeps a step active; one that was only just switched on is not supervised yet."""
+        held = self.checks[step].held(self.resolve)
+        return conjunction([self.flags[step], held]) if step in self.wanted else held
+
+    def stays(self, step: int) -> Expression:
+        """Whether a step is active and no transition leaves it."""
+        leaving = [negation(self.fired[t]) for t in self.net.leaving[step]]
+        return conjunction([self.wanted.get(step, self.flags[step]), *leaving])
+
+    # -- the step change
+
+    def add_step_change(self) -> None:
+        """Append the networks that change the situation: all resets, then all sets."""
+        resets: list[Statement] = [assignment(self.flags[i], wanted) for i, wanted in self.wanted.items()]
+        sets: list[Statement] = []
+        for transition in self.net.transitions:
+            flag = self.fired[transition.index]
+            resets += self._all(transition.sources, FALSE, flag)
+            sets += self._all(transition.targets, TRUE, flag)
+        if self.source.skips:
+            sets = add_skips(self)
+        self.code.add(self.texts.resets, resets)
+        self.code.add(self.texts.sets, sets)
+        self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
+        steps = range(len(self.net.steps))
+        initial = [assignment(self.flags[i], self._initial(i)) for i in steps]
+        start = disjunction([self.first, self.started()])
+        self.code.add(self.own_texts.start, [when(start, *initial, assignment(self.first, FALSE))])
+        off = self.commands.edge("OFF_SQ")
+        self.code.add(self.own_texts.off, [when(off, *self._off(steps))] if not is_constant(off, FALSE) else [])
+
+    def _initial(self, step: int) -> Expression:
+        return TRUE if self.net.initial & self.net.steps[step].bit else FALSE
+
+    def _off(self, steps: range) -> list[Statement]:
+        return [assignment(self.flags[i], FALSE) for i in steps]
+
+    def _all(self, steps: tuple[int, ...], value: Expression, condition: Expression) -> list[Statement]:
+        return [when(condition, *(assignment(self.flags[i], value) for i in steps))] if steps else []
+
+    def _selected(self, command: str, value: Expression) -> list[Statement]:
+        """S_ON and S_OFF: the step whose number S_SEL says."""
+        by_hand = self.commands.is_on(Mode.MANUAL)
+        selection = self.commands.variable("S_SEL")
+        edge = self.commands.edge(command) if not is_constant(by_hand, FALSE) else FALSE
+        if selection is None or is_constant(edge, FALSE):
+            return []
+        numbers: dict[int, int] = {}
+        for step in self.net.steps:
+            if step.step.number is not None:
+                numbers.setdefault(step.step.number, step.index)
+        branches = tuple(
+            n.CaseBranch((n.Literal(str(number)),), (assignment(self.flags[index], value),))
+            for number, index in numbers.items()
+        )
+        return [when(conjunction([by_hand, edge]), n.Case(selection, branches))] if branches else []

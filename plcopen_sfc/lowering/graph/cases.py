@@ -1,0 +1,297 @@
+"""Sequencers with a CASE for each sequence and each simultaneous branch: at most one step of them is active.
+
+No step is active before the first cycle and after OFF_SQ: that is a state of its own. What tells of a step is a
+comparison, of an event two of them: with the state now and the one before the step change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from itertools import chain
+
+from plcopen_sfc.analysis.regions import ParallelBlock, Regions
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.chains.machines import INDENT, Machine, StateMachines, Try
+from plcopen_sfc.lowering.chains.states import StateNames, step_numbers
+from plcopen_sfc.lowering.code.logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.program import TextNetwork
+from plcopen_sfc.lowering.graph.actions import Actions
+from plcopen_sfc.lowering.graph.sequencer import Sequencer
+from plcopen_sfc.lowering.graph.sequences import one_sequence, sequences
+from plcopen_sfc.lowering.graph.step_data import Phase
+from plcopen_sfc.lowering.rules import States
+from plcopen_sfc.model.actions import ActionEvent
+from plcopen_sfc.model.types import SimpleValue
+from plcopen_sfc.semantics.charts.graph.parameters import Mode
+from plcopen_sfc.semantics.net import NetStep, NetTransition
+
+_LARGEST_INT = 32_767
+
+
+class RegionSequencer(Sequencer):
+    """Lowers one sequencer into `code`. Raises `LoweringError` where several steps of a region can be active."""
+
+    def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:
+        """A state variable for each region, at the start that of no step."""
+        regions = self.structure()
+        if isinstance(regions, str):
+            raise LoweringError(
+                f"a CASE holds one active step, and that is not so here: {regions}",
+                location=Location(path=self.source.pou.name),
+                hint="Step bits can hold every sequencer.",
+            )
+        off = replace(regions, regions=tuple(replace(region, initial=None) for region in regions.regions))
+        names = StateNames(self.source, off, self.code, self.rules, surroundings)
+        self.states = StateMachines(regions, names, self.texts, self.source.dialect, off=True)
+        self._old: dict[int, n.Name] = {}
+        self._gone: dict[int, n.Name] = {}
+        self._bits: dict[int, n.Name] = {}
+        self._before: dict[int, tuple[Statement, ...]] = {}
+        self._conditions: dict[int, Expression] = {}
+        self._guard: Expression = TRUE
+        self._change = 0
+        return [self.texts.flag_name(step.step) for step in self.net.steps]
+
+    def structure(self) -> Regions | str:
+        """The regions, or why there are none."""
+        return sequences(self.source, self.rules.profile)
+
+    def active(self, step: int) -> Expression:
+        """A comparison of the state of its region."""
+        return self.states.active(step)
+
+    def add_switched(self, actions: Actions) -> None:
+        """Nothing: no action switches steps."""
+
+    def only_state(self) -> n.Name | None:
+        """The number of the active step, 0 where none is, if all steps are of one region and have numbers."""
+        numbers = step_numbers(self.net)
+        if len(self.states.machines) > 1 or max(numbers) > _LARGEST_INT:
+            return None
+        machine = self.states.machines[0]
+        return machine.state if self._has_numbers_of_steps(machine) else None
+
+    def _has_numbers_of_steps(self, machine: Machine) -> bool:
+        """Whether the states of a region are the numbers that its steps have for the user."""
+        numbers = step_numbers(self.net)
+        own = all(self.net.steps[i].step.number == numbers[i] != 0 for i in machine.region.steps)
+        return own and not machine.blocks and self.rules.states is not States.ENUMERATION
+
+    # -- events
+
+    def changed(self, step: int, event: ActionEvent) -> Expression:
+        """A comparison of the states now and before."""
+        now, before = self.active(step), equal(self._state_before(step), self.states.names.step(step))
+        return conjunction([now, negation(before)] if event is ActionEvent.S1 else [before, negation(now)])
+
+    def touched(self, step: int) -> Expression:
+        """The step is the state now or before."""
+        return disjunction([self.active(step), equal(self._state_before(step), self.states.names.step(step))])
+
+    def gone(self, step: int) -> Expression:
+        """A bit that keeps the event of the last cycle."""
+        if step not in self._gone:
+            self._gone[step] = self.code.declare(f"{self.signs[step].name}_S0_old")
+        return self._gone[step]
+
+    def _state_before(self, step: int) -> n.Name:
+        machine = self.states.machine_of(step)
+        if machine.region.index not in self._old:
+            state = next(v for v in self.code.variables if v.name == machine.state.identifier)
+            initial = state.initial.text if isinstance(state.initial, SimpleValue) else None
+            self._old[machine.region.index] = self.code.declare(f"{state.name}_old", state.type, initial=initial)
+        return self._old[machine.region.index]
+
+    def add_events(self, place: int, registered: Sequence[Statement]) -> None:
+        """Insert what keeps the states before they change."""
+        self.code.add(self.own_texts.events, registered, place=place)
+        kept = [assignment(bit, self.changed(step, ActionEvent.S0)) for step, bit in self._gone.items()]
+        kept += [assignment(old, self.states.machines[region].state) for region, old in sorted(self._old.items())]
+        self.code.add(self.texts.before, kept, place=self._change)
+
+    # -- transitions
+
+    def add_transitions(self) -> None:
+        """Append what all transitions have in common, and a bit for each that rivals of other CASEs ask for."""
+        statements: list[Statement] = []
+        permitted, pushed = self.commands.permitted(), self.commands.pushed()
+        if not is_constant(pushed, FALSE):
+            pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
+        needing = self._needing_bits()
+        guards_all = not any(self.source.preparations)  # these are executed where nothing switches, too
+        if not is_constant(permitted, TRUE) and (len(self.states.machines) > 1 or needing or not guards_all):
+            permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
+        if guards_all:
+            self._guard, permitted = permitted, TRUE
+        for transition in self.net.transitions:
+            self._prepare(transition, permitted, pushed)
+        for index in needing:
+            transition = self.net.transitions[index]
+            name = self.texts.transition_name(self.net, transition)
+            self._bits[index] = self.code.declare(name, comment=self.texts.transition_of(transition.path))
+            free = [negation(self._bits[rival]) for rival in transition.rivals if rival in self._bits]
+            enabled = [self.active(i) for i in transition.sources]
+            if self._before[index]:
+                statements.append(when(conjunction([*enabled, self.evolves()]), *self._before[index]))
+            fires = conjunction([*enabled, self._conditions[index], *free])
+            statements.append(assignment(self._bits[index], fires))
+        self.code.add(self.texts.transitions, statements)
+
+    def _prepare(self, transition: NetTransition, permitted: Expression, pushed: Expression) -> None:
+        """Find what is executed before the condition of a transition, and when this lets the transition switch."""
+        index = transition.index
+        self._before[index] = tuple(self.resolved(self.source.preparations[index], Phase.SWITCH))
+        condition: Expression = self.resolve(self.source.conditions[index], Phase.SWITCH)
+        switches = disjunction([conjunction([condition, permitted]), pushed])
+        held = [negation(self.checks[i].held(self.resolve)) for i in transition.sources]
+        self._conditions[index] = conjunction([switches, *held])
+
+    def _needing_bits(self) -> list[int]:
+        """Joins that have rivals, with these; transitions before whose conditions something must be executed.
+
+        All conditions of an active step are evaluated, also of rivals of one that switches: then all of them need one.
+        """
+        found: set[int] = set()
+        for block in self.states.regions.blocks:
+            rivals = self.states.regions.exit_rivals(block)
+            found.update([*block.joins, *rivals] if rivals else [])
+            found.update(join for join in block.joins if self.source.preparations[join])
+        for leaving in self.net.leaving:
+            if any(self.source.preparations[t] for t in leaving[1:]):
+                found.update(leaving)
+        return sorted(found)
+
+    # -- the step change
+
+    def add_step_change(self) -> None:
+        """Append the CASE of each region, and what sets the states besides."""
+        self._change = len(self.code.networks)
+        machines = self.states.machines
+        for machine in machines:
+            if self._must_wait(machine):
+                self.states.let_wait(machine)
+        for machine in machines:
+            case = self.states.case(machine, self._leaving, self._joining)
+            if not is_constant(self._guard, TRUE):
+                case = [f"IF {self.states.text(self._guard)} THEN", *(INDENT + line for line in case), "END_IF;"]
+            self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(case)))
+        if self.source.skips:
+            for machine in machines:
+                self._add_skips(machine)
+        self.code.add(self.own_texts.manual, self._off_by_hand())
+        start = disjunction([self.first, self.started()])
+        initial = [self.states.set_back(machine) for machine in machines]
+        self.code.add(self.own_texts.start, [when(start, *initial, assignment(self.first, FALSE))])
+        off = self.commands.edge("OFF_SQ")
+        none = [assignment(self.states.following(machine), self.states.names.none) for machine in machines]
+        self.code.add(self.own_texts.off, [when(off, *none)] if not is_constant(off, FALSE) else [])
+        self.code.add(self.texts.moves, self.states.moves())
+
+    def _must_wait(self, machine: Machine) -> bool:
+        """Whether anything looks at the state of a region, or writes it, between its CASE and the step change."""
+        if machine.blocks or machine.region.block is not None or self.source.skips:
+            return True
+        others = (t for t in self.net.transitions if t.index not in machine.region.transitions)
+        trees = chain.from_iterable((self._conditions[t.index], *self._before[t.index]) for t in others)
+        return any(node == machine.state for tree in trees for node in walk(tree))
+
+    def _leaving(self, step: NetStep) -> list[str]:
+        """What is tried while a step is active."""
+        leaving = [self.net.transitions[t] for t in self.net.leaving[step.index]]
+        machine = self.states.machine_of(step.index)
+        return self.states.tried([self._try(machine, t) for t in leaving if len(t.sources) == 1])
+
+    def _joining(self, block: ParallelBlock) -> list[str]:
+        """What is tried while branches are waited for."""
+        machine = self.states.machines[block.parent]
+        return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
+
+    def _try(self, machine: Machine, transition: NetTransition) -> Try:
+        effect, remarks = self.states.effect(machine, transition), self.states.remarks(transition.transition)
+        if transition.index in self._bits:
+            return Try((), self._bits[transition.index], effect, remarks)
+        # a step with one source is active where it is tried, a join is tried while its branches are
+        enabled = [self.active(i) for i in transition.sources] if len(transition.sources) > 1 else []
+        before = self._before[transition.index]
+        if before and not is_constant(self.evolves(), TRUE):
+            before = (when(self.evolves(), *before),)
+        return Try(before, conjunction([*enabled, self._conditions[transition.index]]), effect, remarks)
+
+    def _off_by_hand(self) -> list[Statement]:
+        """S_OFF: the step whose number S_SEL says."""
+        by_hand = self.commands.is_on(Mode.MANUAL)
+        selection = self.commands.variable("S_SEL")
+        edge = self.commands.edge("S_OFF") if not is_constant(by_hand, FALSE) else FALSE
+        if selection is None or is_constant(edge, FALSE):
+            return []
+        ended: list[Statement] = []
+        for machine in self.states.machines:
+            meant = self._selected(machine, selection)
+            if not is_constant(meant, FALSE):
+                none = assignment(self.states.following(machine), self.states.names.none)
+                ended.append(when(meant, none))
+        return [when(conjunction([by_hand, edge]), *ended)] if ended else []
+
+    def _selected(self, machine: Machine, selection: n.Name) -> Expression:
+        """Whether the active step of a region is the one selected."""
+        if self._has_numbers_of_steps(machine):
+            return equal(machine.state, selection)
+        firsts: dict[int | None, int] = {}
+        for step in self.net.steps:
+            firsts.setdefault(step.step.number, step.index)
+        return disjunction(
+            conjunction([self.active(index), equal(selection, n.Literal(str(number)))])
+            for number, index in firsts.items()
+            if number is not None and self.states.machine_of(index) is machine
+        )
+
+    # -- steps that are skipped
+
+    def _add_skips(self, machine: Machine) -> None:
+        """Append a loop that goes on behind a step whose next transition is satisfied; no step is passed twice."""
+        steps = [i for i in machine.region.steps if self.net.entering[i] and self.net.leaving[i]]
+        if not steps:
+            return
+        states, text, following = self.states, self.states.text, self.states.following(machine)
+        again = self.code.declare(self.own_texts.again)
+        goes_on = text(assignment(again, TRUE))
+        loop = [text(assignment(again, FALSE)), f"CASE {text(following)} OF"]
+        begin: list[Statement] = []
+        for step in (self.net.steps[i] for i in steps):
+            passed = self.code.declare(f"{self.signs[step.index].name}_passed")
+            begin.append(assignment(passed, FALSE))
+            tries = [self._passing(machine, self.net.transitions[t], goes_on) for t in self.net.leaving[step.index]]
+            inner = [text(assignment(passed, TRUE)), *states.tried(tries)]
+            once = [f"IF {text(negation(passed))} THEN", *(INDENT + line for line in inner), "END_IF;"]
+            loop += states.branch(states.names.step(step.index), states.heading(step), once)
+        begin.append(assignment(again, conjunction([negation(equal(following, machine.state)), self.evolves()])))
+        lines = [text(statement) for statement in begin]
+        lines += [f"WHILE {text(again)} DO", *(INDENT + line for line in [*loop, "END_CASE;"]), "END_WHILE;"]
+        self.code.networks.append(TextNetwork(self.own_texts.skips, "\n".join(lines)))
+
+    def _passing(self, machine: Machine, transition: NetTransition, goes_on: str) -> Try:
+        condition: Expression = self.resolve(self.source.conditions[transition.index], Phase.SWITCH)
+        effect = self.states.effect(machine, transition)
+        return Try(self._before[transition.index], condition, [*effect, goes_on], [])
+
+
+class CaseSequencer(RegionSequencer):
+    """All steps in one region, also those that are never active."""
+
+    def structure(self) -> Regions | str:
+        """One region, or why it cannot be one."""
+        return one_sequence(self.source, self.rules.profile)

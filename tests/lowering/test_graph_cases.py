@@ -1,0 +1,211 @@
+"""Sequencers of S7-GRAPH with a CASE for each sequence: proven to do the same."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.lowering.forms import Construction
+from tests.lowering.sequencers import act, block, guarded, ring, text, verdict
+from tests.lowering.test_graph import sequencers
+from tests.semantics.charts.rig import chain
+
+CASE, REGIONS = Construction.CASE, Construction.REGIONS
+
+
+def proven(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q", construction: Construction = CASE) -> None:
+    project = block(chart, inputs, outputs)
+    found = verdict(project, construction=construction)
+    assert found.proven, f"{found}\n{text(project, construction)}"
+
+
+def code(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q", construction: Construction = CASE) -> str:
+    return text(block(chart, inputs, outputs), construction)
+
+
+def test_a_ring_is_one_case_that_starts_with_no_step() -> None:
+    chart = ring(act("N"))
+    chart.step("S3").actions = [act("S", "P", "S1")]
+    assert code(chart, outputs="Q P") == (
+        """// Steps as they were before
+#step_number_old := #step_number;
+
+// Step sequence
+CASE #step_number OF
+    1: // Step 1 – initial step
+        IF #c1 THEN
+            #step_number := 2;
+        END_IF;
+    2: // Step 2
+        IF #c2 THEN
+            #step_number := 3;
+        END_IF;
+    3: // Step 3
+        IF #c3 THEN
+            #step_number := 1;
+        END_IF;
+END_CASE;
+
+// Start of the sequence
+IF #FirstScan THEN
+    #step_number := 1;
+    #FirstScan := FALSE;
+END_IF;
+
+// Action #Q
+#Q := #step_number = 2;
+
+// Step S3: actions
+IF #step_number = 3 AND #step_number_old <> 3 THEN
+    #P := TRUE;
+END_IF;"""
+    )
+    proven(chart, outputs="Q P")
+
+
+@pytest.mark.parametrize(
+    "inputs",
+    [
+        "INIT_SQ OFF_SQ",
+        "SW_TAP SW_TOP T_PUSH",
+        "SW_MAN S_SEL:INT S_OFF",
+        "SW_MAN S_ON",  # nothing selects a step
+    ],
+)
+def test_parameters(inputs: str) -> None:
+    chart = chain("S1", "S2", conditions="#c1 #c2")
+    chart.step("S2").actions = [act("N")]
+    proven(chart, inputs, "Q MAN_ON S_NO:INT S_MORE S_ACTIVE")
+
+
+@pytest.mark.parametrize("acknowledge", [False, True])
+@pytest.mark.parametrize("event", ["L1", "V0", "A1", "S1", "S0"])
+def test_interlocks_supervisions_and_events(event: str, acknowledge: bool) -> None:
+    chart = guarded(act("N", value="NOT #Q", event=event), act("N", "P", interlock=True), acknowledge=acknowledge)
+    proven(chart, "ok fault ACK_EF", "Q P ERR_FLT")
+
+
+def test_a_coil_that_something_else_writes_is_left_alone() -> None:
+    chart = ring(act("N"), act("N", event="S0"))
+    chart.permanent_post = [m.PermanentOperation(body=m.StBody(text="IF #c1 AND #c3 THEN #Q := TRUE; END_IF;"))]
+    assert "IF #step_number = 2 OR #step_number_old = 2 OR #X2_S0_old THEN" in code(chart)
+    proven(chart)
+
+
+def test_times_counters_timers_and_calls() -> None:
+    chart = ring(act("D", duration="T#20ms"), act("CU", "n", "S1"), act("TL", "t", "S0", duration="T#20ms"))
+    chart.step("S3").actions = [act("CALL", None, body=m.StBody(text="#P := #t AND #n > 998;"))]
+    chart.step("S1").actions = [act("CS", "n", "S1", value="998")]
+    chart.transitions[1].condition = m.Expression(text="#c2 AND #S2.T > T#10ms AND NOT #S1.X")
+    proven(chart, outputs="Q P t n:INT")
+
+
+def test_a_selection_and_an_end() -> None:
+    chart = ring(act("N"))
+    chart.add_transition(chart.step("S1"), chart.step("S3"), "#c2")
+    end = chart.add_transition(chart.step("S2"), [], "#c3")
+    end.priority = 1
+    proven(chart, "INIT_SQ", "Q S_NO:INT S_ACTIVE")
+
+
+def test_several_sequences() -> None:
+    chart = ring(act("N"))
+    tenth, eleventh, last = (chart.add_step(name, initial=name == "S10") for name in ("S10", "S11", "S12"))
+    chart.add_transition(tenth, eleventh, "#c1 AND #S2.X")
+    chart.add_transition(eleventh, last, "#c2")
+    chart.add_transition(last, [], "#c3")
+    last.actions = [act("N", "P", "S1")]
+    with pytest.raises(LoweringError, match="2 initial steps"):
+        code(chart)
+    made = code(chart, construction=REGIONS)
+    assert "#next_step_number := 2;" in made  # the other one asks for step 2
+    assert "#step_number_S10 := 5;" in made
+    proven(chart, "OFF_SQ INIT_SQ", "Q P S_NO:INT S_MORE", REGIONS)
+
+
+@pytest.mark.parametrize("inputs", ["INIT_SQ OFF_SQ", "SW_MAN S_SEL:INT S_OFF", "SW_TOP T_PUSH"])
+def test_simultaneous_branches(inputs: str) -> None:
+    project = block(branches(), inputs, "Q P")
+    found = verdict(project, construction=REGIONS, cap=500, runs=20)
+    assert found.equal, str(found)
+
+
+def test_simultaneous_branches_are_proven() -> None:
+    proven(branches(), "", "Q P", REGIONS)
+
+
+def branches() -> m.SfcNetwork:
+    chart = chain("S1", "S2", conditions="#c1")
+    left, right = chart.add_step("S3"), chart.add_step("S4")
+    chart.add_transition(chart.step("S2"), [left, right], "#c2")
+    chart.add_transition([left, right], chart.step("S1"), "#c3")
+    left.actions, right.actions = [act("N")], [act("N", "P", interlock=True)]
+    right.interlock = m.Supervised(condition=m.Expression(text="#c1"))
+    right.supervision = m.Supervised(condition=m.Expression(text="#c2"))
+    return chart
+
+
+def test_steps_are_skipped() -> None:
+    chart = ring(act("N"), act("N", "P", "S1", value="NOT #P"))
+    fourth = chart.add_step("S4")
+    chart.add_transition(chart.step("S2"), fourth, "#c1 AND #c3")
+    chart.add_transition(fourth, chart.step("S3"), "#S1.X")
+    chart.graph_settings = m.GraphSettings(skip_steps=True)
+    proven(chart, "INIT_SQ", "Q P")
+
+
+@pytest.mark.parametrize("states", ["constants", "enumeration"])
+def test_names_of_states(states: str) -> None:
+    chart = m.SfcNetwork()
+    wait, fill = chart.add_step("Wait", initial=True), chart.add_step("Fill")
+    chart.add_transition(wait, fill, "c1")
+    chart.add_transition(fill, wait, "c2")
+    fill.actions = [m.ActionAssociation(id=1, target="Q", event=m.ActionEvent.S0)]
+    project = block(chart, "INIT_SQ", "Q S_NO:INT S_ACTIVE")
+    project.dialect = Dialect.IEC
+    lowered = sfc.lower(project, profile="s7graph", states=states)
+    assert lowered.construction is CASE
+    assert lowered.why == "at most one step is active at a time"
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    assert ("STEP_Fill" if states == "constants" else "Sequence_Step#Fill") in body.text
+
+
+@pytest.mark.parametrize(
+    ("chart", "inputs", "message"),
+    [
+        (ring(act("ON", "S1", "S1")), "", "step S2 switches steps on: #S1"),
+        (ring(act("OFF", "S_ALL", "S1")), "", "step S2 switches steps off: #S_ALL"),
+        (ring(), "SW_MAN S_SEL:INT S_ON", "S_ON can switch on a step"),
+        (m.SfcNetwork(), "", "no step is initial"),
+    ],
+    ids=["on", "off", "by hand", "empty"],
+)
+@pytest.mark.parametrize("construction", [CASE, REGIONS])
+def test_what_leaves_several_steps_active_is_refused(
+    chart: m.SfcNetwork, inputs: str, message: str, construction: Construction
+) -> None:
+    project = block(chart, inputs)
+    with pytest.raises(LoweringError, match=message) as caught:
+        sfc.lower(project, construction, profile="s7graph", verify=False)
+    assert "Step bits can hold every sequencer" in str(caught.value)
+    lowered = sfc.lower(project, profile="s7graph", verify=False)
+    assert lowered.construction is Construction.BITS
+    assert message in lowered.why
+
+
+@settings(deadline=None, max_examples=40, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(sequencers(switching=False))
+def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
+    project = block(*drawn)
+    for construction in (CASE, REGIONS):
+        try:
+            made = text(project, construction)
+        except LoweringError:
+            continue
+        found = verdict(project, construction=construction, cap=150, runs=3)
+        assert found.equal, f"{found}\n{made}"
