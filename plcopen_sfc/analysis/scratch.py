@@ -1,50 +1,285 @@
 """Variables that a program writes in every scan before it reads them: their old values are no part of its state.
 
-Lowered charts compute transition bits anew in every scan. Without this a search would tell states apart that differ in
-such bits only.
+Lowered charts compute transition bits anew in every scan, and give timers and flip-flops their inputs with every call.
+Without this a search would tell states apart that differ in such values only.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements
-from plcopen_sfc.languages.st.walking import walk
-from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.layouts import Direction, Layout, leaves
+from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType, default
+from plcopen_sfc.semantics.signals import Value
 
-__all__ = ["scratch_variables"]
+__all__ = ["scratch_cells"]
+
+_WRITTEN = {"R_TRIG": ("q",), "F_TRIG": ("q",), "CTU": ("q",), "CTD": ("q",), "CTUD": ("qu", "qd")}
+"""What a call of a standard block writes in any case, without looking at the old value."""
+
+_NOT_READ = {"TON": ("et",), "TOF": ("et",), "TP": ("et",)}
+"""What a call may write, but does not look at."""
+
+_ALIASES = (n.Dereference, n.Peripheral)
+_JUMPS = (n.Goto, n.Label, n.Try, n.Unreadable)
 
 
-def scratch_variables(pou: Pou, dialect: Dialect) -> frozenset[str]:
-    """The names (lower case) that the body of a POU assigns on its top level before anything else could use them.
+def scratch_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list[Any], int, Value | None]]:
+    """Where local variables and outputs of a POU are that no scan reads before it writes them, and any value for each.
 
-    Empty for what is not one body of structured text without actions and methods, which see the variables too.
+    `observed` (paths) are those that are looked at when a scan has ended. Members of structures and of instances of
+    standard function blocks are variables too. None for what is not one body of text, FBD or LD without actions and
+    methods, which see the variables too, or where references are used.
     """
+    statements = _statements(instance)
+    if statements is None:
+        return []
+    reading = _Reading(instance)
+    reading.body(statements, observed)
+    frame = instance.frame
+    found: list[tuple[list[Any], int, Value | None]] = []
+    for path, variable, cells, slot in leaves(frame):
+        root = frame.layout.find(path.partition(".")[0])
+        if root is None or root.direction not in (Direction.LOCAL, Direction.OUTPUT):
+            continue
+        if not isinstance(variable.type, ElementaryType) or variable.type.family is Family.SPECIAL:
+            continue
+        if not reading.is_exposed(path.casefold()):
+            found.append((cells, slot, default(variable.type)))
+    return found
+
+
+def _statements(instance: Instance) -> Sequence[n.Statement] | None:
+    """The statements of the only body, if it alone sees the variables, and by their names."""
+    pou, project = instance.unit.pou, instance.controller.project
+    if len(pou.bodies) != 1 or pou.actions or pou.methods or pou.transitions or instance.unit.base is not None:
+        return None
+    if pou.kind is PouKind.PROGRAM and _seen_by_others(pou, project.pous):
+        return None
     body = pou.body
-    if len(pou.bodies) != 1 or not isinstance(body, StBody) or pou.actions or pou.methods or pou.transitions:
-        return frozenset()
-    parsed = parse_statements(body.text, dialect)
-    if parsed.problems:
-        return frozenset()
-    found: set[str] = set()
-    used: set[str] = set()
-    for statement in parsed.tree.statements:
-        nodes = list(walk(statement))
-        if any(isinstance(node, n.Return | n.Goto | n.Label | n.Unreadable) for node in nodes):
-            break
-        if isinstance(statement, n.Assignment) and isinstance(statement.target, n.Name):
-            used.update(_names(walk(statement.value)))
-            target = statement.target.identifier.casefold()
-            if statement.kind is n.AssignmentKind.ASSIGN and target not in used:
-                found.add(target)
-            used.add(target)
-        else:
-            used.update(_names(nodes))
-    return frozenset(found)
+    statements: Sequence[n.Statement]
+    if isinstance(body, StBody):
+        parsed = parse_statements(body.text, project.dialect)
+        if parsed.problems:
+            return None
+        statements = parsed.tree.statements
+    elif isinstance(body, FbdBody | LdBody):
+        read = body_statements(body, project.dialect)
+        if read.obstacles or read.helpers:
+            return None
+        statements = read.tree.statements
+    else:
+        return None
+    for node in _all_nodes(statements):
+        if isinstance(node, _ALIASES + _JUMPS):
+            return None
+        if isinstance(node, n.Assignment) and node.kind in (n.AssignmentKind.REFERENCE, n.AssignmentKind.ATTEMPT):
+            return None
+        if isinstance(node, n.Call) and isinstance(node.callee, n.Name) and node.callee.identifier.upper() == "ADR":
+            return None
+    return statements
 
 
-def _names(nodes: Iterable[object]) -> Iterable[str]:
-    return (node.identifier.casefold() for node in nodes if isinstance(node, n.Name))
+def _seen_by_others(pou: Pou, others: Iterable[Pou]) -> bool:
+    """Whether another POU of the project names this one, as in ``Main.x``."""
+    name = re.compile(rf"\b{re.escape(pou.name)}\b", re.IGNORECASE)
+    return any(name.search(each.model_dump_json()) for each in others if each.name != pou.name)
+
+
+def _all_nodes(statements: Sequence[n.Statement]) -> Iterator[n.Node]:
+    waiting: list[n.Node] = list(statements)
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting += children(node)
+
+
+@dataclass
+class _Reading:
+    """Goes through statements in the order of their execution, and finds what is read before it is written.
+
+    `exposed` are the paths of that, in lower case; a set `written` goes along: what has been written on every way.
+    `ends` are those sets where the body ends.
+    """
+
+    instance: Instance
+    exposed: set[str] = field(default_factory=set)
+    ends: list[set[str]] = field(default_factory=list)
+
+    def body(self, statements: Sequence[n.Statement], observed: Collection[str]) -> None:
+        """All of it; whoever observes variables reads them where it ends."""
+        written: set[str] = set()
+        if self.all(statements, written):
+            self.ends.append(written)
+        for path in observed:
+            for written in self.ends:
+                self._read_path(path.casefold().replace('"', "").replace("#", "").split("."), written)
+
+    def is_exposed(self, path: str) -> bool:
+        """Whether a variable, a part of it, or all that it is a part of is read before it is written."""
+        if any(each in self.exposed for each in _upwards(path)):
+            return True
+        return any(each.startswith(f"{path}.") for each in self.exposed)
+
+    # -- statements
+
+    def all(self, statements: Sequence[n.Statement], written: set[str]) -> bool:
+        """Statements behind each other; whether their end is reached."""
+        return all(self.one(statement, written) for statement in statements)
+
+    def one(self, statement: n.Statement, written: set[str]) -> bool:
+        """One statement; False: what stands behind it is not reached."""
+        match statement:
+            case n.Assignment(target=target, value=value, kind=kind):
+                self.read(value, written)
+                path = _path(target)
+                if kind is n.AssignmentKind.ASSIGN and path is not None:
+                    written.add(self._canonical(path))
+                else:
+                    self.read(target, written)
+            case n.CallStatement(call=call):
+                self._call(call, written)
+            case n.If(branches=branches, otherwise=otherwise):
+                ways = []
+                for branch in branches:
+                    self.read(branch.condition, written)
+                    ways.append(branch.statements)
+                return self._ways([*ways, otherwise or ()], written)
+            case n.Case(selector=selector, branches=cases, otherwise=otherwise):
+                self.read(selector, written)
+                return self._ways([*(case.statements for case in cases), otherwise or ()], written)
+            case n.Region(statements=statements):
+                return self.all(statements, written)
+            case n.Return():
+                self.ends.append(written)
+                return False
+            case n.Exit() | n.Continue():
+                return False
+            case n.For() | n.While() | n.Repeat():
+                for part in children(statement):
+                    if part not in statement.statements:
+                        self.read(part, written)
+                self.all(statement.statements, set(written))
+            case n.Empty():
+                pass
+            case _:
+                self.read(statement, written)
+        return True
+
+    def _ways(self, ways: Sequence[Sequence[n.Statement]], written: set[str]) -> bool:
+        """Of what one of several ways writes, only that counts which all write from which one comes back."""
+        ends = []
+        for statements in ways:
+            own = set(written)
+            if self.all(statements, own):
+                ends.append(own)
+        if not ends:
+            return False
+        written |= set.intersection(*ends)
+        return True
+
+    # -- expressions
+
+    def read(self, node: n.Node, written: set[str]) -> None:
+        """Whatever stands in an expression is read."""
+        if isinstance(node, n.Call):
+            self._expose(_root(node.callee), written)
+        path = _path(node)
+        if path is not None:
+            self._read_path(path, written)
+            return
+        for part in children(node):
+            self.read(part, written)
+
+    def _read_path(self, path: Sequence[str], written: set[str]) -> None:
+        for start in range(len(path)):  # the first names may be those of a namespace, or of the POU itself
+            self._expose(self._canonical(path[start:]), written)
+
+    def _expose(self, path: str, written: set[str]) -> None:
+        if not any(each in written for each in _upwards(path)):
+            self.exposed.add(path)
+
+    def _canonical(self, path: Sequence[str]) -> str:
+        """The path of a variable by the names that layouts have for pins."""
+        layout: Layout | None = self.instance.frame.layout
+        parts = []
+        for name in path:
+            variable = layout.find(name) if layout is not None else None
+            parts.append(variable.name.casefold() if variable is not None else name)
+            layout = variable.type.layout if variable and isinstance(variable.type, StructureType) else None
+        return ".".join(parts)
+
+    def _call(self, node: n.Expression, written: set[str]) -> None:
+        """A call as a statement: of a standard block its pins are known, of anything else all is read."""
+        layout = self._standard_block(node)
+        if layout is None or not isinstance(node, n.Call):
+            self.read(node, written)
+            self._expose(_root(node), written)
+            return
+        name = _root(node)
+        given = set()
+        for argument in node.arguments:
+            if argument.value is None or argument.name is None:
+                continue
+            self.read(argument.value, written)
+            pin = layout.find(argument.name.identifier)
+            if pin is not None and not argument.output:
+                given.add(f"{name}.{pin.name.casefold()}")
+        written |= given
+        kind = layout.name.upper()
+        always = _WRITTEN.get(kind, ())
+        for pin in layout.fields:
+            key = pin.name.casefold()
+            if not pin.hidden and key not in always and key not in _NOT_READ.get(kind, ()):
+                self._expose(f"{name}.{key}", written)
+        written.update(f"{name}.{key}" for key in always)
+
+    def _standard_block(self, node: n.Expression) -> Layout | None:
+        """The layout of a standard function block whose instance is called with named arguments only."""
+        if not isinstance(node, n.Call) or not isinstance(node.callee, n.Name):
+            return None
+        variable = self.instance.frame.layout.find(node.callee.identifier)
+        if variable is None or not isinstance(variable.type, StructureType):
+            return None
+        layout = variable.type.layout
+        block = self.instance.controller.library.block_of(layout)
+        if block is None or block.run is None:
+            return None
+        known = all(a.name is not None and layout.find(a.name.identifier) is not None for a in node.arguments)
+        return layout if known else None
+
+
+def _path(node: n.Node) -> list[str] | None:
+    """The names of a path in lower case; None: that is none."""
+    parts: list[str] = []
+    while isinstance(node, n.Member):
+        parts.append(node.name.identifier.casefold())
+        node = node.base
+    return [node.identifier.casefold(), *reversed(parts)] if isinstance(node, n.Name) else None
+
+
+def _root(node: n.Node) -> str:
+    """The name in front of a path, in lower case; empty: there is none."""
+    while not isinstance(node, n.Name):
+        inner = next(iter(children(node)), None)
+        if inner is None:
+            return ""
+        node = inner
+    return node.identifier.casefold()
+
+
+def _upwards(path: str) -> Iterator[str]:
+    """``a.b.c``, ``a.b``, ``a``."""
+    while path:
+        yield path
+        path = path.rpartition(".")[0]

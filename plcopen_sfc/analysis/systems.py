@@ -10,7 +10,7 @@ from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking, step_times
 from plcopen_sfc.analysis.product import LeftOutError
-from plcopen_sfc.analysis.scratch import scratch_variables
+from plcopen_sfc.analysis.scratch import scratch_cells
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import SimpleValue
@@ -77,7 +77,8 @@ class ProgramSystem:
         self.steps, self._marking = step_marking(self.instance)
         self.times = step_times(subject, clock.scan_time)
         self._forget = self._forgetting()
-        self._scratch = self._scratch_cells()
+        self._scratch: list[tuple[list[Any], int, Value | None]] = []
+        self._looked_at: list[str] = []
         frames = [frame for _, _, frame in self.instance.charts()]
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
@@ -104,6 +105,7 @@ class ProgramSystem:
     def observe(self, observations: Iterable[Observation]) -> None:
         """Say what `observed` gives."""
         wanted = list(observations)
+        self._look_at([each.path for each in wanted if not each.bit])
         read = self.instance.reader([each.path for each in wanted if not each.bit])
         if not any(each.bit or each.equals is not None for each in wanted):
             self._observe = read
@@ -129,6 +131,12 @@ class ProgramSystem:
         """Do not compare scans at whose end a variable is TRUE. Raises `ModelError` for an unknown name."""
         self._left_out_name = name
         self._left_out = self.instance.reader([name])
+        self._look_at([name])
+
+    def _look_at(self, paths: Iterable[str]) -> None:
+        """Variables are read at the end of scans."""
+        self._looked_at += paths
+        self._scratch = scratch_cells(self.instance, self._looked_at)
 
     def reset(self) -> None:
         """Go to the state before the first scan."""
@@ -183,12 +191,6 @@ class ProgramSystem:
                 cells[slot] = now - limit
         for cells, slot in self._elapsed:
             cells[slot] = min(cells[slot], limit)
-
-    def _scratch_cells(self) -> list[tuple[list[Any], int, Value]]:
-        """Where variables are that every scan writes before it reads them, and any value for them."""
-        names = scratch_variables(self.subject.pou, self.subject.project.dialect)
-        own = {name: each for name, each in self.variables.items() if each.direction in ("local", "output")}
-        return [(*self.instance.cell(name), own[name].signal.default) for name in own if name.casefold() in names]
 
     def _input(self, path: str) -> Any:
         key = path.casefold()
