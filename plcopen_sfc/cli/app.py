@@ -277,6 +277,9 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE", help="Write the proof, the faults and the conversion.")
     ] = None,
+    skip_refused: Annotated[
+        bool, typer.Option("--skip-refused", help="Leave charts that cannot be lowered as they are, lower the others.")
+    ] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
     verbose: Verbose = 0,
@@ -308,6 +311,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         screen.exit_code = lower.run(screen, file, target, how, report_to=report)
 
 
+            skip_refused,
 def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:
     """Print the JSON Schema of the model, for programs in other languages."""
     with guarded(as_json=True, quiet=quiet, verbose=verbose) as screen:

@@ -201,3 +201,95 @@ def test_code_in_a_comment_is_no_code(cli: Cli, plant: Path, monkeypatch: pytest
 def test_a_project_without_charts_says_so(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
     done = cli("lower", fixtures / "scl" / "filling_line.scl", tmp_path / "out.xml", "--to", "codesys")
     assert (done.code, "there is no chart to be lowered" in done.err) == (2, True)
+
+
+@pytest.fixture
+def line(plant: Path) -> Path:
+    """A plant with four charts: one is fine, two cannot be lowered, of the last one nothing can be proven."""
+    pous = {name: training_chain() for name in ("Ablauf", "Presse", "Zange", "Band")}
+    for name, pou in pous.items():
+        pou.name = name
+    charts = {name: pou.sfc for name, pou in pous.items()}
+    press, tongs, belt = charts["Presse"], charts["Zange"], charts["Band"]
+    assert press is not None
+    assert tongs is not None
+    assert belt is not None
+    press.steps[1].actions[0].qualifier = m.Qualifier.D
+    tongs.transitions[0].condition = m.Expression(text="B1 AND (")
+    belt.transitions[0].condition = m.Expression(text="Vendor(B1)")
+    sfc.save(m.Project(name="Anlage", pous=list(pous.values())), "line.xml", format="plcopen-2.01")
+    return plant
+
+
+def test_all_refusals_are_listed_and_nothing_is_written(cli: Cli, line: Path) -> None:
+    done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--report", "r.json")
+    assert (done.code, done.out) == (2, "")
+    errors = [text for text in done.err.splitlines() if text.startswith("error: ")]
+    assert errors[0].startswith("error: POU Presse / step S2 / action Q2: D needs a time")
+    assert errors[1].startswith("error: POU Zange / transition S1 -> ")
+    assert errors[2].startswith("error: POU Band: the code cannot be compared with the chart: ")
+    assert errors[3:] == ["error: nothing is written: 3 of 4 charts are refused"]
+    assert "  It can be lowered without the proof: verify=False, --no-verify." in done.err.splitlines()
+    assert "--skip-refused" in done.err.splitlines()[-1]
+    assert not (line / "out.xml").exists()
+    data = json.loads((line / "r.json").read_text(encoding="utf-8"))
+    assert [each["pou"] for each in data["refused"]] == ["Presse", "Zange", "Band"]
+    assert data["refused"][0]["path"] == "POU Presse / step S2 / action Q2"
+    assert (data["file"], data["conversion"], [each["pou"] for each in data["pous"]]) == (None, None, ["Ablauf"])
+    assert data["pous"][0]["proof"]["outcome"] == "equal (proof)"
+    done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--json")
+    assert (done.code, json.loads(done.out)) == (2, data)
+
+
+def test_refused_charts_can_be_left_as_they_are(cli: Cli, line: Path) -> None:
+    done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--skip-refused")
+    assert done.code == 1
+    assert done.out.splitlines() == [
+        "Ablauf: exact bits in ST: asked for",
+        "under the profile iec: equal (proof: 5 states, all inputs)",
+        "written: out.xml",
+    ]
+    assert "error: POU Presse / step S2 / action Q2: D needs a time" in done.err
+    assert done.err.splitlines()[-1] == "3 of 4 charts are refused, and left as they are"
+    written, before = sfc.load("out.xml"), sfc.load("line.xml")
+    assert [chart.name for chart in written.charts()] == ["Presse", "Zange", "Band"]
+    for name in ("Presse", "Zange", "Band"):
+        left, original = (each.pou(name).sfc for each in (written, before))
+        assert left is not None
+        assert left == original
+    assert isinstance(written.pou("Ablauf").body, m.StBody)
+    done = cli("lower", "line.xml", "more.xml", "--to", "plcopen", "--skip-refused", "--no-verify", "--json")
+    data = json.loads(done.out)
+    assert (done.code, data["file"]) == (1, "more.xml")
+    assert [each["pou"] for each in data["pous"]] == ["Ablauf", "Band"]
+    assert [each["pou"] for each in data["refused"]] == ["Presse", "Zange"]
+
+
+def test_what_a_refused_chart_calls_is_lowered_for_itself(cli: Cli, plant: Path) -> None:
+    inner, outer = training_chain(), training_chain()
+    chart, around = inner.sfc, outer.sfc
+    assert chart is not None
+    assert around is not None
+    around.steps[0].main_action = "Inner"
+    around.transitions[0].condition = m.Expression(text="B1 AND (")
+    outer.actions = [m.Action(name="Inner", body=m.SfcBody(chart=chart))]
+    sfc.save(m.Project(name="Anlage", pous=[outer], dialect=m.Dialect.CODESYS), "both.xml", format="codesys")
+    done = cli("lower", "both.xml", "out.xml", "--to", "codesys", "--skip-refused")
+    assert (done.code, done.out.splitlines()[0].split(":")[0]) == (1, "Ablauf.Inner")
+    assert "error: POU Ablauf / transition S1 -> S2: " in done.err
+    assert [each.name for each in sfc.load("out.xml").charts()] == ["Ablauf"]
+
+
+def test_where_all_charts_are_refused_nothing_is_written(cli: Cli, line: Path) -> None:
+    done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--flags", "nowhere!", "--skip-refused")
+    assert (done.code, "nothing is written: 4 of 4 charts are refused" in done.err) == (2, True)
+    one = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--pou", "Presse", "--skip-refused")
+    assert (one.code, one.err.splitlines()[0]) == (2, "error: POU Presse / step S2 / action Q2: D needs a time")
+    assert "nothing is written" not in one.err
+    assert not (line / "out.xml").exists()
+
+
+def test_an_option_that_is_wrong_is_told_once(cli: Cli, line: Path) -> None:
+    done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "petri")
+    assert (done.code, done.err.count("error: ")) == (2, 1)
+    assert "there is no construction 'petri'" in done.err

@@ -6,20 +6,22 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.api import load, save
-from plcopen_sfc.cli.reading import exit_code_for
+from plcopen_sfc.cli.guard import UNREADABLE
+from plcopen_sfc.cli.reading import error_data, exit_code_for
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering.code.flag_places import flags_of_several
 from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
+from plcopen_sfc.lowering.placing import errors_of
 from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.report import ConversionReport, Fate
@@ -51,95 +53,166 @@ class How:
     lang: str
     verify: bool
     tia: str = ""
+    skip_refused: bool = False
 
 
 def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
+@dataclass(frozen=True)
+class _Made:
+    """What became of the charts of a project: code, which stands in `draft`, or a refusal, by their names."""
+
+    lowered: list[LoweredPou]
+    refused: dict[str, LoweringError]
+    report: ConversionReport
+    draft: Path
+
+    @property
+    def charts(self) -> int:
+        """How many there were, but for those that were lowered with others."""
+        return len(self.lowered) + len(self.refused)
+
+
     """Lower the charts of `source`, or one of them, and write the project with the code to `target` (None: next to it).
 
-    What is written has been read back and compared with the chart. Where exact code is different nothing is written.
+    What is written has been read back and compared with the chart. Where exact code is different, or a chart is refused
+    that is not to be skipped, nothing is written.
     """
     project = load(source, progress=lambda files: screen.progress(files, "Loading"))
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
-    lowered = list(_lowered(project, how))
     name = target or _beside(Path(source), how.to)
     with tempfile.TemporaryDirectory() as folder:
-        draft = Path(folder) / Path(name).name
-        is_folder = name.endswith(("/", os.sep))
-        report = save(lowered[-1].project, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
-        _refuse_comments(report, lowered)
-        if how.verify:
-            again = load(draft, format=how.to)
-            lowered = [_compared(resolve(project, each.name), again, each) for each in lowered]
-        if draft.is_dir():
-            report = save(lowered[-1].project, name, format=how.to, tia=how.tia)
-        else:
-            write_atomic(Path(name), draft.read_bytes())
-            report.written = [name]
+        made = _made(project, how, Path(folder), name)
+        written = bool(made.lowered) and (how.skip_refused or not made.refused)
+        if not written and len(made.refused) == 1 and not made.lowered:
+            raise next(iter(made.refused.values()))
+        report = _written(made, how, name) if written else made.report
     if how.verify:
         report.items = [item for item in report.items if not _DRAWN.match(item.path)]
-    data = {"file": name, "pous": [each.as_dict() for each in lowered], "conversion": report.as_dict()}
+    data = {
+        "file": name if written else None,
+        "pous": [each.as_dict() for each in made.lowered],
+        "refused": [{"pou": pou, **error_data(error)} for pou, error in made.refused.items()],
+        "conversion": report.as_dict() if written else None,
+    }
     if report_to is not None:
         write_atomic(report_to, (json.dumps(data, ensure_ascii=False, indent=2) + "\n").encode())
     if screen.as_json:
         screen.json(data)
-    else:
-        _show(screen, name, lowered, report)
-    different = any(each.proof is not None and each.proof.outcome is Outcome.DIFFERENT for each in lowered)
-    return _FINDINGS if different else exit_code_for(screen, project.diagnostics)
+    elif written:
+        _show(screen, name, made.lowered, report)
+    for error in made.refused.values():
+        screen.error(error)
+    if not written:
+        screen.complain(f"nothing is written: {len(made.refused)} of {made.charts} charts are refused")
+        screen.advise("--skip-refused leaves them as they are and lowers the others.")
+        return UNREADABLE
+    if made.refused:
+        screen.note(f"{len(made.refused)} of {made.charts} charts are refused, and left as they are")
+    different = any(each.proof is not None and each.proof.outcome is Outcome.DIFFERENT for each in made.lowered)
+    return _FINDINGS if different or made.refused else exit_code_for(screen, project.diagnostics)
 
 
-def _refuse_comments(report: ConversionReport, lowered: Sequence[LoweredPou]) -> None:
+def _made(project: Project, how: How, folder: Path, name: str) -> _Made:
+    """Lower the charts and write them into a folder of drafts; what is written has been compared."""
+    refused: dict[str, LoweringError] = {}
+    while True:
+        lowered = list(_lowered(project, how, refused))
+        if not lowered:
+            return _Made([], refused, ConversionReport(), folder)
+        place = folder / str(len(refused))
+        place.mkdir()
+        draft = place / Path(name).name
+        is_folder = name.endswith(("/", os.sep))
+        report = save(lowered[-1].project, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
+        again = load(draft, format=how.to) if how.verify else None
+        late: dict[str, LoweringError] = {}
+        for number, each in enumerate(lowered):
+            chart = resolve(project, each.name)
+            try:
+                with errors_of(chart.pou, chart.name):
+                    refuse_comments(report, [each])
+                    if again is not None:
+                        lowered[number] = _compared(chart, again, each)
+            except LoweringError as error:
+                late[each.name] = error
+        refused |= late
+        lowered = [each for each in lowered if each.name not in late]
+        if not late or not how.skip_refused:
+            return _Made(lowered, refused, report, draft)
+
+
+def _written(made: _Made, how: How, name: str) -> ConversionReport:
+    """Put the draft where it belongs."""
+    if made.draft.is_dir():
+        return save(made.lowered[-1].project, name, format=how.to, tia=how.tia)
+    write_atomic(Path(name), made.draft.read_bytes())
+    made.report.written = [name]
+    return made.report
+
+
+def refuse_comments(report: ConversionReport, lowered: Sequence[LoweredPou]) -> None:
     """Raise `LoweringError` where code would stand in a comment: we read it back from there, but its tool does not."""
     blocks = {f"POU {each.name}" for each in lowered}
     for item in report.with_fate(Fate.CARRIED):
         if item.what in ("network", "body") and item.path in blocks:
             raise LoweringError(
-                f"nothing is written: a network of {item.path} would stand in a comment only: {item.why}",
+                f"a network would stand in a comment only: {item.why}",
+                location=Location(path=item.path),
                 hint="Structured text can hold it: --language ST.",
             )
 
 
-def _lowered(project: Project, how: How) -> Iterator[LoweredPou]:
-    """The chart that was asked for, or all charts, each in the project that the one before it has left."""
-    name = how.pou or _first_chart(project)
-    if name is None:
+def _lowered(project: Project, how: How, refused: dict[str, LoweringError]) -> Iterator[LoweredPou]:
+    """The chart that was asked for, or all charts, each in the project that the one before it has left.
+
+    Charts that are `refused` are left out; those that are refused now are added to them.
+    """
+    names = [how.pou] if how.pou is not None else [chart.name for chart in project.charts()]
+    if not names:
         raise LoweringError("there is no chart to be lowered")
-    several = how.pou is None and len(list(project.charts())) > 1
+    left = set(names) - set(refused)
     following = ""
-    while True:
-        lowered = lower(
-            project,
-            how.construction,
-            pou=name,
-            style=how.style,
-            language=how.language,
-            profile=how.profile,
-            init=how.init,
-            stop=how.stop,
-            reset_actions=how.reset_actions,
-            states=how.states,
-            actions=how.actions,
-            flags=flags_of_several(how.flags, name or "", following) if several else how.flags,
-            modes=how.modes,
-            target=how.to,
-            lang=how.lang,
-            verify=False,
-        )
+    while left:
+        name = how.pou or first_chart(chart for chart in project.charts() if chart.name in left)
+        if name is None:  # all others were lowered with those that call them
+            return
+        left.remove(name)
+        try:
+            lowered = lower(
+                project,
+                how.construction,
+                pou=name,
+                style=how.style,
+                language=how.language,
+                profile=how.profile,
+                init=how.init,
+                stop=how.stop,
+                reset_actions=how.reset_actions,
+                states=how.states,
+                actions=how.actions,
+                flags=flags_of_several(how.flags, name, following) if len(names) > 1 else how.flags,
+                modes=how.modes,
+                target=how.to,
+                lang=how.lang,
+                verify=False,
+            )
+        except LoweringError as error:
+            if error.location.path is None:  # an option that concerns all charts
+                raise
+            refused[name] = error
+            continue
         yield lowered
         project, following = lowered.project, lowered.following or following
-        name = _first_chart(project)
-        if how.pou is not None or name is None:
-            return
 
 
-def _first_chart(project: Project) -> str | None:
-    """The name of a chart: of a POU, else of an action, which none of the others uses.
+def first_chart(charts: Iterable[Chart]) -> str | None:
+    """The name of the one to lower first: of a POU, else of an action, which none of the others uses.
 
     Charts bring those of the actions that they call along; code of an action that is there already would be taken
     for a part of their own.
     """
-    charts = list(project.charts())
+    charts = list(charts)
     used = {f"{chart.pou.name}.{name}".casefold() for chart in charts for name in _used_by(chart)}
     bodies = [chart.name for chart in charts if chart.name == chart.pou.name]
     outer = [chart.name for chart in charts if chart.name.casefold() not in used]
@@ -164,7 +237,7 @@ def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou
     )
     if proof.outcome is Outcome.DIFFERENT and lowered.style is Style.EXACT:
         raise LoweringError(
-            f"nothing is written: read back, the code does not do what the chart does: {proof}",
+            f"read back, the code does not do what the chart does: {proof}",
             hint="Please report it with the chart.",
         )
     return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
