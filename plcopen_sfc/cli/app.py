@@ -273,13 +273,13 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
     ] = None,
     lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
     verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
+    skip_refused: Annotated[
+        bool, typer.Option("--skip-refused", help="Leave charts that cannot be lowered as they are, lower the others.")
+    ] = False,
     tia: Annotated[str, typer.Option("--tia", metavar="V16", help="Write simaticml for this version of TIA.")] = "",
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE", help="Write the proof, the faults and the conversion.")
     ] = None,
-    skip_refused: Annotated[
-        bool, typer.Option("--skip-refused", help="Leave charts that cannot be lowered as they are, lower the others.")
-    ] = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
     verbose: Verbose = 0,
@@ -306,12 +306,12 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             tuple(modes or ()),
             lang,
             verify,
+            skip_refused,
             tia,
         )
         screen.exit_code = lower.run(screen, file, target, how, report_to=report)
 
 
-            skip_refused,
 def _schema(quiet: Quiet = False, verbose: Verbose = 0) -> None:
     """Print the JSON Schema of the model, for programs in other languages."""
     with guarded(as_json=True, quiet=quiet, verbose=verbose) as screen:

@@ -52,11 +52,10 @@ class How:
     modes: tuple[str, ...]
     lang: str
     verify: bool
-    tia: str = ""
     skip_refused: bool = False
+    tia: str = ""
 
 
-def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
 @dataclass(frozen=True)
 class _Made:
     """What became of the charts of a project: code, which stands in `draft`, or a refusal, by their names."""
@@ -72,6 +71,7 @@ class _Made:
         return len(self.lowered) + len(self.refused)
 
 
+def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
     """Lower the charts of `source`, or one of them, and write the project with the code to `target` (None: next to it).
 
     What is written has been read back and compared with the chart. Where exact code is different, or a chart is refused
