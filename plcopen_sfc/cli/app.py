@@ -271,6 +271,10 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         list[str] | None,
         typer.Option("--mode", metavar="MODE", help="Add inputs: enable, single-step, advance, select. Repeatable."),
     ] = None,
+    at_rest: Annotated[
+        list[str] | None,
+        typer.Option("--at-rest", metavar="NAME", help="Of S7-GRAPH: inputs nobody operates (S_ON, all). Repeatable."),
+    ] = None,
     lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
     verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
     skip_refused: Annotated[
@@ -304,6 +308,7 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             actions,
             flags,
             tuple(modes or ()),
+            tuple(at_rest or ()),
             lang,
             verify,
             skip_refused,

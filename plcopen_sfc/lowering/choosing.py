@@ -10,7 +10,7 @@ from plcopen_sfc.lowering.code.flag_places import LOCAL
 from plcopen_sfc.lowering.code.targets import has_networks, shows_networks
 from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.case import no_case
-from plcopen_sfc.lowering.graph.sequences import one_sequence, sequences
+from plcopen_sfc.lowering.graph.sequences import ON_BY_HAND, on_by_hand, one_sequence, sequences, with_hands_off
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
@@ -33,6 +33,8 @@ def choose(
     if isinstance(source, GraphSource):
         _check_options_of_sequencer(rules, place)
         chosen, why = _choice_for_sequencer(source, wanted, rules, language)
+    elif rules.at_rest:
+        raise LoweringError("only blocks of S7-GRAPH have parameters that could be at rest", location=place)
     elif source.grafcet is not None:
         chosen, why = _choice_for_grafcet(source, wanted, rules.profile)
     else:
@@ -113,7 +115,10 @@ def _choice_for_sequencer(
     objection = sequences(source, rules.profile)
     if not isinstance(objection, str):
         return Construction.REGIONS, f"in each of its parts at most one step is active at a time, but {several}"
-    return Construction.BITS, f"no CASE can hold the chart: {objection}"
+    why = f"no CASE can hold the chart: {objection}"
+    if on_by_hand(source) and not isinstance(sequences(with_hands_off(source), rules.profile), str):
+        why += f"; with {ON_BY_HAND} at rest one could"
+    return Construction.BITS, why
 
 
 def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:

@@ -127,6 +127,7 @@ def lower(
     flags: str = "local",
     modes: Iterable[OperatingMode | str] = (),
     target: str | None = None,
+    at_rest: Iterable[str] = (),
     lang: str = "en",
     verify: bool = True,
 ) -> LoweredPou:
@@ -164,6 +165,7 @@ def lower(
         flags,
         frozenset(_chosen(OperatingMode, str(mode)) for mode in modes),
         without_version(target) if target is not None else None,
+        frozenset([at_rest] if isinstance(at_rest, str) else at_rest),
     )
     with collector_paused(), errors_of(found.pou, found.name):
         made = construct(

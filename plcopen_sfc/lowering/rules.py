@@ -50,7 +50,8 @@ class LoweringRules:
     in the dialect of the project, or the name of an input to add; while it is TRUE initial steps are set and all others
     reset. `reset_actions`: `init` and `stop` end stored actions too. `flags`: where step flags are: ``local``, an
     address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,
-    without its version.
+    without its version. `at_rest`: commands and mode switches of an S7-GRAPH block that nobody operates, ``all`` for
+    all it has: there is no code for them, and it does what the chart does while they are FALSE.
     """
 
     profile: Profile
@@ -63,3 +64,4 @@ class LoweringRules:
     flags: str = "local"
     modes: frozenset[OperatingMode] = frozenset()
     target: str | None = None
+    at_rest: frozenset[str] = frozenset()

@@ -10,7 +10,8 @@ from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.forms import Construction
-from tests.lowering.sequencers import act, block, guarded, ring, text, verdict
+from plcopen_sfc.lowering.lower import LoweredPou
+from tests.lowering.sequencers import STANDARD_INPUTS, STANDARD_OUTPUTS, act, block, guarded, ring, text, verdict
 from tests.lowering.test_graph import sequencers
 from tests.semantics.charts.rig import chain
 
@@ -149,6 +150,13 @@ def branches() -> m.SfcNetwork:
     return chart
 
 
+def test_a_branch_that_ends() -> None:
+    chart = branches()
+    end = chart.add_transition(chart.step("S4"), [], "#c1")
+    end.priority = 9
+    proven(chart, "INIT_SQ", "Q P", REGIONS)
+
+
 def test_steps_are_skipped() -> None:
     chart = ring(act("N"), act("N", "P", "S1", value="NOT #P"))
     fourth = chart.add_step("S4")
@@ -170,9 +178,7 @@ def test_names_of_states(states: str) -> None:
     lowered = sfc.lower(project, profile="s7graph", states=states)
     assert lowered.construction is CASE
     assert lowered.why == "at most one step is active at a time"
-    body = lowered.pou.body
-    assert isinstance(body, m.StBody)
-    assert ("STEP_Fill" if states == "constants" else "Sequence_Step#Fill") in body.text
+    assert ("STEP_Fill" if states == "constants" else "Sequence_Step#Fill") in _text(lowered)
 
 
 @pytest.mark.parametrize(
@@ -196,6 +202,50 @@ def test_what_leaves_several_steps_active_is_refused(
     lowered = sfc.lower(project, profile="s7graph", verify=False)
     assert lowered.construction is Construction.BITS
     assert message in lowered.why
+
+
+def test_switching_on_by_hand_that_nobody_operates() -> None:
+    project = block(ring(act("N")), "INIT_SQ SW_MAN SW_TAP S_SEL:INT S_ON T_PUSH", "Q S_NO:INT")
+    operated = sfc.lower(project, profile="s7graph", verify=False)
+    assert operated.construction is Construction.BITS
+    assert operated.why.endswith("with S_ON at rest one could")
+    with pytest.raises(LoweringError, match="S_ON can switch on") as caught:
+        sfc.lower(project, "case", profile="s7graph")
+    assert "at_rest=['S_ON']" in str(caught.value)
+    lowered = sfc.lower(project, "case", profile="s7graph", at_rest=["s_on"])
+    assert lowered.at_rest == {"S_ON": False}
+    assert lowered.proof is not None
+    assert lowered.proof.equal
+    assert "S_ON" not in _text(lowered)
+    assert "SW_MAN" in _text(lowered)
+    assert {v.name for v in lowered.pou.variables()} >= {"S_ON", "SW_MAN"}  # who calls the block still can
+
+
+def test_no_command_is_operated() -> None:
+    project = block(ring(act("N")), f"OWN {STANDARD_INPUTS}", f"Q {STANDARD_OUTPUTS}")
+    lowered = sfc.lower(project, profile="s7graph", at_rest="all")
+    assert lowered.construction is CASE
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert set(lowered.at_rest) == {name for name in STANDARD_INPUTS.split() if name != "S_SEL:INT"}
+    assert "edge" not in _text(lowered)
+    bits = sfc.lower(project, "bits", profile="s7graph", at_rest="all")
+    assert bits.proof is not None
+    assert bits.proof.proven
+    assert "edge" not in _text(bits)
+
+
+def test_only_what_operates_a_sequencer_can_be_at_rest() -> None:
+    with pytest.raises(LoweringError, match="C1 does not operate sequencers"):
+        sfc.lower(block(ring()), profile="s7graph", at_rest=["c1"])
+    with pytest.raises(LoweringError, match="only blocks of S7-GRAPH"):
+        sfc.lower(block(ring()), profile="codesys", at_rest=["INIT_SQ"])
+
+
+def _text(lowered: LoweredPou) -> str:
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    return body.text
 
 
 @settings(deadline=None, max_examples=40, derandomize=True, suppress_health_check=[HealthCheck.too_slow])

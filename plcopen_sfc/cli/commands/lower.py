@@ -50,6 +50,7 @@ class How:
     actions: str
     flags: str
     modes: tuple[str, ...]
+    at_rest: tuple[str, ...]
     lang: str
     verify: bool
     skip_refused: bool = False
@@ -193,6 +194,7 @@ def _lowered(project: Project, how: How, refused: dict[str, LoweringError]) -> I
                 actions=how.actions,
                 flags=flags_of_several(how.flags, name, following) if len(names) > 1 else how.flags,
                 modes=how.modes,
+            at_rest=how.at_rest,
                 target=how.to,
                 lang=how.lang,
                 verify=False,

@@ -31,7 +31,7 @@ from plcopen_sfc.lowering.code.logic import (
 from plcopen_sfc.lowering.code.program import TextNetwork
 from plcopen_sfc.lowering.graph.actions import Actions
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
-from plcopen_sfc.lowering.graph.sequences import one_sequence, sequences
+from plcopen_sfc.lowering.graph.sequences import ON_BY_HAND, on_by_hand, one_sequence, sequences
 from plcopen_sfc.lowering.graph.step_data import Phase
 from plcopen_sfc.lowering.rules import States
 from plcopen_sfc.model.actions import ActionEvent
@@ -49,10 +49,13 @@ class RegionSequencer(Sequencer):
         """A state variable for each region, at the start that of no step."""
         regions = self.structure()
         if isinstance(regions, str):
+            hint = "Step bits can hold every sequencer."
+            if on_by_hand(self.source):
+                hint += f" Where nobody operates {ON_BY_HAND}, leave it at rest: at_rest=['{ON_BY_HAND}'], --at-rest."
             raise LoweringError(
                 f"a CASE holds one active step, and that is not so here: {regions}",
                 location=Location(path=self.source.pou.name),
-                hint="Step bits can hold every sequencer.",
+                hint=hint,
             )
         off = replace(regions, regions=tuple(replace(region, initial=None) for region in regions.regions))
         names = StateNames(self.source, off, self.code, self.rules, surroundings)
@@ -238,13 +241,12 @@ class RegionSequencer(Sequencer):
         edge = self.commands.edge("S_OFF") if not is_constant(by_hand, FALSE) else FALSE
         if selection is None or is_constant(edge, FALSE):
             return []
-        ended: list[Statement] = []
-        for machine in self.states.machines:
-            meant = self._selected(machine, selection)
-            if not is_constant(meant, FALSE):
-                none = assignment(self.states.following(machine), self.states.names.none)
-                ended.append(when(meant, none))
-        return [when(conjunction([by_hand, edge]), *ended)] if ended else []
+        meant = {machine: self._selected(machine, selection) for machine in self.states.machines}
+        return [
+            when(conjunction([by_hand, edge, one]), assignment(self.states.following(machine), self.states.names.none))
+            for machine, one in meant.items()
+            if not is_constant(one, FALSE)
+        ]
 
     def _selected(self, machine: Machine, selection: n.Name) -> Expression:
         """Whether the active step of a region is the one selected."""

@@ -34,11 +34,15 @@ Resolve = Callable[[Any, Phase], Any]
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of a step, and how code speaks of it; `needed` is what of its checks is wanted anywhere."""
+    """What is asked of a step, and how code speaks of it; `needed` is what of its checks is wanted anywhere.
+
+    `comment` says what a variable of them means.
+    """
 
     sign: StepSign
     needed: set[str]
     questions: Questions
+    comment: Callable[[str], str]
 
 
 class StepChecks:
@@ -77,7 +81,11 @@ class StepChecks:
                 wanted |= {"VS"}
         self._remembers = remembers
         self._asked_between = questions.asked(step, _EVENTS, Phase.CHECK)
-        self._variables = {name: code.declare(f"{asked.sign.name}_{name}") for name in _ORDER if name in wanted}
+        self._variables = {
+            name: code.declare(f"{asked.sign.name}_{name}", comment=asked.comment(name))
+            for name in _ORDER
+            if name in wanted
+        }
 
     def value(self, quantity: str) -> Expression:
         """What tells of a quantity that is needed."""

@@ -48,6 +48,11 @@ class Commands:
             )
         return self._edges[name]
 
+    @property
+    def told(self) -> str:
+        """What people must know of the mode, where there are several."""
+        return self._texts.mode_comment if self._mode is not None else ""
+
     def statements(self) -> Sequence[Statement]:
         """Finds the edges that were asked for, and the mode. Stands before all that asks."""
         return self._statements

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 
+from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.lowering.code.logic import TRUE, assignment
@@ -19,8 +20,9 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import ElementaryType
+from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.conditions import programmed
-from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.charts.graph.parameters import OPERATING, PARAMETERS
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import Profile
 
@@ -28,6 +30,7 @@ _NEED_EVENT = (SWITCHES | COUNTERS | TIMERS) - {Qualifier.TF}
 _WITHOUT_EVENT = frozenset({Qualifier.D, Qualifier.L, Qualifier.TF})
 _NEED_TIME = frozenset({Qualifier.D, Qualifier.L, Qualifier.TL, Qualifier.TD, Qualifier.TF})
 _ALL_STEPS = "s_all"
+_ALL = "ALL"
 _NOT_KNOWN = frozenset(
     """HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL S_SELOK ACK_S T_PREV T_NEXT
     S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD T_CRITFLT SQ_ISOFF SQ_HALTED
@@ -43,9 +46,28 @@ def read_sequencer(
 
     Raises `LoweringError` for what has no meaning that could be lowered.
     """
-    source = _Reader(pou, chart, dialect, rules.profile).source()
+    source = _at_rest(_Reader(pou, chart, dialect, rules.profile).source(), rules.at_rest)
     shown = asked_outside(project, pou, source.net, rules.target) if project is not None else ()
     return replace(source, shown=shown)
+
+
+def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
+    """The same without the inputs that nobody operates. Raises `LoweringError` for a name that no such input has."""
+    names = {name.upper() for name in wanted}
+    unknown = sorted(names - {*OPERATING, _ALL})
+    if unknown:
+        raise LoweringError(
+            f"{unknown[0]} does not operate sequencers, so it cannot be at rest",
+            location=Location(path=source.pou.name),
+            hint=f"These do: {', '.join(OPERATING)}.",
+        )
+    resting = {
+        variable.name.upper(): variable.name
+        for variable in source.pou.variables(SectionKind.INPUT)
+        if variable.name.upper() in OPERATING and not names.isdisjoint({variable.name.upper(), _ALL})
+    }
+    parameters = {name: own for name, own in source.parameters.items() if name not in resting}
+    return replace(source, parameters=parameters, at_rest=tuple(resting.values()))
 
 
 class _Reader(TextReader):

@@ -71,6 +71,7 @@ def _one_displayed(commands: Commands, state: n.Name) -> Iterator[Statement]:
         other = conjunction([selected, negation(equal(selection, state))])
         if number is not None:
             yield when(selected, assignment(number, selection))
+            other = negation(equal(number, state))
     if more is not None:
         yield assignment(more, FALSE)
     if active is not None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from typing import Any
 
 from plcopen_sfc.languages.st import nodes as n
@@ -53,6 +54,7 @@ class Sequencer(ABC):
         self.source, self.code, self.memory, self.rules = source, code, memory, rules
         self.net, self.texts = source.net, rules.texts
         self.own_texts = graph_texts(rules.texts)
+        code.at_rest |= dict.fromkeys(source.at_rest, False)
         self.init = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)
         names = self.declare_states(surroundings)
@@ -71,7 +73,8 @@ class Sequencer(ABC):
             needed |= {"LS"} if row.interlock else set()
         if "ERR_FLT" in self.source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
-        return StepChecks(self.source, step, self.code, Asked(self.signs[step], needed, self.questions))
+        comment = partial(self.own_texts.check, self.net.steps[step].path)
+        return StepChecks(self.source, step, self.code, Asked(self.signs[step], needed, self.questions, comment))
 
     @abstractmethod
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:
@@ -138,7 +141,7 @@ class Sequencer(ABC):
         """Edges stand before everything that asks for them; what does is only known in the end."""
         rest = self.code.networks[place:]
         del self.code.networks[place:]
-        self.code.add(self.own_texts.commands, self.commands.statements())
+        self.code.add(self.own_texts.commands, self.commands.statements(), self.commands.told)
         self.code.networks += rest
 
     # -- texts

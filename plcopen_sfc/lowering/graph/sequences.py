@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.analysis.regions import Region, Regions
+from dataclasses import replace
+
+from plcopen_sfc.analysis.regions import Regions
 from plcopen_sfc.lowering.chains.case import one_step_at_a_time
 from plcopen_sfc.lowering.chains.machines import one_region, regions_of
 from plcopen_sfc.lowering.chains.rivals import firing_together
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.model.actions import Qualifier
-from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 
 ON_BY_HAND = "S_ON"
@@ -25,12 +27,16 @@ def sequences(source: GraphSource, profile: Profile) -> Regions | str:
     objection = several_steps(source, profile)
     if objection:
         return objection
-    net = source.net
-    if all(len(t.sources) == 1 and len(t.targets) <= 1 for t in net.transitions):
-        return _connected(net)
-    if source.skips:
+    if source.skips and any(len(t.sources) != 1 or len(t.targets) > 1 for t in source.net.transitions):
         return "steps can be skipped, and there are simultaneous branches"
-    return regions_of(net)
+    found = regions_of(_endless(source.net))
+    return found if isinstance(found, str) else replace(found, net=source.net)
+
+
+def _endless(net: Net) -> Net:
+    """The same net, but what ends a sequence or a branch leads back to its own step: regions do not differ."""
+    transitions = (replace(t, targets=t.targets or t.sources) if len(t.sources) == 1 else t for t in net.transitions)
+    return replace(net, transitions=tuple(transitions))
 
 
 def several_steps(source: GraphSource, profile: Profile) -> str:
@@ -54,42 +60,11 @@ def several_steps(source: GraphSource, profile: Profile) -> str:
     return ""
 
 
+def with_hands_off(source: GraphSource) -> GraphSource:
+    """The same where nobody switches steps on by hand."""
+    return replace(source, parameters={k: v for k, v in source.parameters.items() if k != ON_BY_HAND})
+
+
 def on_by_hand(source: GraphSource) -> bool:
     """Whether the parameters of the block can switch steps on."""
     return not source.locked and {"SW_MAN", "S_SEL", ON_BY_HAND} <= set(source.parameters)
-
-
-def _connected(net: Net) -> Regions | str:
-    """A region for the steps that transitions connect, each of them from one step to one."""
-    part = list(range(len(net.steps)))
-
-    def first(step: int) -> int:
-        while part[step] != step:
-            step = part[step]
-        return step
-
-    for transition in net.transitions:
-        for target in transition.targets:
-            low, high = sorted((first(transition.sources[0]), first(target)))
-            part[high] = low
-    members: dict[int, list[int]] = {}
-    for step in range(len(net.steps)):
-        members.setdefault(first(step), []).append(step)
-    initial: dict[int, int] = {}
-    for step in indexes(net.initial):
-        known = initial.setdefault(first(step), step)
-        if known != step:
-            return f"{net.steps[known].path} and {net.steps[step].path} of one sequence are both initial"
-    regions = tuple(
-        Region(
-            index,
-            tuple(steps),
-            tuple(t.index for t in net.transitions if first(t.sources[0]) == key),
-            block=None,
-            blocks=(),
-            initial=initial.get(key),
-        )
-        for index, (key, steps) in enumerate(members.items())
-    )
-    numbers = {key: index for index, key in enumerate(members)}
-    return Regions(net, regions, (), tuple(numbers[first(step)] for step in range(len(net.steps))))

@@ -46,7 +46,8 @@ class GraphSource(ChartSource):
     `interlocks` and `supervisions` are those of steps, by index; `rows` the actions of each step; `before` and `after`
     the permanent operations. `parameters` are those that the block declares, by their names in upper case.
     `acknowledged`: disturbances must be; `locked`: the operating mode cannot be changed; `skips`: steps can be skipped.
-    `shown` are the quantities of steps that other blocks ask for.
+    `shown` are the quantities of steps that other blocks ask for. `at_rest`: the inputs of the block that are
+    parameters and have no code, since nobody operates them.
     """
 
     interlocks: dict[int, ConditionText]
@@ -59,6 +60,7 @@ class GraphSource(ChartSource):
     locked: bool
     skips: bool
     shown: tuple[tuple[int, str], ...] = ()
+    at_rest: tuple[str, ...] = ()
 
     def _trees(self) -> Iterator[n.Node]:
         yield from super()._trees()

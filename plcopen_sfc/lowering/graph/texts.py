@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from plcopen_sfc.lowering.texts import GermanTexts, Texts
 
 
@@ -33,6 +35,19 @@ class GraphTexts:
     shown_comment = "number of the step displayed"
     shown_active = "displayed_step_active"
     any_active = "any_step_active"
+    checks_of: Mapping[str, str] = {
+        "LS": "the interlock is satisfied",
+        "LA": "an error, the interlock is not satisfied",
+        "L1": "the interlock is not satisfied any more",
+        "L0": "the interlock is satisfied again",
+        "fault": "the supervision is satisfied now",
+        "VS": "the supervision is satisfied",
+        "VA": "a fault holds the step",
+        "V1": "the supervision becomes satisfied",
+        "V0": "the supervision is not satisfied any more",
+        "A1": "the fault is acknowledged now",
+        "acknowledged": "the fault is acknowledged",
+    }
     timer_mode = "0: stopped, 1: extended pulse, 2: on-delay, 3: off-delay"
     first_cycle = "the sequence has not been started yet"
 
@@ -47,6 +62,10 @@ class GraphTexts:
     def acting(self, path: str) -> str:
         """The title of what a step does."""
         return f"Step {path}: actions"
+
+    def check(self, path: str, what: str) -> str:
+        """The comment of what a check of a step has found."""
+        return f"step {path}: {self.checks_of[what]}"
 
     def timer(self, name: str) -> str:
         """The title of a timer's network."""
@@ -81,6 +100,19 @@ class GermanGraphTexts(GraphTexts):
     shown_comment = "Nummer des angezeigten Schritts"
     shown_active = "angezeigter_schritt_aktiv"
     any_active = "ein_schritt_aktiv"
+    checks_of: Mapping[str, str] = {
+        "LS": "die Verriegelung ist erfüllt",
+        "LA": "ein Fehler, die Verriegelung ist nicht erfüllt",
+        "L1": "die Verriegelung ist nicht mehr erfüllt",
+        "L0": "die Verriegelung ist wieder erfüllt",
+        "fault": "die Überwachung ist jetzt erfüllt",
+        "VS": "die Überwachung ist erfüllt",
+        "VA": "eine Störung hält den Schritt",
+        "V1": "die Überwachung wird erfüllt",
+        "V0": "die Überwachung ist nicht mehr erfüllt",
+        "A1": "die Störung wird quittiert",
+        "acknowledged": "die Störung ist quittiert",
+    }
     timer_mode = "0: angehalten, 1: verlängerter Impuls, 2: Einschaltverzögerung, 3: Ausschaltverzögerung"
     first_cycle = "die Kette wurde noch nicht gestartet"
 
@@ -95,6 +127,10 @@ class GermanGraphTexts(GraphTexts):
     def acting(self, path: str) -> str:
         """The title of what a step does."""
         return f"Schritt {path}: Aktionen"
+
+    def check(self, path: str, what: str) -> str:
+        """The comment of what a check of a step has found."""
+        return f"Schritt {path}: {self.checks_of[what]}"
 
     def timer(self, name: str) -> str:
         """The title of a timer's network."""

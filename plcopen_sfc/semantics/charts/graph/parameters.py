@@ -34,6 +34,8 @@ MODES = {
 """The inputs that switch modes by a rising edge (the last of several counts), and the outputs that show them."""
 _COMMANDS = "OFF_SQ INIT_SQ ACK_EF REG_EF REG_S S_ON S_OFF T_PUSH S_PREV S_NEXT".split()
 _OUTPUTS = ("S_NO", "S_MORE", "S_ACTIVE", "ERR_FLT")
+OPERATING = (*_COMMANDS, *MODES)
+"""The inputs of which a rising edge does something."""
 PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODES.values()))
 """All parameters that are known."""
 
@@ -63,7 +65,7 @@ class Parameters:
         self._declared = {name for name in PARAMETERS if scope.lookup(name) is not None}
         self._edges = {
             name: scope.declare(f"{path}: {name} before", BOOL, hidden=True)
-            for name in [*_COMMANDS, *MODES]
+            for name in OPERATING
             if name in self._declared
         }
         self._mode = scope.declare(f"{path}: mode", ELEMENTARY["INT"], hidden=True)
