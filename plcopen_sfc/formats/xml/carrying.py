@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from functools import cache
 from typing import Any
 
 from lxml import etree
@@ -75,10 +76,12 @@ def legal(text: str) -> str:
 
 def left_over(thing: Model, native: frozenset[str]) -> dict[str, Any]:
     """The fields of `thing` that are not in `native` and do not have their default value, as plain data."""
-    fields = type(thing).model_fields
-    names = {
-        name
-        for name, info in fields.items()
-        if name not in native and getattr(thing, name) != info.get_default(call_default_factory=True)
-    }
+    names = {name for name, default in _defaults(type(thing), native) if getattr(thing, name) != default}
     return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
+
+
+@cache
+def _defaults(kind: type[Model], native: frozenset[str]) -> list[tuple[str, Any]]:
+    """The fields of a class but for `native`, and their default values to compare with: pydantic makes each anew."""
+    fields = kind.model_fields.items()
+    return [(name, info.get_default(call_default_factory=True)) for name, info in fields if name not in native]
