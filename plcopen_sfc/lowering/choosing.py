@@ -56,13 +56,9 @@ def choose(
             location=place,
             hint=f"It was taken for this reason: {why}.",
         )
-    in_each_evolution = source.grafcet is not None
-    if rules.actions is ActionPlace.BLOCK and (
-        in_each_evolution or (style is Style.CLASSIC and chosen is Construction.CASE)
-    ):
+    if rules.actions is ActionPlace.BLOCK and style is Style.CLASSIC and chosen is Construction.CASE:
         raise LoweringError(
-            "actions cannot stand in a block of their own where they are a part of each evolution, or of a CASE",
-            location=place,
+            "actions cannot stand in a block of their own where they are a part of a CASE", location=place
         )
     if rules.flags != LOCAL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
         raise LoweringError("only flip-flops and step bits have flags that could be put elsewhere", location=place)

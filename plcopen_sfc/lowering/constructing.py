@@ -111,7 +111,7 @@ def construct(
             _fill(maker, chosen, style)
     if code.needs_flat_statements:
         flatten(code, pou.variables())
-    drive = maker.drive if isinstance(maker, Chain) else None
+    drives = maker.drives if isinstance(maker, Chain) else []
     return Constructed(
         assemble(pou, code, dialect, language),
         chosen,
@@ -124,7 +124,7 @@ def construct(
         tuple(code.data_types),
         _numbers(source, chosen, rules),
         code.flags,
-        (drive_block(drive, dialect, language),) if drive is not None else (),
+        tuple(drive_block(drive, dialect, language) for drive in drives),
     )
 
 

@@ -94,8 +94,20 @@ def test_texts_read_and_write_variables_of_their_pou() -> None:
     found = sections(block_of(lowered))
     assert "count" in found["inOut"]
     assert "limit" not in [name for names in found.values() for name in names]
+    # networks show no parameter that goes in and out: an output keeps what only the block writes
+    drawn = lower(with_text(), "flipflop", actions="block")
+    assert drawn.proof is not None
+    assert drawn.proof.outcome is Outcome.PROVEN
+    assert "count" in sections(block_of(drawn))["output"]
+    shared = with_text()
+    chart = shared.pous[0].sfc
+    assert chart is not None
+    chart.steps[3].entry_action = m.StBody(text="count := 0;")
     with pytest.raises(LoweringError, match="read and written"):
-        lower(with_text(), "flipflop", actions="block")
+        lower(shared, "flipflop", actions="block", profile="codesys")
+    both = lower(shared, "bits", actions="block", profile="codesys")
+    assert both.proof is not None
+    assert both.proof.outcome is Outcome.PROVEN
 
 
 def test_flags_that_stand_elsewhere_are_not_passed_on() -> None:

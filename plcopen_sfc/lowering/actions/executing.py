@@ -9,20 +9,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import dedent
 
-from plcopen_sfc.languages.networks.effects import ANYTHING, Path, path_of, reads, writes
+from plcopen_sfc.languages.networks.effects import Path, path_of, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.lowering.actions.control import ActionControl
+from plcopen_sfc.lowering.actions.ownership import OwnVariables, WrittenPaths, standard_instances
 from plcopen_sfc.lowering.actions.stepwise import StepwiseControl
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import Code, TextNetwork
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.model.types import DerivedType, SimpleValue
-from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.profile import BooleanTargets
 
 
@@ -55,13 +53,8 @@ class _Execution:
         self._verbatim = not code.drawn
         self._final_scan = rules.profile.final_scan
         self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
-        self._blocks = _standard_instances(source)
-        self._others = _Paths()
-        for step in source.step_code:
-            for statement in (*step.entry, *step.main, *step.exit):
-                self._others.add(0, writes(statement, self._blocks))
-        for statement in (*source.logic, *(each for before in source.preparations for each in before)):
-            self._others.add(0, writes(statement, self._blocks))
+        self._blocks = standard_instances(source)
+        self._owned = OwnVariables(source)
 
     # -- one after the other
 
@@ -77,7 +70,7 @@ class _Execution:
                 executed = disjunction([lasting, single, ended])
             self._add(action, executed, statements)
             return
-        if self._always or self._is_own(action.target):
+        if self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
@@ -85,21 +78,6 @@ class _Execution:
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
         self._code.add(self._texts.action(action.name), statements)
-
-    def _is_own(self, target: Expression) -> bool:
-        """Whether a variable is FALSE anyway while its action is not executed: nothing else in the POU writes it."""
-        interface = self._source.pou.interface
-        path = path_of(target)
-        if self._others.touching([path]):
-            return False
-        for section in interface.sections if interface is not None else ():
-            for variable in section.variables:
-                if path == (variable.name.casefold(),):
-                    value = variable.initial.text if isinstance(variable.initial, SimpleValue) else None
-                    starts = (value or "FALSE").upper() in ("FALSE", "BOOL#FALSE", "0")
-                    local = section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
-                    return local and starts and not section.retain and not section.persistent
-        return False
 
     # -- all decided on, then all executed
 
@@ -152,7 +130,7 @@ class _Execution:
 
     def interfere(self, actions: Sequence[ActionSource]) -> bool:
         """Whether an action may see what another one does: then they cannot be lowered one after the other."""
-        written, asked, used = _Paths(), [], []
+        written, asked, used = WrittenPaths(), [], []
         for index, action in enumerate(actions):
             if action.target is not None:
                 writing = frozenset({path_of(action.target)})
@@ -181,52 +159,5 @@ def has_comments(text: str) -> bool:
     return any(start in text for start in ("//", "(*", "/*"))
 
 
-class _Paths:
-    """What actions write: finds those that write a path, a part of it, or what it is part of."""
-
-    def __init__(self) -> None:
-        self._whole: dict[tuple[bool, Path], set[int]] = {}
-        self._starts: dict[tuple[bool, Path], set[int]] = {}
-        self._anything: set[int] = set()
-        self._all: set[int] = set()
-
-    def add(self, index: int, written: Iterable[Path]) -> None:
-        """An action writes these paths."""
-        for path in written:
-            self._all.add(index)
-            if path == ANYTHING:
-                self._anything.add(index)
-            for is_part, form in _forms(path):
-                self._whole.setdefault((is_part, form), set()).add(index)
-                for length in range(1, len(form) + 1):
-                    self._starts.setdefault((is_part, form[:length]), set()).add(index)
-
-    def touching(self, paths: Iterable[Path]) -> set[int]:
-        """The actions that write something of these paths."""
-        found: set[int] = set()
-        for path in paths:
-            found |= self._all if path == ANYTHING else self._anything
-            for is_part, form in _forms(path):
-                for kind in (False,) if is_part else (False, True):
-                    found |= self._starts.get((kind, form), set())
-                    for length in range(1, len(form)):
-                        found |= self._whole.get((kind, form[:length]), set())
-        return found
-
-
-def _forms(path: Path) -> list[tuple[bool, Path]]:
-    """A path as it is, and without its first name: a global variable may be named with or without its list."""
-    return [(False, path)] + ([(True, path[1:])] if len(path) > 1 else []) if path else []
-
-
 def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
     return frozenset().union(*sets)
-
-
-def _standard_instances(source: ChartSource) -> set[Path]:
-    found: set[Path] = set()
-    for variable in source.pou.variables():
-        block = standard_block(variable.type.name) if isinstance(variable.type, DerivedType) else None
-        if block is not None and block.stateful:
-            found.add((variable.name.casefold(),))
-    return found

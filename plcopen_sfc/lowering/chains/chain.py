@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
-from plcopen_sfc.lowering.actions.drive import DriveBlock
+from plcopen_sfc.lowering.actions.drive import DriveBlock, Signal, without_texts
 from plcopen_sfc.lowering.actions.executing import add_actions
 from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.actions.stepwise import StepwiseControl, stepwise_timed
@@ -61,8 +60,12 @@ class Chain(ABC):
         self.blocking = self.sfc_flags.blocking
         self.modes = Modes(source, code, memory, rules, self.init)
         self.forgets = False
-        self.drive: DriveBlock | None = None
+        self.drives: list[DriveBlock] = []
         self.declare_states(source)
+        self.signals = {
+            self.active(s.index): Signal(self.texts.flag_name(s.step), self.texts.flag_of(s.path))
+            for s in self.net.steps
+        }
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
         self.times = StepTimes(code, self.active, names.__getitem__)
         for watch in source.watches:
@@ -159,6 +162,16 @@ class Chain(ABC):
             control = StepwiseControl(self.net, self.code, self.memory, self.times, active=self.active, ending=ending)
         add_actions(self.source, self.code, control, self.memory, self.rules)
 
+    def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
+        """A block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
+        return DriveBlock(self.source, self.code, self.memory, wanted=wanted, signals=self.signals, beside=beside)
+
+    def call(self, drive: DriveBlock) -> n.CallStatement:
+        """The call of a block that is complete. Actions stand in it from now on."""
+        self.drives.append(drive)
+        drive.finish(self.surroundings, self.texts.first_scan)
+        return drive.call
+
     def _add_drive_block(self, ending: Expression) -> None:
         """Append the call of a block with the actions."""
         if self.source.flags or self.profile.action_control is Control.PER_STEP:
@@ -166,13 +179,10 @@ class Chain(ABC):
                 "actions that steps control one by one, or SFC flags end, cannot stand in a block of their own",
                 location=Location(path=self.source.pou.name),
             )
-        self.drive = DriveBlock(self.source, self.code, self.memory, self.texts, self.active)
-        control = ActionControl(self.drive.memory, self.drive.active, ending)
-        # the block has other names: the texts of the actions, as they were written, do not fit
-        actions = tuple(replace(action, text="") for action in self.source.actions)
-        source = replace(self.source, actions=actions)
-        add_actions(source, self.drive.code, control, self.drive.memory, self.rules)
-        self.drive.finish(self.surroundings)
+        drive = self.drive_block(self.texts.drive)
+        control = ActionControl(drive.memory, self.active, ending)
+        add_actions(without_texts(self.source), drive.code, control, drive.memory, self.rules)
+        self.code.add(self.texts.drive_call, [self.call(drive)])
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
         """What must be executed before the condition of a transition is evaluated, where it is."""

@@ -34,6 +34,17 @@ class StepSights(NamedTuple):
     fresh: StepValue
 
 
+class Event(NamedTuple):
+    """What tells that an event happens, and the action that it executes."""
+
+    happens: Expression
+    action: StoredAction
+
+    def named(self, memory: Memory, wanted: str, into: list[Statement]) -> Event:
+        """The same with a variable that says so."""
+        return Event(memory.named(wanted, self.happens, into), self.action)
+
+
 class StoredActions:
     """`bits`: names of BOOL variables, in lower case, that are assigned by logic and not under a condition."""
 
@@ -43,14 +54,18 @@ class StoredActions:
         self._actions, self._memory, self._bits = actions, memory, bits
         self._active, self._before, self._fresh = sights
 
-    def on_events(self) -> list[Statement]:
-        """What events execute: while the step is active, and not by the event that has activated it."""
-        found: list[Statement] = []
+    def events(self) -> list[Event]:
+        """What happens to active steps, but for the event that has activated them, and what it executes."""
+        found: list[Event] = []
         for action in self._actions:
             if action.event is not None:
                 ready = [conjunction([self._active(i), negation(self._fresh(i))]) for i in action.steps]
-                found += self._executed(conjunction([disjunction(ready), action.event]), action)
+                found.append(Event(conjunction([disjunction(ready), action.event]), action))
         return found
+
+    def on_events(self, events: Iterable[Event]) -> list[Statement]:
+        """What events execute."""
+        return [statement for event in events for statement in self._executed(*event)]
 
     def on_changes(self) -> list[Statement]:
         """What deactivations execute, then what activations do."""

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.drive import Signal
 from plcopen_sfc.lowering.chains.steps import StepFlags
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, disjunction, equal, negation
 from plcopen_sfc.lowering.grafcet.case import GrafcetCase
@@ -19,6 +20,9 @@ class Evolving(Protocol):
 
     def remembered(self) -> list[Statement]:
         """What keeps that: to be executed before anything changes. Complete when everything has been asked."""
+
+    def signals(self) -> dict[Expression, Signal]:
+        """What tells of steps before the evolution by more than a variable, as far as it has been asked."""
 
     def fired(self, transition: int) -> Expression:
         """Whether a transition was cleared in this evolution."""
@@ -45,6 +49,10 @@ class EvolvingFlags:
         """The flags that anyone asks for."""
         return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
 
+    def signals(self) -> dict[Expression, Signal]:
+        """None: all of them are variables."""
+        return {}
+
     def fired(self, transition: int) -> Expression:
         """Its bit."""
         return self._chain.fired[transition]
@@ -69,6 +77,13 @@ class EvolvingState:
     def remembered(self) -> list[Statement]:
         """The state, if anyone asks for it."""
         return [assignment(self._old, self._state)] if self._old is not None else []
+
+    def signals(self) -> dict[Expression, Signal]:
+        """Comparisons of the copy."""
+        if self._old is None:
+            return {}
+        flags = ((self.before(s.index), self._chain.texts.flag_name(s.step)) for s in self._chain.net.steps)
+        return {before: Signal(f"{flag}_{self._chain.texts.old_suffix}", "") for before, flag in flags}
 
     def fired(self, transition: int) -> Expression:  # noqa: ARG002
         """Nothing tells, and nobody asks where steps are not left and entered at once."""

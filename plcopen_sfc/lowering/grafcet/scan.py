@@ -9,6 +9,7 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.drive import DriveBlock, without_texts
 from plcopen_sfc.lowering.actions.executing import add_actions
 from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.chains.chain import Chain
@@ -16,6 +17,7 @@ from plcopen_sfc.lowering.chains.steps import StepFlags
 from plcopen_sfc.lowering.code.emitting import paragraph
 from plcopen_sfc.lowering.code.logic import (
     FALSE,
+    TRUE,
     assignment,
     call,
     conjunction,
@@ -33,9 +35,11 @@ from plcopen_sfc.lowering.grafcet.evolving import Evolving, EvolvingFlags, Evolv
 from plcopen_sfc.lowering.grafcet.flipflops import GrafcetFlipFlops
 from plcopen_sfc.lowering.grafcet.hierarchy import Ruling, imposed
 from plcopen_sfc.lowering.grafcet.stability import Stability
+from plcopen_sfc.lowering.grafcet.storing import asked_in_between, events_asked_early
 from plcopen_sfc.lowering.grafcet.terms import TermCode
 from plcopen_sfc.lowering.reading.grafcet_source import GrafcetSource
 from plcopen_sfc.lowering.reading.source import ChartSource
+from plcopen_sfc.lowering.rules import ActionPlace
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import BooleanTargets, Evolution, Profile
@@ -67,7 +71,9 @@ class GrafcetScan:
         before = self._evolving.before
         sights = StepSights(chain.active, before, self._fresh)
         bits = _bits(chain.source) if self._code.drawn else ()
-        self._stored = StoredActions(self._grafcet.stored, chain.memory, sights, bits)
+        self._drive, self._drive_of_stored = self._drive_blocks()
+        memory = self._drive_of_stored.memory if self._drive_of_stored is not None else chain.memory
+        self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
         self._ruled = [Ruling(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
 
     @property
@@ -98,7 +104,12 @@ class GrafcetScan:
         if not self._stable or events or chain.source.actions or chain.source.step_code:
             code.add(texts.terms, self._terms.times)  # something may have changed since they were last called
         outputs = replace(chain.source, actions=self._grafcet.continuous)
-        add_actions(outputs, code, continuous, chain.memory, replace(chain.rules, profile=_outputs(chain.profile)))
+        rules = replace(chain.rules, profile=_outputs(chain.profile))
+        if self._drive is None:
+            add_actions(outputs, code, continuous, chain.memory, rules)
+        else:
+            add_actions(without_texts(outputs), self._drive.code, continuous, self._drive.memory, rules)
+            self._call(self._drive, texts.drive_call)
         chain.memory.finish(texts.first_scan)
 
     def _add_actions(self) -> None:
@@ -107,8 +118,41 @@ class GrafcetScan:
         add_changes(chain.source, self._code, chain.memory, chain.active, self._texts)
         add_main_actions(chain.source, self._code, chain.memory, chain.active, self._texts)
         ending = chain.init if chain.init is not None and chain.rules.reset_actions else FALSE
-        control = PassingControl(self._code, chain.memory, chain.active, self._seen, ending)
-        add_actions(chain.source, self._code, control, chain.memory, chain.rules)
+        source, code, memory = chain.source, self._code, chain.memory
+        if self._drive is not None:
+            source, code, memory = without_texts(source), self._drive.code, self._drive.memory
+        control = PassingControl(code, memory, chain.active, self._seen, ending)
+        add_actions(source, code, control, memory, chain.rules)
+
+    # -- blocks of their own for actions
+
+    def _drive_blocks(self) -> tuple[DriveBlock | None, DriveBlock | None]:
+        """The block for what is executed behind the evolutions, and that for stored actions: the same if it can be."""
+        chain = self._chain
+        if chain.rules.actions is not ActionPlace.BLOCK:
+            return None, None
+        problem = events_asked_early(chain.source, self._grafcet, chain.active)
+        if problem:
+            raise LoweringError(
+                f"stored actions on events cannot stand in a block of their own: {problem}",
+                location=Location(path=chain.source.pou.name),
+                hint="Leave actions inline.",
+            )
+        stored = [statement for each in self._grafcet.stored for statement in each.statements]
+        if not self._stable and not asked_in_between(chain.source, self._grafcet, self._net.initial):
+            only = chain.drive_block(self._texts.drive)
+            return only, only
+        lasting = (*chain.source.actions, *self._grafcet.continuous)
+        others = [*(statement for action in lasting for statement in action.statements)]
+        others += [assignment(action.target, TRUE) for action in lasting if action.target is not None]
+        behind = chain.drive_block(self._texts.drive, stored)
+        return behind, chain.drive_block(self._texts.drive_stored, others) if stored else None
+
+    def _call(self, drive: DriveBlock, title: str) -> None:
+        """Append the call of a block, if there is anything in it."""
+        self._chain.signals |= self._evolving.signals()
+        if drive.code.networks:
+            self._code.add(title, [self._chain.call(drive)])
 
     # -- steps
 
@@ -163,20 +207,29 @@ class GrafcetScan:
     def _evolve(self, continuous: ContinuousControl) -> None:
         """One evolution."""
         chain, code, texts = self._chain, self._code, self._texts
-        events = self._stored.on_events()
-        changes = self._stored.on_changes()
+        events = self._stored.events()
+        happening: list[Statement] = []
+        drive = self._drive_of_stored
+        if drive is not None:  # which executes them behind the transitions
+            events = [event.named(chain.memory, texts.event, happening) for event in events]
+            drive.code.add(texts.start, self._at_the_start() if drive is self._drive else [])
+            drive.code.add(texts.events, self._stored.on_events(events))
+            drive.code.add(texts.stored, self._stored.on_changes())
+        changes = self._stored.on_changes() if drive is None else []
         forcing: list[Statement] = []
         if isinstance(chain, GrafcetFlipFlops):
             chain.ruled, chain.concurrency = self._ruled, self._concurrency
         elif isinstance(chain, StepFlags):
             forcing = [imposed(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
-        code.add(texts.events, events)
+        code.add(texts.events, self._stored.on_events(events) if drive is None else happening)
         place = len(code.networks)
         chain.choose()
         chain.move()
         code.add(texts.forcing, forcing)
         code.add(texts.stored, changes)
+        if drive is not None and drive is not self._drive:
+            self._call(drive, texts.drive_stored_call)
         code.add(texts.times, self._restarts(continuous))
         seen = [assignment(flag, disjunction([flag, chain.active(i)])) for i, flag in self._passed.items()]
         code.add(texts.passed, seen)
@@ -203,11 +256,20 @@ class GrafcetScan:
                 statements.append(written_if(self._starting(), variable, value))
             else:
                 statements.append(when(self._starting(), assignment(variable, value)))
+        drive = self._drive_of_stored
+        if drive is None:
+            statements += self._at_the_start()
+        elif drive is not self._drive and self._at_the_start():  # no step was active before
+            statements.append(when(self._starting(), self._chain.drives[0].call))
+        self._code.add(self._texts.start, statements)
+
+    def _at_the_start(self) -> list[Statement]:
+        """What the activation of the initial steps executes."""
         initial = set(indexes(self._net.initial))
         activated = (s.steps for s in self._grafcet.stored if s.kind is ActionKind.ON_ACTIVATION)
-        if any(initial.intersection(steps) for steps in activated):
-            statements += self._stored.at_the_start(initial, self._starting())
-        self._code.add(self._texts.start, statements)
+        if not any(initial.intersection(steps) for steps in activated):
+            return []
+        return self._stored.at_the_start(initial, self._starting())
 
     def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork | TextNetwork]:
         kept, self._code.networks = self._code.networks, []

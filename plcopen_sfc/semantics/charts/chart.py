@@ -93,6 +93,8 @@ class ChartProgram:
         than in the conditions behind them, and so also when they are not active.
         """
         used = {self._steps.since[index] for index in (*self._waits, *self._watches)} | self._actions.step_times
+        if self._grafcet is not None:
+            used |= self._grafcet.step_times
         return forgetting(self._steps, anywhere, read, used)
 
     # -- preparing

@@ -107,6 +107,11 @@ class GrafcetActions:
             if model.kind in STORED
         ]
 
+    @property
+    def step_times(self) -> set[int]:
+        """The slots with starts of steps that delayed and limited actions depend on."""
+        return self._continuous.step_times
+
     def translate(self) -> None:
         """Prepare conditions and assignments."""
         self._continuous.translate()

@@ -44,6 +44,11 @@ class Grafcet:
         """The condition of a transition, without terms."""
         return self._conditions[transition]
 
+    @property
+    def step_times(self) -> set[int]:
+        """The slots with starts of steps that actions depend on."""
+        return self._actions.step_times
+
     def translate(self) -> None:
         """Prepare what can be executed."""
         self.terms.translate()
