@@ -8,6 +8,7 @@ import re
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from plcopen_sfc.analysis.equivalence import Outcome
@@ -19,13 +20,12 @@ from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering.code.flag_places import flags_of_several
-from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.lowering.placing import errors_of
-from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.lowering.written import prove_written
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.report import ConversionReport, Fate
-from plcopen_sfc.semantics.subjects import Subject, resolve
+from plcopen_sfc.semantics.subjects import resolve
 
 _FINDINGS = 1
 _SHOWN = 10
@@ -126,15 +126,16 @@ def _made(project: Project, how: How, folder: Path, name: str) -> _Made:
         draft = place / Path(name).name
         is_folder = name.endswith(("/", os.sep))
         report = save(lowered[-1].project, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
-        again = load(draft, format=how.to) if how.verify else None
+        seen = load(draft, format=how.to, as_tool=True) if how.verify else None
         late: dict[str, LoweringError] = {}
         for number, each in enumerate(lowered):
             chart = resolve(project, each.name)
             try:
                 with errors_of(chart.pou, chart.name):
                     refuse_comments(report, [each])
-                    if again is not None:
-                        lowered[number] = _compared(chart, again, each)
+                    if seen is not None:
+                        proof = prove_written(chart, each, seen, partial(load, draft, format=how.to))
+                        lowered[number] = replace(each, proof=proof, faults=faults_of(chart, each))
             except LoweringError as error:
                 late[each.name] = error
         refused |= late
@@ -153,7 +154,7 @@ def _written(made: _Made, how: How, name: str) -> ConversionReport:
 
 
 def refuse_comments(report: ConversionReport, lowered: Sequence[LoweredPou]) -> None:
-    """Raise `LoweringError` where code would stand in a comment: we read it back from there, but its tool does not."""
+    """Raise `LoweringError` where networks would stand in a comment: the proof finds that too, but not why."""
     blocks = {f"POU {each.name}" for each in lowered}
     for item in report.with_fate(Fate.CARRIED):
         if item.what in ("network", "body") and item.path in blocks:
@@ -194,7 +195,7 @@ def _lowered(project: Project, how: How, refused: dict[str, LoweringError]) -> I
                 actions=how.actions,
                 flags=flags_of_several(how.flags, name, following) if len(names) > 1 else how.flags,
                 modes=how.modes,
-            at_rest=how.at_rest,
+                at_rest=how.at_rest,
                 target=how.to,
                 lang=how.lang,
                 verify=False,
@@ -225,24 +226,6 @@ def _used_by(chart: Chart) -> Iterator[str]:
     for step in chart.network.steps:
         used = [*(each.target for each in step.actions), step.entry_action, step.main_action, step.exit_action]
         yield from (name for name in used if isinstance(name, str) and f"{chart.pou.name}.{name}" != chart.name)
-
-
-def _compared(chart: Subject, again: Project, lowered: LoweredPou) -> LoweredPou:
-    """With the proof for the code as it was read back, and the faults of a textbook form."""
-    proof = prove(
-        chart,
-        resolve(again, chart.name),
-        lowered.profile,
-        fixed=lowered.at_rest,
-        left_out=lowered.left_out,
-        step_flags=lowered.step_flags or None,
-    )
-    if proof.outcome is Outcome.DIFFERENT and lowered.style is Style.EXACT:
-        raise LoweringError(
-            f"read back, the code does not do what the chart does: {proof}",
-            hint="Please report it with the chart.",
-        )
-    return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
 
 
 def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: ConversionReport) -> None:

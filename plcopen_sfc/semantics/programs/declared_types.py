@@ -112,10 +112,10 @@ class TypeReader:
             self._open.add(key)
             try:
                 own = self._library.scope_of_type(holder)
-                found = self._make(holder, own)
-                if holder.initial is not None:
-                    found = replace(found, start=self._library.initials.source(found, holder.initial, own).text)
-                self._named[key] = found
+                found = self._named[key] = self._make(holder, own)
+                if holder.initial is not None:  # the name of a value of an enumeration is of the type itself
+                    start = self._library.initials.source(found, holder.initial, own).text
+                    self._named[key] = replace(found, start=start)
             finally:
                 self._open.discard(key)
         return self._named[key]

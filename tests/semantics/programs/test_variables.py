@@ -81,6 +81,12 @@ def test_enumerations_are_numbers_with_names() -> None:
     assert instance["c"] == 0
 
 
+def test_the_initial_value_of_an_enumeration_is_one_of_its_own_names() -> None:
+    more = "TYPE Mode : (Idle := 3, Busy := 10) UINT := Busy; END_TYPE"
+    instance = main("mode : Mode; n : INT; own : Mode := Idle;", "n := UINT_TO_INT(mode);", more=more)
+    assert (instance["mode"], instance["n"], instance["own"]) == (10, 10, 3)
+
+
 def test_enumerations_of_codesys_are_named_with_their_type() -> None:
     assert main("n : INT;", "n := Colour.Green;", Dialect.CODESYS, more=TYPES)["n"] == 5
 

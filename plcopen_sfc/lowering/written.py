@@ -1,0 +1,108 @@
+"""Proving code that was written to a file, as the tool that the file is for sees it.
+
+What a format has no place for, our writers carry in comments and data of their own, and our readers take it from there.
+So code may be whole when it is read back and yet not be in the file for anybody else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict
+from plcopen_sfc.errors import Location, LoweringError, ModelError
+from plcopen_sfc.lowering.forms import Style
+from plcopen_sfc.lowering.lower import LoweredPou
+from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.semantics.subjects import Subject, resolve
+
+_NO_CODE = frozenset(
+    """drawing comment title carried content_carried header name modified tree place attributes object_id global_id
+    foreign_data_infos scales folder number markup worksheet""".split()
+)
+"""Fields that no program is made of."""
+_MOST_LIKELY = ("networks", "bodies", "actions", "methods", "return_type", "sections", "variables", "type", "initial")
+"""Which of all others a message names first."""
+_NAMED = 3
+_SHOWN = 100
+
+
+def prove_written(chart: Subject, lowered: LoweredPou, seen: Project, whole: Callable[[], Project]) -> Verdict:
+    """What comparing the code in a file with `chart` comes to. `seen`: the file as its tool sees it (`load(as_tool=)`).
+
+    `whole` loads the same file with what we carry in it. Raises `LoweringError` where `seen` lacks what the code needs,
+    where it cannot be executed, and where exact code is different from the chart.
+    """
+    try:
+        found = _proved(chart, seen, lowered)
+    except (LoweringError, ModelError) as error:
+        if _is_equal(chart, carrying := whole(), lowered):
+            raise _carried(lowered, seen, carrying, error.message) from error
+        raise
+    if found.outcome is not Outcome.DIFFERENT:
+        return found
+    exact, carrying = lowered.style is Style.EXACT, whole()
+    if _is_equal(chart, carrying, lowered) if exact else not _is_same_code(carrying, seen, lowered):
+        raise _carried(lowered, seen, carrying, str(found).partition("\n")[0])
+    if exact:
+        raise LoweringError(
+            f"read back, the code does not do what the chart does: {found}", hint="Please report it with the chart."
+        )
+    return found
+
+
+def _proved(chart: Subject, written: Project, lowered: LoweredPou) -> Verdict:
+    return prove(
+        chart,
+        resolve(written, lowered.name),
+        lowered.profile,
+        fixed=lowered.at_rest,
+        left_out=lowered.left_out,
+        step_flags=lowered.step_flags or None,
+    )
+
+
+def _is_equal(chart: Subject, written: Project, lowered: LoweredPou) -> bool:
+    try:
+        return _proved(chart, written, lowered).outcome is not Outcome.DIFFERENT
+    except (LoweringError, ModelError):
+        return False
+
+
+def _is_same_code(whole: Project, seen: Project, lowered: LoweredPou) -> bool:
+    one, other = (resolve(project, lowered.name) for project in (whole, seen))
+    found = prove(one, other, lowered.profile, fixed={}, left_out=None, step_flags=None)
+    return found.outcome is not Outcome.DIFFERENT
+
+
+def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> LoweringError:
+    places = list(_places(seen, whole, lowered.pou.name))
+    shown = "; ".join(places[:_NAMED]) + (f"; and {len(places) - _NAMED} more" if len(places) > _NAMED else "")
+    to_text = lowered.language != "ST"
+    return LoweringError(
+        f"a part of the code would stand in comments or data of ours only, which its tool does not read: {why}. "
+        f"It would not see {shown}",
+        location=Location(path=lowered.name),
+        hint="Structured text can hold it: --language ST."
+        if to_text
+        else "Formats of other tools may have a place for it.",
+    )
+
+
+def _places(seen: Project, whole: Project, pou: str) -> Iterator[str]:
+    """What its tool does not see of a file: what stands in the POU first, and what most likely matters."""
+    found = differences(seen, whole, ignore=_NO_CODE)
+    for each in sorted(found, key=lambda each: (not each.path.startswith(f"pous[{pou}]"), _rank(each.path))):
+        yield f"{each.path} ({_short(each.right)})"
+
+
+def _rank(path: str) -> int:
+    last = path.rpartition(".")[2].partition("[")[0]
+    return _MOST_LIKELY.index(last) if last in _MOST_LIKELY else len(_MOST_LIKELY)
+
+
+def _short(value: object) -> str:
+    text = type(value).__name__ if isinstance(value, Model) else str(value)
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + ".."
