@@ -1,53 +1,92 @@
-"""What a chart says and its code does not: nothing of it is lost in silence."""
+"""What a chart holds and its code does not: nothing of it is lost in silence."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from plcopen_sfc.lowering.code.surroundings import names_of
+from plcopen_sfc.lowering.remarks import Remark, Said, remarks, texts_of
+from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.network import CommentBox
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
-from plcopen_sfc.model.text import Text, plain
+from plcopen_sfc.model.text import plain
 from plcopen_sfc.report import Fate, Item
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
+_SHOWN = 60
 
-def losses(subject: Subject, lowered: Pou, profile: Profile) -> tuple[Item, ...]:
-    """What charts hold that has no place in the code of `lowered`, or means nothing under the profile.
 
-    They are the chart of `subject` and those of actions that were lowered with it.
+def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language: str) -> tuple[Item, ...]:
+    """What the code does not hold of a chart, or what means nothing under the profile.
+
+    `lowered`: the POU of `subject` with its code, then the blocks that were made besides. `language` is that of the
+    texts in the code (``de``).
     """
+    own, pou = subject.pou, lowered[0]
+    said = Said(lowered, subject.project.dialect)
     found: list[Item] = []
-    left = {action.name for action in lowered.actions if isinstance(action.body, SfcBody)}
-    charts = {f"{subject.pou.name}.{a.name}": a.body for a in subject.pou.actions if a.name not in left}
-    for name, body in (charts | {subject.name: subject.pou.body}).items():
-        if isinstance(body, SfcBody):
-            found += _Losses(subject, name, body.chart, profile).found()
-    kept = {variable.name.casefold() for variable in lowered.variables()}
-    for variable in subject.pou.variables():
+    for path, part in _lowered_parts(subject, pou):
+        if isinstance(part, SfcBody):
+            found += _Chart(subject, part.chart, profile, path).losses()
+        for remark in remarks(part, path, subject.project.dialect):
+            found += _unsaid(remark, said, language)
+    kept = {variable.name.casefold() for variable in pou.variables()}
+    for variable in own.variables():
         if variable.name.casefold() not in kept:
-            path = f"POU {subject.pou.name} / variable {variable.name}"
+            path = f"{own.report_path_of(own.name)} / variable {variable.name}"
             found.append(Item(Fate.DROPPED, "variable", path, "only a chart can have one of this type"))
     return tuple(found)
 
 
-class _Losses:
-    def __init__(self, subject: Subject, name: str, chart: SfcNetwork, profile: Profile) -> None:
-        self._chart, self._profile = chart, profile
-        self._place = subject.pou.report_path_of(name)
+def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
+    """The body whose chart was lowered, and what is gone with it: actions and transition objects, charts of actions."""
+    own = subject.pou
+    if own.body is not None:
+        yield own.report_path_of(subject.name), own.body
+    for action in own.actions:
+        name = f"{own.name}.{action.name}"
+        left = pou.action(action.name)
+        if left is None:
+            yield own.report_path_of(name), action
+        elif isinstance(action.body, SfcBody) and not isinstance(left.body, SfcBody) and name != subject.name:
+            yield own.report_path_of(name), action.body
+    transitions = {each.name for each in pou.transitions}
+    for each in own.transitions:
+        if each.name not in transitions:
+            yield own.report_path_of(f"{own.name}.{each.name}"), each
+
+
+def _unsaid(remark: Remark, said: Said, language: str) -> Iterator[Item]:
+    """A text for people that the code does not have, or has in one of its languages only."""
+    texts = texts_of(remark.text)
+    missing = {culture: text for culture, text in texts.items() if not said.has(text)}
+    if not missing:
+        return
+    if len(missing) < len(texts):
+        why = f"the code has it in one language, not in {', '.join(missing)}"
+    else:
+        text = " ".join(plain(remark.text, language).split())
+        why = f"not in the code: {text if len(text) <= _SHOWN else text[:_SHOWN] + '..'}"
+    yield Item(Fate.DROPPED, "comment", remark.path, why)
+
+
+class _Chart:
+    """What of one chart has no effect on its code."""
+
+    def __init__(self, subject: Subject, chart: SfcNetwork, profile: Profile, path: str) -> None:
+        self._chart, self._profile, self._path = chart, profile, path
         net = Net.of(chart)
         self._paths = {id(each.step): each.path for each in net.steps} | {id(m.step): m.path for m in net.macros}
         declared = {*names_of(subject.project), *(variable.name.casefold() for variable in subject.pou.variables())}
         flags = flags_in_use(chart, profile, lambda name: name.casefold() in declared)
         self._watched = profile.maximum_times and SfcFlag.ERROR in flags
 
-    def found(self) -> Iterator[Item]:
-        """The losses of the chart and of those in it."""
+    def losses(self) -> Iterator[Item]:
+        """What is excluded from the build, and what nothing asks for."""
         for chart in _charts(self._chart):
             for step in chart.steps:
                 yield from self._of_step(step)
@@ -55,7 +94,6 @@ class _Losses:
                 if transition.exclude:
                     path = f"transition {chart.label(transition)}"
                     yield self._dropped("transition", path, "it is excluded from the build")
-            yield from self._of_drawing(chart)
 
     def _of_step(self, step: Step) -> Iterator[Item]:
         path = f"step {self._paths.get(id(step), step.name)}"
@@ -65,9 +103,8 @@ class _Losses:
         unknown = f"the profile {self._profile.name} has no such times"
         if step.min_time and not self._profile.minimum_times:
             yield self._dropped("minimum time", path, f"{step.min_time}: {unknown}")
-        if step.max_time and not (
-            self._watched or self._profile.graph_parameters
-        ):  # in S7-GRAPH it is data of the step
+        asked = self._watched or self._profile.graph_parameters  # in S7-GRAPH it is a value that texts can ask for
+        if step.max_time and not asked:
             why = "nothing asks for it: the chart does not use SFCError" if self._profile.maximum_times else unknown
             yield self._dropped("maximum time", path, f"{step.max_time}: {why}")
         for number, association in enumerate(step.actions, 1):
@@ -77,17 +114,8 @@ class _Losses:
             elif association.indicator:
                 yield self._dropped("indicator", action, f"{association.indicator} does not act on the chart")
 
-    def _of_drawing(self, chart: SfcNetwork) -> Iterator[Item]:
-        """Comments that stand in the drawing only."""
-        boxes: list[Text | None] = [node.content for node in chart.logic if isinstance(node, CommentBox)]
-        symbols = [symbol.comment for symbol in chart.drawing.symbols] if chart.drawing is not None else []
-        for text in (chart.comment, *boxes, *symbols):
-            said = " ".join(plain(text).split())
-            if said:
-                yield self._dropped("comment", "", f"{said!r} belongs to the drawing of the chart")
-
     def _dropped(self, what: str, path: str, why: str) -> Item:
-        return Item(Fate.DROPPED, what, " / ".join(filter(None, [self._place, path])), why)
+        return Item(Fate.DROPPED, what, f"{self._path} / {path}", why)
 
 
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:

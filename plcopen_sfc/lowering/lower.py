@@ -202,7 +202,7 @@ def lower(
         found.name,
         made.flags.following if made.flags is not None else "",
         made.step_numbers,
-        losses(found, lowered_pou, semantics),
+        losses(found, [lowered_pou, *made.blocks], semantics, lang),
     )
     return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
 

@@ -61,7 +61,31 @@ def test_what_is_excluded_and_comments_of_the_drawing_are_told() -> None:
         ("comment", f"POU {pou.name}"),
         ("comment", f"POU {pou.name}"),
     ]
-    assert "'look here'" in items(pou, "iec")[-1].why
+    assert {item.why for item in items(pou, "iec")[1:]} == {
+        "not in the code: drawn by hand",
+        "not in the code: look here",
+    }
+
+
+def test_a_comment_in_another_language_is_told() -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.sfc.steps[0].comment = m.MultilingualText(texts={"de-DE": "Grundstellung", "en-US": "at rest"})
+    (item,) = items(pou, "iec")
+    assert item.why == "the code has it in one language, not in de-DE"
+
+
+def test_comments_inside_of_texts_are_told_where_they_are_drawn() -> None:
+    pou = training_chain()
+    assert pou.sfc is not None
+    pou.actions.append(m.Action(name="Count", body=m.StBody(text="Q3 := B5; // counts parts")))
+    pou.sfc.steps[1].actions.append(m.ActionAssociation(id=900, target="Count"))
+    text = lower(pou, "flipflop", language="ST", profile="iec", verify=False)
+    drawn = lower(pou, "flipflop", language="FBD", profile="iec", verify=False)
+    assert text.losses == ()
+    assert [(item.path, item.why) for item in drawn.losses] == [
+        (f"POU {pou.name} / action Count", "not in the code: // counts parts")
+    ]
 
 
 def test_charts_of_actions_that_are_lowered_along_lose_nothing_in_silence() -> None:

@@ -9,7 +9,7 @@ from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.model.text import plain
 from tests.lowering.charts import training_chain
 
-TEXTS = ("Waits for parts", "tank in the cellar", "two lines,", "both of them")
+TEXTS = ("Waits for parts", "tank in the cellar", "two lines,", "both of them", "forward", "counts them")
 
 
 def commented() -> m.Pou:
@@ -18,7 +18,10 @@ def commented() -> m.Pou:
     assert chart is not None
     chart.steps[1].comment = TEXTS[0]
     chart.steps[2].title = m.MultilingualText(texts={"de-DE": "Tank im Keller", "en-US": TEXTS[1]})
-    chart.transitions[0].comment = "\n".join(TEXTS[2:])
+    chart.transitions[0].comment = "\n".join(TEXTS[2:4])
+    chart.steps[0].actions[0].comment = TEXTS[4]
+    pou.actions.append(m.Action(name="Count", comment=TEXTS[5], body=m.StBody(text="Q3 := B5;")))
+    chart.steps[1].actions.append(m.ActionAssociation(id=900, target="Count"))
     return pou
 
 

@@ -11,6 +11,7 @@ from plcopen_sfc.analysis.regions import Region, Regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.chains.chain import refuse_classic
 from plcopen_sfc.lowering.chains.regions import INDENT, RegionChain
+from plcopen_sfc.lowering.code.emitting import comment_lines
 from plcopen_sfc.lowering.code.logic import TRUE, is_constant
 from plcopen_sfc.lowering.code.program import TextNetwork
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
@@ -76,7 +77,9 @@ class CaseChain(RegionChain):
         lines += [INDENT + remark for remark in self.remarks(step.step)]
         if used or main:
             lines.append(f"{INDENT}// {self.texts.actions}")
-            done = [*main, *(line for action, use in used for line in self._acting(action, use))]
+            done = [*main]
+            for action, use in used:
+                done += [*comment_lines(self.texts.said(action.comment, use.comment)), *self._acting(action, use)]
             lines += [INDENT + line for text in done for line in text.splitlines()]
             lines.append("")
         ending = [line for action, use in used for line in self._ending(action, use)]

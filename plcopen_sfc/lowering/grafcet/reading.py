@@ -163,7 +163,8 @@ class _Reader(TextReader):
         action = self.pou.action(target)
         if action is None:
             return ActionSource(target, self.variable(target, self._targets, path), (), ())
-        return ActionSource(target, None, self.statements(action.body, f"action {target}"), ())
+        statements = self.statements(action.body, f"action {target}")
+        return ActionSource(target, None, statements, (), comment=action.comment)
 
     def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> Use:
         assert model.kind is not None  # noqa: S101  # the caller has looked
@@ -179,7 +180,7 @@ class _Reader(TextReader):
                 self.refuse("an action that is delayed or limited while its step is not active has no meaning", path)
             duration = self.expression(model.duration, path)
         condition = self._value(chart, model.condition, path) if model.condition is not None else TRUE
-        return Use(tuple(indexes(owner.steps)), inverted, qualifier, condition, duration)
+        return Use(tuple(indexes(owner.steps)), inverted, qualifier, condition, duration, model.comment)
 
 
 def _words(tree: n.Expression) -> tuple[str, ...]:

@@ -185,7 +185,8 @@ class _Reader(TextReader):
             action = self.pou.action(name)
             if action is not None:
                 text = "" if self._stays(action) else _text_of(action.body)
-                yield ActionSource(name, None, self._statements_of(action), tuple(uses), text=text)
+                statements = self._statements_of(action)
+                yield ActionSource(name, None, statements, tuple(uses), text=text, comment=action.comment)
                 continue
             target = self.expression(name, f"action {name}")
             if self._targets.is_called(target):
@@ -223,7 +224,8 @@ class _Reader(TextReader):
         if qualifier.needs_duration and duration is None:
             self.refuse(f"{qualifier} needs a time", path)
         condition = self._guard(owner.chart, association.condition, path)
-        return Use(owner.steps, owner.step.negated is not association.negated, qualifier, condition, duration)
+        inverted = owner.step.negated is not association.negated
+        return Use(owner.steps, inverted, qualifier, condition, duration, association.comment)
 
     def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> n.Expression:
         return TRUE if condition is None else self._boolean(self.action_condition(chart, condition, path), path)

@@ -14,6 +14,7 @@ from plcopen_sfc.lowering.reading.grafcet_source import GrafcetSource
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.text import Text
 from plcopen_sfc.semantics.net import Net
 
 Change: TypeAlias = Callable[[Any], Any]
@@ -32,6 +33,7 @@ class Use:
     qualifier: Qualifier
     condition: n.Expression
     duration: n.Expression | None
+    comment: Text | None = None
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class ActionSource:
     """An action: a Boolean variable (`target`), or code (`statements`), with all its uses in the order of the chart.
 
     `in_place`: its code stands at its only use, where it has no name. `text`: its code as it was written, as long as it
-    says the same; empty for code that is drawn.
+    says the same; empty for code that is drawn. `comment` is that of the action, where it is one of the POU.
     """
 
     name: str
@@ -48,6 +50,7 @@ class ActionSource:
     uses: tuple[Use, ...]
     in_place: bool = False
     text: str = ""
+    comment: Text | None = None
 
     def changed(self, change: Change) -> ActionSource:
         """The same action with `change` applied to every text but its target."""
