@@ -11,6 +11,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import act, boolean, pou_with, training_chain
+from tests.lowering.test_flags import chain_with, with_memories
 
 FORMS = [("flipflop", "FBD"), ("flipflop", "LD"), ("flipflop", "ST"), ("bits", "ST"), ("case", "ST")]
 TARGETS = ["plcopen-2.01", "codesys", "simaticml", "scl", "iec-text"]
@@ -167,3 +168,32 @@ def test_the_name_of_the_block_is_free() -> None:
     original.pous.append(m.Pou(name="Ablauf_Actions", kind=m.PouKind.FUNCTION_BLOCK))
     lowered = lower(original, "bits", pou="Ablauf", actions="block")
     assert [pou.name for pou in lowered.project.pous] == ["Ablauf", "Ablauf_Actions_2", "Ablauf_Actions"]
+
+
+@pytest.mark.parametrize("flags", [("SFCInit",), ("SFCReset",), ("SFCInit", "SFCReset", "SFCTip"), ("SFCPause",)])
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_flags_of_codesys_end_the_actions_of_the_block(
+    flags: tuple[str, ...], construction: str, language: str
+) -> None:
+    """The block is told, forgets what it remembers, and is left in the scan of SFCInit."""
+    pou = chain_with(*flags) if flags == ("SFCPause",) else with_memories(chain_with(*flags))
+    lowered = lower(pou, construction, language=language, profile="codesys", actions="block")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "codesys", "simaticml"])
+@pytest.mark.parametrize("language", ["FBD", "LD", "ST"])
+def test_flags_and_blocks_come_back_from_the_file(language: str, target: str) -> None:
+    original = m.Project(pous=[with_memories(chain_with("SFCInit", "SFCReset"))])
+    lowered = lower(
+        original, "flipflop", language=language, profile="codesys", actions="block", target=target, verify=False
+    )
+    again = sfc.loads(sfc.dumps(lowered.project, format=target))
+    found = equivalent(original, resolve(again, "Ablauf"), "codesys")
+    assert found.outcome is Outcome.PROVEN, str(found)
+
+
+def test_actions_that_steps_control_one_by_one_stay_inline() -> None:
+    with pytest.raises(LoweringError, match="control one by one"):
+        lower(project(), "bits", profile="matiec", actions="block")

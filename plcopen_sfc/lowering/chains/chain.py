@@ -126,7 +126,7 @@ class Chain(ABC):
             place = len(self.code.networks)
             self.code.add(self.texts.times, times)
             self.add_actions()
-            self.sfc_flags.end(place, self.times)
+            self.sfc_flags.end(place, self.times, [drive.call for drive in self.drives])
             self.sfc_flags.before_transitions()
             self.choose()
             self.sfc_flags.report_transition(self.any_fires)
@@ -174,14 +174,15 @@ class Chain(ABC):
 
     def _add_drive_block(self, ending: Expression) -> None:
         """Append the call of a block with the actions."""
-        if self.source.flags or self.profile.action_control is Control.PER_STEP:
+        if self.profile.action_control is Control.PER_STEP:
             raise LoweringError(
-                "actions that steps control one by one, or SFC flags end, cannot stand in a block of their own",
+                "actions that steps control one by one cannot stand in a block of their own",
                 location=Location(path=self.source.pou.name),
             )
         drive = self.drive_block(self.texts.drive)
         control = ActionControl(drive.memory, self.active, ending)
         add_actions(without_texts(self.source), drive.code, control, drive.memory, self.rules)
+        self.sfc_flags.end_in_block(drive.code, drive.memory)
         self.code.add(self.texts.drive_call, [self.call(drive)])
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:

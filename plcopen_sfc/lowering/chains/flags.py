@@ -97,23 +97,38 @@ class FlagCode:
         self._conditional(self._texts.init, restart, forgotten)
         return True
 
-    def end(self, place: int, times: StepTimes) -> None:
+    def end(self, place: int, times: StepTimes, calls: Sequence[Statement]) -> None:
         """Put in what ends all that times and actions remember, and what ends the scan of SFCInit.
 
-        To be called when all actions have been lowered; `place` is the one before them.
+        To be called when all actions have been lowered; `place` is the one before them. `calls` are those of blocks
+        with actions, which end these themselves (`end_in_block`).
         """
         if self._back == FALSE:
             return
         init = self._flags.get(SfcFlag.INIT)
         done = [*times.ends(), *self._memory.ends, *self._forgotten_error()]
         if init is not None:  # else the initial step is executed now, and does all this
-            targets = [action.target for action in self._source.actions if action.target is not None]
-            done += [assignment(target, FALSE) for target in targets]
+            done += [] if calls else self._ended_targets()
             done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
         statements = self._memory.conditional("", self._back, done)
         if init is not None:
-            statements += self._memory.conditional("", init, [n.Return()])
+            statements += self._memory.conditional("", init, [*calls, n.Return()])
         self._code.add(self._texts.actions_end, statements, place=place)
+
+    def end_in_block(self, code: Code, memory: Memory) -> None:
+        """Put in, before anything else in a block with actions, what ends them, and the scan of SFCInit."""
+        if self._back == FALSE:
+            return
+        init = self._flags.get(SfcFlag.INIT)
+        done = [*memory.ends, *(self._ended_targets() if init is not None else [])]
+        statements = memory.conditional("", self._back, done)
+        if init is not None:
+            statements += memory.conditional("", init, [n.Return()])
+        code.add(self._texts.actions_end, statements, place=0)
+
+    def _ended_targets(self) -> list[Statement]:
+        targets = (action.target for action in self._source.actions)
+        return [assignment(target, FALSE) for target in targets if target is not None]
 
     # -- transitions
 
