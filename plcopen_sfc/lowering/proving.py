@@ -6,22 +6,20 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError, SfcError
 from plcopen_sfc.lowering.code.program import BOOL
 from plcopen_sfc.lowering.code.surroundings import names_of
+from plcopen_sfc.lowering.operating import compared_while_operated, operating_inputs
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.charts.flags import COMMANDS, flags_in_use
-from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.subjects import Subject
 
 _STATES = 20_000
 """What is searched in seconds to minutes, according to the size of the chart."""
-_AT_REST = 5_000
-_OPERATED = 1_000
 
 
 def prove(
@@ -32,18 +30,22 @@ def prove(
     fixed: Mapping[str, bool],
     left_out: str | None,
     step_flags: Mapping[str, str] | None,
+    cap: int = _STATES,
+    runs: int = 100,
+    scans: int = 200,
 ) -> Verdict:
     """What comparing `code` with `chart` comes to; arguments as in `equivalent`.
 
     Raises `LoweringError` where one of them cannot be executed: it calls what the simulator does not know, or its texts
     are wrong in their types.
 
-    The parameters of an S7-GRAPH block multiply its states: whether each of a dozen commands has just risen. So there
-    is a proof only for parameters at rest, and what they do is tested on random runs.
+    The parameters of an S7-GRAPH block multiply its states: see `compared_while_operated`.
     """
     chart, code = compared_subjects(chart, code, profile)
     try:
-        found = _compared(chart, code, profile, fixed=fixed, left_out=left_out, step_flags=step_flags)
+        compared = partial(equivalent, chart, code, profile, left_out=left_out, step_flags=step_flags, scans=scans)
+        operating = operating_inputs(chart, profile)
+        found = compared_while_operated(compared, operating, fixed, cap, runs)
     except SfcError as error:
         raise _incomparable(chart, error.message) from error
     differences = found.counterexample.differences if found.counterexample is not None else ()
@@ -70,36 +72,6 @@ def _incomparable(chart: Subject, why: str) -> LoweringError:
         location=Location(path=chart.name),
         hint="It can be lowered without the proof: verify=False, --no-verify.",
     )
-
-
-def _compared(
-    chart: Subject,
-    code: Subject,
-    profile: Profile,
-    *,
-    fixed: Mapping[str, bool],
-    left_out: str | None,
-    step_flags: Mapping[str, str] | None,
-) -> Verdict:
-    operating = _operating(chart, profile)
-    compared = partial(equivalent, chart, code, profile, left_out=left_out, step_flags=step_flags)
-    if not operating:
-        return compared(fixed=fixed, cap=_STATES)
-    at_rest = compared(fixed={**operating, **fixed}, cap=_AT_REST, runs=1)
-    if at_rest.outcome is Outcome.DIFFERENT:
-        return at_rest
-    found = compared(fixed=fixed, cap=_OPERATED)
-    if at_rest.proven and found.outcome is Outcome.TESTED:
-        known = f"while {', '.join(operating)} are FALSE it is proven: {at_rest.states} states"
-        return replace(found, reason=f"{found.reason}; {known}")
-    return found
-
-
-def _operating(chart: Subject, profile: Profile) -> dict[str, int]:
-    """The inputs of a block that operate its sequencer, and their values at rest."""
-    if not profile.graph_parameters:
-        return {}
-    return {v.name: 0 for v in chart.pou.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}
 
 
 def _commands(chart: Subject, profile: Profile) -> dict[str, str]:

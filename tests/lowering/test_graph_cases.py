@@ -11,6 +11,8 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.lower import LoweredPou
+from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.sequencers import STANDARD_INPUTS, STANDARD_OUTPUTS, act, block, guarded, ring, text, verdict
 from tests.lowering.test_graph import sequencers
 from tests.semantics.charts.rig import chain
@@ -233,6 +235,40 @@ def test_no_command_is_operated() -> None:
     assert bits.proof is not None
     assert bits.proof.proven
     assert "edge" not in _text(bits)
+
+
+def test_inputs_that_act_together_are_proven_together() -> None:
+    chart = chain("S1", "S2", conditions="#c1 #c2")
+    lowered = sfc.lower(block(chart, STANDARD_INPUTS, "S_NO:INT"), "bits", profile="s7graph")
+    assert lowered.proof is not None
+    said = lowered.proof.reason
+    assert "S_OFF, T_PUSH are FALSE it is proven: " in said
+    assert "only these of them are operated: OFF_SQ and INIT_SQ (" in said
+    assert "; ACK_EF (" in said
+    assert "; SW_AUTO and SW_TAP and T_PUSH (" in said
+    alone = sfc.lower(block(chart, "INIT_SQ OFF_SQ", "S_NO:INT"), profile="s7graph")
+    assert alone.proof is not None
+    assert alone.proof.proven
+
+
+def test_what_only_one_command_shows_is_found() -> None:
+    """The comparison with a block that forgets OFF_SQ, which is different only while that is operated."""
+    chart = ring(act("N"))
+    project = block(chart, STANDARD_INPUTS, "Q")
+    lowered = sfc.lower(project, "bits", profile="s7graph", at_rest=["OFF_SQ"], verify=False)
+    found = prove(
+        resolve(project, "Sequence"),
+        resolve(lowered.project, "Sequence"),
+        lowered.profile,
+        fixed={},
+        left_out=None,
+        step_flags=lowered.step_flags,
+        cap=200,
+        runs=0,
+    )
+    assert found.counterexample is not None
+    assert found.counterexample.shortest
+    assert any(row["OFF_SQ"] for row in found.counterexample.inputs)
 
 
 def test_only_what_operates_a_sequencer_can_be_at_rest() -> None:
