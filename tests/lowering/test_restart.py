@@ -168,3 +168,19 @@ def test_what_is_no_condition_is_refused(options: dict[str, str], message: str) 
     original.pous[0].interface.sections[0].variables.append(number)
     with pytest.raises(LoweringError, match=message):
         lower(original, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_step_bits_say_at_one_place_what_they_are_when_the_chain_starts_anew(profile: str) -> None:
+    body = lower(project(), "bits", profile=profile, init="Init", verify=False).pou.body
+    assert isinstance(body, m.StBody)
+    paragraphs = body.text.split("\n\n")
+    expected = ["IF Init THEN", "X1 := TRUE;", "X2 := FALSE;", "X3 := FALSE;", "X4 := FALSE;", "END_IF;"]
+    found = [[line.strip() for line in each.splitlines()][1:] for each in paragraphs]
+    at = found.index(expected)
+    assert [each.splitlines()[0] for each in paragraphs[at - 2 : at + 1]] == [
+        "// Steps that are left",
+        "// Steps that are entered",
+        "// Start the chain anew",
+    ]
+    assert not any("Init" in line for paragraph in found[at - 2 : at] for line in paragraph)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from plcopen_sfc.languages.st.nodes import Statement
 from plcopen_sfc.lowering.chains.steps import StepFlags
-from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, negation, when
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, when
 from plcopen_sfc.semantics.net import NetStep
-from plcopen_sfc.semantics.profile import ScanOrder
 
 
 class StepBits(StepFlags):
@@ -22,10 +21,7 @@ class StepBits(StepFlags):
         return ": ".join(filter(None, [self.texts.flag_of(step.path), remark]))
 
     def move(self) -> None:
-        """Append all resets, then all sets."""
-        # transitions of the last scan are forgotten where the chain is to start anew now
-        late = self.profile.order is ScanOrder.ACTIONS_FIRST and not self.forgets
-        free = [negation(self.init)] if self.init is not None and late else []
+        """Append all resets, then all sets, and what is stronger than the transitions behind them."""
         resets: list[Statement] = []
         sets: list[Statement] = []
         for transition in self.net.transitions:
@@ -33,13 +29,13 @@ class StepBits(StepFlags):
             leaving = [assignment(self.flags[i], FALSE) for i in transition.sources]
             entering = [assignment(self.flags[i], TRUE) for i in transition.targets]
             resets += [when(flag, *leaving)] if leaving else []
-            sets += [when(conjunction([flag, *free]), *entering)] if entering else []
-        if self.init is not None:
-            resets.append(when(self.init, *(assignment(flag, FALSE) for flag in self.flags)))
-            initial = [self.flags[s.index] for s in self.net.steps if self.net.initial & s.bit]
-            sets.append(when(self.init, *(assignment(flag, TRUE) for flag in initial)))
+            sets += [when(flag, *entering)] if entering else []
         if self.modes.selecting is not None:
             chosen = [assignment(flag, self.modes.is_selected(step)) for step, flag in enumerate(self.flags)]
             sets.append(when(self.modes.selecting, *chosen))
         self.code.add(self.texts.resets, resets)
         self.code.add(self.texts.sets, sets)
+        if self.init is not None:
+            initial = [TRUE if self.net.initial & step.bit else FALSE for step in self.net.steps]
+            back = [assignment(flag, value) for flag, value in zip(self.flags, initial, strict=True)]
+            self.code.add(self.texts.init, [when(self.init, *back)])
