@@ -13,10 +13,11 @@ from enum import StrEnum
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import clocking
+from plcopen_sfc.analysis.dividing import divide, race
 from plcopen_sfc.analysis.domains import Domain, plain
-from plcopen_sfc.analysis.product import Explored, compare, end_of, explore, failure_of
+from plcopen_sfc.analysis.product import Explored, Search, compare, end_of, failure_of, search
 from plcopen_sfc.analysis.stimuli import stimuli
-from plcopen_sfc.analysis.systems import Observation, ProgramSystem, step_observations
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem, connect, step_observations
 from plcopen_sfc.errors import ModelError, SfcError
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.model.pou import Pou
@@ -111,9 +112,10 @@ class Verdict:
     """The result of a comparison, and what it stands on.
 
     `compared`: what was compared, by the names of the first; `uncompared`: what only one side has and so could not be.
-    `states`: the pairs of states that were searched, with all input sequences of `depth` scans. `runs` of `scans` scans
-    were made with directed and random inputs. `scan_time` (nanoseconds): what is said of times holds for it. `reason`:
-    why there is no proof. `notes`: what was left out of the search.
+    `states`: the pairs of states that were searched, with all input sequences of `depth` scans; `parts`: in how many
+    searches of what does not depend on each other. `runs` of `scans` scans were made with directed and random inputs.
+    `scan_time` (nanoseconds): what is said of times holds for it. `reason`: why there is no proof. `notes`: what was
+    left out of the search.
     """
 
     outcome: Outcome
@@ -130,6 +132,7 @@ class Verdict:
     reason: str = ""
     counterexample: Counterexample | None = None
     notes: tuple[str, ...] = ()
+    parts: int = 1
 
     @property
     def equal(self) -> bool:
@@ -150,7 +153,8 @@ class Verdict:
             return f"different after {count} scan{'' if count == 1 else 's'} ({how}{times})\n{self.counterexample}"
         if self.proven:
             left_out = "".join(f"; {note}" for note in self.notes)
-            return f"equal (proof: {self.states} states, all inputs{times}{left_out})"
+            parts = f" in {self.parts} parts" if self.parts > 1 else ""
+            return f"equal (proof: {self.states} states{parts}, all inputs{times}{left_out})"
         tried = f", all inputs tried for {self.depth} scans" if self.depth else ""
         return f"equal on {self.runs} random runs of {self.scans} scans{times} (no proof: {self.reason}{tried})"
 
@@ -165,6 +169,7 @@ class Verdict:
             "timed": self.timed,
             "states": self.states,
             "depth": self.depth,
+            "parts": self.parts,
             "runs": self.runs,
             "scans": self.scans,
             "inputs": list(self.inputs),
@@ -216,16 +221,34 @@ def equivalent(
     if left_out is not None:
         right.leave_out(left_out)
     comparison = _Comparison(left, right, outputs, step_flags)
-    signals = _connect(left, right, inputs or {}, fixed or {})
+    signals = connect(left, right, inputs or {}, fixed or {})
     domains = {name: Domain(name, signal) for name, signal in signals.items()}
+
+    def build(
+        one: Pou, other: Pou, pairs: Sequence[tuple[Observation, Observation]]
+    ) -> tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]:
+        parts = [
+            system.part(pou, [pair[side] for pair in pairs])
+            for side, (system, pou) in enumerate(((left, one), (right, other)))
+        ]
+        own = connect(parts[0], parts[1], inputs or {}, fixed or {})
+        return parts[0], parts[1], {name: Domain(name, signal) for name, signal in own.items()}
+
+    def divided() -> Search | None:
+        division = divide(left, right, comparison.pairs)
+        return division.search(build, cap) if division is not None else None
+
+    def accepted(shown: Explored) -> bool:
+        rows = filled(shown.inputs or [], signals)
+        return comparison.first_difference(rows) == len(rows)
 
     found = Explored(0, 0, complete=False, reason=clock.reason)
     if not clock.reason:
-        found = explore(left, right, domains, cap)
+        found = race(search(left, right, domains, cap), divided, accepted)
     counterexample = None
     runs_made = 0
     if found.inputs is not None:
-        counterexample = comparison.show(found.inputs, signals, shortest=True)
+        counterexample = comparison.show(found.inputs, signals, shortest=found.shortest)
     elif not found.complete:
         for rows in stimuli(signals, domains, clock, seed=seed, runs=runs, scans=scans):
             runs_made += 1
@@ -253,6 +276,7 @@ def equivalent(
         reason,
         counterexample,
         found.notes,
+        found.parts,
     )
 
 
@@ -275,8 +299,10 @@ class _Comparison:
         if not self.names:
             hint = "Name variables of both with outputs=, or flags of steps with step_flags=."
             raise ModelError("the two have nothing in common that could be compared", hint=hint)
-        left.observe([Observation(name) for name, _, _ in pairs] + [own for _, own, _ in steps])
-        right.observe([Observation(other) for _, _, other in pairs] + [other for _, _, other in steps])
+        self.pairs = [(Observation(name), Observation(other)) for name, _, other in pairs]
+        self.pairs += [(own, other) for _, own, other in steps]
+        left.observe([own for own, _ in self.pairs])
+        right.observe([other for _, other in self.pairs])
         compared = {name.casefold() for name in self.names}
         told = {path.casefold() for path, _, _ in steps}
         self.uncompared = [
@@ -357,31 +383,6 @@ def _outputs(
         name = mine[own.casefold()]
         found.append((name, left.variables[name].signal, theirs[other.casefold()]))
     return found
-
-
-def _connect(
-    left: ProgramSystem, right: ProgramSystem, names: Mapping[str, str], fixed: Mapping[str, Value]
-) -> dict[str, Signal]:
-    """Give both systems the same inputs; the inputs by the names of the left where it has them."""
-    renamed = {other.casefold(): own.casefold() for other, own in names.items()}
-    shared: dict[str, str] = {}
-    signals: dict[str, Signal] = {}
-    constants = {name.casefold(): value for name, value in fixed.items()}
-    for system, rename in ((left, {}), (right, renamed)):
-        own_names: dict[str, str] = {}
-        own_fixed: dict[str, Value] = {}
-        for name, signal in system.inputs.items():
-            key = rename.get(name.casefold(), name.casefold())
-            if key in constants or name.casefold() in constants:
-                own_fixed[name] = signal.accept(constants.get(key, constants.get(name.casefold())))
-                continue
-            common = shared.setdefault(key, name)
-            own_names[name] = common
-            before = signals.setdefault(common, signal)
-            if before.kind is not signal.kind:
-                raise ModelError(f"the input {name} is a {before.type} in the first and a {signal.type} in the second")
-        system.connect(own_names, own_fixed)
-    return signals
 
 
 def filled(inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[dict[str, Value]]:

@@ -9,9 +9,9 @@ is one with the fewest scans.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
 from plcopen_sfc.analysis.intervals import KeptError, Split
@@ -24,7 +24,20 @@ from plcopen_sfc.errors import (
 )
 from plcopen_sfc.semantics.signals import Value
 
-__all__ = ["Branching", "Explored", "LeftOutError", "System", "compare", "end_of", "explore", "failure_of"]
+__all__ = [
+    "Branching",
+    "Explored",
+    "LeftOutError",
+    "Progress",
+    "Search",
+    "System",
+    "compare",
+    "end_of",
+    "ended",
+    "explore",
+    "failure_of",
+    "search",
+]
 
 _RUNS_FOR_A_STATE = 4
 InputReader = Callable[[str], Any]
@@ -104,9 +117,10 @@ class Branching:
 class Explored:
     """What a search has found.
 
-    `inputs`: those of the scans that lead to the first difference, None where there is none. `complete`: all states
-    were seen. `depth`: every input sequence of that many scans was tried. `reason`: why the search is not complete.
-    `notes`: what was not followed any further, because both end with an error there.
+    `inputs`: those of the scans that lead to the first difference, None where there is none; `shortest`: no fewer scans
+    lead to one. `complete`: all states were seen. `depth`: every input sequence of that many scans was tried. `reason`:
+    why the search is not complete; `capped`: there are too many states. `notes`: what was not followed any further,
+    because both end with an error there. `parts`: into how many the comparison was divided.
     """
 
     states: int
@@ -115,6 +129,20 @@ class Explored:
     inputs: list[dict[str, Value]] | None = None
     reason: str = ""
     notes: tuple[str, ...] = ()
+    shortest: bool = True
+    capped: bool = False
+    parts: int = 1
+
+
+class Progress(NamedTuple):
+    """How far a search is: scans that were run, and the depth that is being searched."""
+
+    scans: int
+    depth: int
+
+
+Search = Generator[Progress, None, Explored]
+"""A search that can be interrupted: it says how far it is before each state."""
 
 
 def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
@@ -122,11 +150,26 @@ def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int
 
     The domains grow by the constants that are found.
     """
+    return ended(search(left, right, domains, cap))
+
+
+def ended(searching: Search) -> Explored:
+    """Let a search run to its end."""
+    while True:
+        try:
+            next(searching)
+        except StopIteration as end:
+            found: Explored = end.value
+            return found
+
+
+def search(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Search:
+    """What `explore` does, state by state. Meanwhile nothing else may use the systems."""
     split = {name for name, domain in domains.items() if domain.is_number}
     try:
         while True:
             try:
-                return _search(left, right, domains, split, cap)
+                return (yield from _search(left, right, domains, split, cap))
             except KeptError as kept:
                 split.remove(kept.name)
             except _Regrown:
@@ -136,7 +179,7 @@ def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int
         return Explored(0, 0, complete=False, reason=str(reason))
 
 
-def _search(left: System, right: System, domains: Mapping[str, Domain], split: Collection[str], cap: int) -> Explored:
+def _search(left: System, right: System, domains: Mapping[str, Domain], split: Collection[str], cap: int) -> Search:
     tried = [domain for name, domain in domains.items() if name not in split]
     probing = any(isinstance(option, Probe) for domain in tried for option in domain.options)
     key: Callable[[Any], Any] = frozen if probing else _itself
@@ -152,12 +195,13 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], split: C
     notes: dict[str, SfcError] = {}
     while waiting:
         number = waiting.popleft()
+        yield Progress(runs, depths[number])
         before_left, before_right = states[number]
         for values in branching.combinations():
             runs += 1
             if runs > cap * _RUNS_FOR_A_STATE:
                 reason = f"more than {cap * _RUNS_FOR_A_STATE:,} scans to search"
-                return Explored(len(seen), depths[number], complete=False, reason=reason)
+                return Explored(len(seen), depths[number], complete=False, reason=reason, capped=True)
             left.restore(before_left)
             right.restore(before_right)
             ended, note, failure = _scan(left, right, branching.read, first=number == 0)
@@ -175,7 +219,7 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], split: C
             seen.add(code)
             if len(seen) > cap:
                 reason = f"more than {cap:,} states"
-                return Explored(len(seen) - 1, depths[number], complete=False, reason=reason)
+                return Explored(len(seen) - 1, depths[number], complete=False, reason=reason, capped=True)
             states.append(after)
             origins.append((number, dict(values)))
             depths.append(depths[number] + 1)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking, step_times
@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
 from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, watched
 
-__all__ = ["Observation", "ProgramSystem", "step_observations"]
+__all__ = ["Observation", "ProgramSystem", "connect", "step_observations"]
 
 InputReader = Callable[[str], Any]
 
@@ -62,13 +62,15 @@ class ProgramSystem:
     ) -> None:
         self.subject = subject
         self.clock = clock
+        self._profile = profile
+        self._functions = functions or {}
         self._names: dict[str, str] = {}
         self._fixed: dict[str, Value] = {}
         self._source: InputReader = _no_input
         self._controller = Controller(
             subject.project,
             profile,
-            functions=functions or {},
+            functions=self._functions,
             chart_compiler=compile_chart,
             read_input=self._input,
         )
@@ -86,7 +88,7 @@ class ProgramSystem:
         self._initial = self.snapshot()
         self._observe: Callable[[], tuple[Any, ...]] = tuple
         self._left_out: Callable[[], tuple[Any, ...]] | None = None
-        self._left_out_name = ""
+        self.left_out_name = ""
 
     @property
     def inputs(self) -> dict[str, Signal]:
@@ -127,9 +129,18 @@ class ProgramSystem:
 
         self._observe = observed
 
+    def part(self, pou: Pou, observations: Sequence[Observation]) -> ProgramSystem:
+        """A system of a part of its POU, at the same times, in which some of the same things are observed."""
+        made = ProgramSystem(replace(self.subject, pou=pou), self._profile, self.clock, functions=self._functions)
+        if self.left_out_name:
+            made.leave_out(self.left_out_name)
+        bits = {path: 1 << index for index, path in enumerate(made.steps)}
+        made.observe([replace(each, bit=bits[each.path]) if each.bit else each for each in observations])
+        return made
+
     def leave_out(self, name: str) -> None:
         """Do not compare scans at whose end a variable is TRUE. Raises `ModelError` for an unknown name."""
-        self._left_out_name = name
+        self.left_out_name = name
         self._left_out = self.instance.reader([name])
         self._look_at([name])
 
@@ -149,7 +160,7 @@ class ProgramSystem:
             self._controller.now += self.clock.scan_time
         self.instance.scan()
         if self._left_out is not None and self._left_out()[0]:
-            raise LeftOutError(f"{self._left_out_name} = TRUE")
+            raise LeftOutError(f"{self.left_out_name} = TRUE")
 
     def observed(self) -> tuple[Any, ...]:
         """What is compared."""
@@ -201,6 +212,34 @@ class ProgramSystem:
 
 def _no_input(path: str) -> Any:
     raise ModelError(f"{path} is read outside of a scan")
+
+
+# -- inputs
+
+
+def connect(
+    left: ProgramSystem, right: ProgramSystem, names: Mapping[str, str], fixed: Mapping[str, Value]
+) -> dict[str, Signal]:
+    """Give both systems the same inputs; the inputs by the names of the left where it has them."""
+    renamed = {other.casefold(): own.casefold() for other, own in names.items()}
+    shared: dict[str, str] = {}
+    signals: dict[str, Signal] = {}
+    constants = {name.casefold(): value for name, value in fixed.items()}
+    for system, rename in ((left, {}), (right, renamed)):
+        own_names: dict[str, str] = {}
+        own_fixed: dict[str, Value] = {}
+        for name, signal in system.inputs.items():
+            key = rename.get(name.casefold(), name.casefold())
+            if key in constants or name.casefold() in constants:
+                own_fixed[name] = signal.accept(constants.get(key, constants.get(name.casefold())))
+                continue
+            common = shared.setdefault(key, name)
+            own_names[name] = common
+            before = signals.setdefault(common, signal)
+            if before.kind is not signal.kind:
+                raise ModelError(f"the input {name} is a {before.type} in the first and a {signal.type} in the second")
+        system.connect(own_names, own_fixed)
+    return signals
 
 
 # -- steps

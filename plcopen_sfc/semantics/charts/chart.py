@@ -18,7 +18,7 @@ from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
 from plcopen_sfc.semantics.charts.step_actions import StepActions, check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
-from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.runtime import fail
 from plcopen_sfc.semantics.programs.types import BOOL, ELEMENTARY, INSTANT, LINT
@@ -76,6 +76,16 @@ class ChartProgram:
         self._waits: dict[int, Condition] = {}
         self._watches: dict[int, Watch] = {}
         self._logic: Run | None = None
+
+    @property
+    def is_divisible(self) -> bool:
+        """Whether nets that no transition connects, and actions, do not know of each other but by variables.
+
+        Flags, forcing orders, the search for a stable situation and logic drawn beside the steps concern all of them.
+        """
+        whole = self._refused is not None or self._grafcet is not None or self._has_flags or self._logic is not None
+        simple = self._profile.step_variables is not StepVariables.FLAG and not self.net.macros
+        return simple and not whole and not self._until_stable
 
     def _associations(self) -> list[tuple[Owner, ActionAssociation]]:
         owners = [

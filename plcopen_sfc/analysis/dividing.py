@@ -1,0 +1,174 @@
+"""A comparison divided into parts: what each compared variable depends on, as a search of its own.
+
+The states of what does not depend on each other multiply in one search; in several they add up. Each part is the two
+programs without what its variables do not depend on (`plcopen_sfc.analysis.slicing`), so all that the programs can do
+to these variables is searched there: proofs of all parts are a proof of the whole, and a difference in one is a real
+one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from plcopen_sfc.analysis.domains import Domain
+from plcopen_sfc.analysis.product import Explored, Progress, Search, search
+from plcopen_sfc.analysis.slicing import NotDivisibleError, cone, parts_of
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem
+from plcopen_sfc.model.pou import Pou
+
+__all__ = ["Division", "divide", "race"]
+
+_HEAD_START = 2_000
+"""Scans that the undivided search gets first: most comparisons are small."""
+
+Pair = tuple[Observation, Observation]
+Build = Callable[[Pou, Pou, Sequence[Pair]], tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]]
+"""Makes the two systems of a part, which are compared in some observations, and the domains of their inputs."""
+
+
+@dataclass(frozen=True)
+class _Share:
+    """What some of the compared values depend on, on both sides."""
+
+    left: frozenset[int]
+    right: frozenset[int]
+    pairs: tuple[Pair, ...]
+
+    def holds(self, other: _Share) -> bool:
+        return other.left <= self.left and other.right <= self.right
+
+    @property
+    def size(self) -> int:
+        return len(self.left) + len(self.right)
+
+
+class Division:
+    """The parts of a comparison."""
+
+    def __init__(self, pous: Sequence[Callable[[frozenset[int]], Pou]], shares: Sequence[_Share]) -> None:
+        self._pous = pous
+        self._shares = shares
+
+    def search(self, build: Build, cap: int) -> Search:
+        """Search the parts one after the other, each up to `cap` states, small ones first."""
+        states = depth = scans = 0
+        notes: dict[str, None] = {}
+        inputs = None
+        failed: list[Explored] = []
+        for share in self._shares:
+            left, right = (pou(kept) for pou, kept in zip(self._pous, (share.left, share.right), strict=True))
+            searching = search(*build(left, right, share.pairs), cap)
+            found = None
+            progress = Progress(0, 0)
+            while found is None and (inputs is None or progress.depth + 1 < len(inputs)):
+                try:
+                    progress = next(searching)
+                except StopIteration as end:
+                    found = end.value
+                else:
+                    yield Progress(scans + progress.scans, progress.depth)
+            scans += progress.scans
+            if found is None:
+                continue  # it has no shorter difference
+            states += found.states
+            depth = max(depth, found.depth)
+            notes |= dict.fromkeys(found.notes)
+            if found.inputs is not None:
+                inputs = found.inputs
+            elif not found.complete:
+                failed.append(found)
+        parts = len(self._shares)
+        if inputs is not None:
+            shortest = all(each.depth + 1 >= len(inputs) for each in failed)
+            return Explored(states, depth, complete=False, inputs=inputs, shortest=shortest, parts=parts)
+        if failed:
+            return replace(failed[0], parts=parts)
+        return Explored(states, depth, complete=True, notes=tuple(notes), parts=parts)
+
+
+def divide(left: ProgramSystem, right: ProgramSystem, pairs: Sequence[Pair]) -> Division | None:
+    """Divide a comparison; None where that is not possible, or would leave out nothing."""
+    try:
+        sides = [parts_of(system.instance) for system in (left, right)]
+    except NotDivisibleError:
+        return None
+    shares: list[_Share] = []
+    for pair in pairs:
+        kept = []
+        for side, system, observation in zip(sides, (left, right), pair, strict=True):
+            kept.append(cone(side.parts, _names_of(observation.path) | _names_of(system.left_out_name)))
+        shares.append(_Share(kept[0], kept[1], (pair,)))
+    joined: list[_Share] = []
+    for share in sorted(shares, key=lambda each: -each.size):
+        around = next((place for place, each in enumerate(joined) if each.holds(share)), None)
+        if around is None:
+            joined.append(share)
+        else:
+            joined[around] = replace(joined[around], pairs=joined[around].pairs + share.pairs)
+    if any(len(s.left) == len(sides[0].parts) and len(s.right) == len(sides[1].parts) for s in joined):
+        return None
+    return Division([side.taken for side in sides], joined[::-1])
+
+
+def _names_of(path: str) -> set[str]:
+    """All that may be a name in a path, which may be quoted: ``Q``, ``"my block".x``."""
+    key = path.casefold()
+    return {key, *re.findall(r"\w+", key), *(part.strip('"#') for part in key.split("."))}
+
+
+class _Running:
+    """A search that is advanced piece by piece."""
+
+    def __init__(self, searching: Search) -> None:
+        self._searching = searching
+        self._before = self._last = 0
+        self.found: Explored | None = None
+
+    def advance(self, scans: int | None = None) -> Explored | None:
+        """Go on until so many scans were run in all, or to the end; what was found, if it has ended."""
+        while self.found is None and (scans is None or self._before + self._last < scans):
+            try:
+                now = next(self._searching).scans
+            except StopIteration as end:
+                self.found = end.value
+                break
+            if now < self._last:  # it began anew, with more values of inputs
+                self._before += self._last
+            self._last = now
+        return self.found
+
+
+def race(whole: Search, divided: Callable[[], Search | None], accepted: Callable[[Explored], bool]) -> Explored:
+    """Search the whole and its parts in turn: whichever has an answer first ends it.
+
+    `accepted` tells whether what the parts show is a difference of the whole. What the search of the whole says counts
+    where the parts have no answer.
+    """
+    undivided = _Running(whole)
+    found = undivided.advance(_HEAD_START)
+    if found is not None and not found.capped:
+        return found
+    searching = divided()
+    if searching is None:
+        return undivided.advance() or _never()
+    parts = _Running(searching)
+    for limit in _doubling(_HEAD_START):
+        by_parts = parts.advance(limit if undivided.found is None else None)
+        if by_parts is not None and (by_parts.complete or (by_parts.inputs is not None and accepted(by_parts))):
+            return by_parts
+        found = undivided.advance(limit if by_parts is None else None)
+        if found is not None and (by_parts is not None or not found.capped):
+            return found
+    return _never()
+
+
+def _doubling(number: int) -> Iterator[int]:
+    while True:
+        yield number
+        number *= 2
+
+
+def _never() -> Explored:
+    raise AssertionError("a search has no end")
