@@ -9,17 +9,25 @@ from plcopen_sfc.model.network import (
     Block,
     BlockParameters,
     BlockVariable,
+    Coil,
     Connection,
+    Contact,
+    Edge,
     InputPin,
     InputVariable,
     LogicNetwork,
     Node,
     OutputPin,
     OutputVariable,
+    Storage,
 )
 
 BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "LE"})
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
+
+
+_COMPARISONS = frozenset({"EQ", "NE", "GT", "GE", "LT", "LE"})
+_CONSTANTS = {"TRUE": True, "1": True, "FALSE": False, "0": False}
 
 
 def keep_bits_by_logic(network: LogicNetwork, bits: Collection[str]) -> None:
@@ -27,14 +35,8 @@ def keep_bits_by_logic(network: LogicNetwork, bits: Collection[str]) -> None:
 
     Names of bits are in lower case. What other boxes read stays as it is.
     """
-    for box in list(network.nodes):
-        if not isinstance(box, Block) or box.type_name.upper() not in BOOLEAN | {"MOVE"}:
-            continue
-        enable, *values = box.parameters.inputs or [BlockVariable(name="")]
-        readers = [node for node in network.nodes if any(_reads(pin, box) for pin in _inputs(node))]
-        written = [node for node in readers if _is_bit(node, bits)]
-        if enable.name.upper() != "EN" or not _wired(enable) or not readers or len(written) != len(readers):
-            continue
+    for box, written in _boxes(network, bits):
+        enable, *values = box.parameters.inputs
         if box.type_name.upper() == "MOVE":
             if len(values) != 1 or not _wired(values[0]):
                 continue
@@ -45,6 +47,103 @@ def keep_bits_by_logic(network: LogicNetwork, bits: Collection[str]) -> None:
             value = _wire(box.id, "OUT")
         for node in written:
             node.input = InputPin(connections=[_logic(network, node, enable, value)])
+
+
+def keep_bits_by_contacts(network: LogicNetwork, bits: Collection[str]) -> None:
+    """The same in a ladder: a branch of contacts behind what was at EN, and one of the bit behind its NOT.
+
+    What cannot be said by contacts stays as it is, see `writes_bits_on_a_condition`.
+    """
+    for box, written in _boxes(network, bits):
+        enable, *values = box.parameters.inputs
+        passed = _branches(network, box, enable, values)
+        if passed is None or len(written) != 1 or enable.input is None or enable.negated:
+            continue
+        target = written[0]
+        free = max(node.id for node in network.nodes) + 1
+        inverse = _box(free, "NOT", [enable.model_copy(deep=True)])
+        wire = InputPin(connections=[Connection(source=free, pin="OUT")])
+        kept = Contact(id=free + 1, variable=target.expression, input=wire, output=OutputPin())
+        at = network.nodes.index(target)
+        network.nodes[at:at] = [inverse, kept]
+        target.input = InputPin(connections=[*passed, Connection(source=kept.id)])
+
+
+def writes_bits_on_a_condition(network: LogicNetwork) -> bool:
+    """Whether boxes with EN write bits in a ladder: TIA Portal has no such boxes."""
+    moves = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() == "MOVE"}
+    for node in network.nodes:
+        is_logic = isinstance(node, Block) and node.type_name.upper() in BOOLEAN - _COMPARISONS
+        if isinstance(node, Block) and is_logic and any(pin.name.upper() == "EN" for pin in node.parameters.inputs):
+            return True
+        if isinstance(node, Coil | Contact) and node.input is not None:
+            wires = node.input.connections
+            if any(wire.source in moves and (wire.pin or "").upper() != "ENO" for wire in wires):
+                return True
+    return False
+
+
+def _boxes(network: LogicNetwork, bits: Collection[str]) -> list[tuple[Block, list[OutputVariable]]]:
+    """The boxes with a wired EN that do nothing but write bits, and the bits that each of them writes."""
+    found = []
+    for box in network.nodes:
+        if not isinstance(box, Block) or box.type_name.upper() not in BOOLEAN | {"MOVE"}:
+            continue
+        readers = [node for node in network.nodes if any(_reads(pin, box) for pin in _inputs(node))]
+        written = [node for node in readers if _is_bit(node, bits)]
+        enable = next(iter(box.parameters.inputs), None)
+        has_enable = enable is not None and enable.name.upper() == "EN" and _wired(enable)
+        if has_enable and readers and len(written) == len(readers):
+            found.append((box, written))
+    return found
+
+
+def _branches(
+    network: LogicNetwork, box: Block, enable: BlockVariable, values: list[BlockVariable]
+) -> list[Connection] | None:
+    """Contacts instead of `box`: where power comes out if its value is TRUE; None where contacts cannot say it."""
+    kind = box.type_name.upper()
+    power = enable.input.connections if enable.input is not None else []
+    if kind in _COMPARISONS:
+        box.parameters.inputs = [enable.model_copy(update={"name": "pre"}), *values]
+        box.parameters.outputs = [pin for pin in box.parameters.outputs if pin.name.upper() != "ENO"]
+        return [Connection(source=box.id, pin="OUT")]
+    operands = [_operand(network, value) for value in values]
+    plain = [operand for operand in operands if operand is not None]
+    if kind == "XOR" or len(plain) != len(operands) or not plain:
+        return None
+    constant = _CONSTANTS.get(plain[0].expression.upper())
+    if constant is not None and kind == "MOVE" and not values[0].negated:
+        contacts, branches = [], power if constant else []
+    elif any(operand.expression.upper() in _CONSTANTS for operand in plain):
+        return None
+    else:
+        contacts = [
+            Contact(id=operand.id, variable=operand.expression, negated=value.negated != (kind == "NOT"))
+            for operand, value in zip(plain, values, strict=True)
+        ]
+        branches = [Connection(source=contact.id) for contact in (contacts if kind == "OR" else contacts[-1:])]
+        for number, contact in enumerate(contacts):
+            before = [Connection(source=contacts[number - 1].id)] if number and kind == "AND" else power
+            contact.input = InputPin(connections=[wire.model_copy(deep=True) for wire in before])
+            contact.output = OutputPin()
+    at = network.nodes.index(box)
+    network.nodes[at : at + 1] = contacts
+    network.nodes = [node for node in network.nodes if not any(node is operand for operand in plain)]
+    return [wire.model_copy(deep=True) for wire in branches]
+
+
+def _operand(network: LogicNetwork, pin: BlockVariable) -> InputVariable | None:
+    """The variable at an input, if it is there for that alone."""
+    wires = pin.input.connections if pin.input is not None else []
+    found = [node for node in network.nodes if any(node.id == wire.source for wire in wires)]
+    if len(wires) != 1 or len(found) != 1 or pin.edge is not Edge.NONE or pin.storage is not Storage.NONE:
+        return None
+    node = found[0]
+    readers = sum(
+        wire.source == node.id for other in network.nodes for each in _inputs(other) for wire in each.connections
+    )
+    return node if isinstance(node, InputVariable) and not node.negated and readers == 1 else None
 
 
 def _is_bit(node: Node, bits: Collection[str]) -> TypeGuard[OutputVariable]:

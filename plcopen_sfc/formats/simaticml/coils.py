@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from plcopen_sfc.formats.simaticml.bit_moves import BOOLEAN, keep_bits_by_logic
+from plcopen_sfc.formats.simaticml.bit_moves import BOOLEAN, keep_bits_by_contacts, keep_bits_by_logic
 from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand
 from plcopen_sfc.formats.simaticml.parts import RESULTS
 from plcopen_sfc.formats.simaticml.power import put_in_series
@@ -64,14 +64,12 @@ def put_coils(project: Project) -> None:
                     network.nodes = [_result(node) for node in network.nodes]
     blocks = {pou.name.casefold() for pou in project.pous}
     for _, pou, body in project.bodies():
-        if isinstance(body, FbdBody):
-            types = types_of(project, pou)
-            bits = {_plain(name) for name, kind in types.items() if name.startswith("#") and kind == "Bool"}
-            for network in body.networks:
-                keep_bits_by_logic(network, bits)
         if isinstance(body, FbdBody | LdBody):
             types = types_of(project, pou)
+            bits = {_plain(name) for name, kind in types.items() if name.startswith("#") and kind == "Bool"}
+            keep_bits = keep_bits_by_logic if isinstance(body, FbdBody) else keep_bits_by_contacts
             for network in body.networks:
+                keep_bits(network, bits)
                 put_assignments(network, types, blocks)
                 if isinstance(body, LdBody):
                     put_in_series(network)

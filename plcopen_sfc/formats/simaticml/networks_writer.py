@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from plcopen_sfc.formats.simaticml.bit_moves import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.hints import Hints
 from plcopen_sfc.formats.simaticml.networks_reader import JUMP_PIN
 from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand, write_operand, write_path
@@ -90,6 +91,8 @@ def write_flgnet(root: XmlNode, network: LogicNetwork, types: Mapping[str, str] 
     `types` are those of variables (``#x``) as TIA Portal spells them, for boxes that must say of which type they are.
     Returns whether the hints of the network made a difference.
     """
+    if writes_bits_on_a_condition(network):
+        raise NotUnderstoodError("a box with EN that writes a bit")
     writer = _Writer(root, network, types or {})
     writer.run()
     return writer.hints_matter

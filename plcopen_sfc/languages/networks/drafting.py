@@ -11,7 +11,7 @@ from typing import NamedTuple
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawable import by_name, constant_of, is_harmless, is_power
-from plcopen_sfc.languages.networks.effects import Path, is_impure, path_of, reads
+from plcopen_sfc.languages.networks.effects import Path, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.networks.graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
@@ -167,6 +167,8 @@ class Drafter:
         item = None
         if isinstance(inner, n.Assignment) and inner.kind is AssignmentKind.ASSIGN:
             constant = constant_of(inner.value)
+            if constant is None and self._is_bit(inner.target):
+                constant = {"0": False, "1": True}.get(self._text(n.bare(inner.value)))
             if constant is not None:
                 storage = Storage.SET if constant else Storage.RESET
                 return self.sink(inner.target, branch.condition, storage)
@@ -181,6 +183,8 @@ class Drafter:
         value = n.bare(assignment.value)
         if not is_harmless(value):
             return None
+        if self.rules.tool is Tool.S7 and self._is_bit(assignment.target) and is_repeatable(condition):
+            return self._kept_bit(assignment.target, value, condition)
         draft = self._operation_draft(value, enable=condition)
         if draft is None:
             draft = BlockDraft("MOVE", call=self._call_kind(BlockCall.OPERATOR))
@@ -190,6 +194,15 @@ class Drafter:
             draft.outputs = ["ENO", self._pin(block, "OUT")]
         item = self._block(draft, draft.outputs[-1], acting=False)
         return self._output(assignment.target, item, Storage.NONE)
+
+    def _is_bit(self, target: Expression) -> bool:
+        return self.rules.booleans.get(self._text(target).lower(), False)
+
+    def _kept_bit(self, bit: Expression, value: Expression, condition: Expression) -> Item:
+        """``bit := condition AND value OR NOT condition AND bit``: boxes of S7 that have EN write no bits."""
+        passed = n.Operation(Operator.AND, (condition, value))
+        held = n.Operation(Operator.AND, (n.Unary(Operator.NOT, condition), bit))
+        return self.sink(bit, n.Operation(Operator.OR, (passed, held)), Storage.NONE)
 
     def _leave(self, statement: n.Goto | n.Return, condition: Expression) -> Item | None:
         if isinstance(statement, n.Return) and statement.value is not None:

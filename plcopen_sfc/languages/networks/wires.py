@@ -13,6 +13,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import Path, is_impure, is_repeatable, may_change, path_of, reads, writes
 from plcopen_sfc.languages.networks.graph import Graph, Source
+from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
 from plcopen_sfc.languages.networks.values import Factor, Product, expression_of
 from plcopen_sfc.languages.st import nodes as n
@@ -187,7 +188,12 @@ def _is_deep(product: Product) -> bool:
 
 
 def _is_costly(product: Product) -> bool:
-    return len(product) > MAX_FACTORS or not all(is_repeatable(factor.expression) for factor in product)
+    return len(product) > MAX_FACTORS or not all(map(_is_repeatable, product))
+
+
+def _is_repeatable(factor: Factor) -> bool:
+    # who draws power that parts into branches asks the same of the normal form
+    return is_repeatable(factor.expression) or is_repeatable(normal_form(factor.expression))
 
 
 @lru_cache(maxsize=4096)

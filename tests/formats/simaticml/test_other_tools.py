@@ -101,17 +101,31 @@ def test_calls_of_blocks_of_the_project_say_what_their_parameters_are() -> None:
     assert found.outcome is Outcome.PROVEN, str(found)
 
 
-@pytest.mark.parametrize("value", ["NOT Q", "a", "a AND NOT b", "k > 3"])
-def test_a_bit_that_is_written_on_a_condition_is_kept_otherwise(value: str) -> None:
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize("tool", [None, Tool.S7])
+@pytest.mark.parametrize("value", ["NOT Q", "a", "NOT a", "a AND NOT b", "a OR b", "k > 3", "TRUE", "0"])
+def test_a_bit_that_is_written_on_a_condition_is_kept_otherwise(value: str, tool: Tool | None, language: str) -> None:
     """No box of TIA Portal with EN writes bits: without a word it would be written in every cycle."""
-    declared = [boolean("c"), boolean("Q"), boolean("a"), boolean("b")]
+    declared = [boolean("c"), boolean("d"), boolean("Q"), boolean("a"), boolean("b")]
     declared.append(m.Variable(name="k", type=m.ElementaryType(name=m.Elementary.INT)))
-    statements = parse_statements(f"IF c THEN Q := {value}; END_IF;", Dialect.IEC).tree.statements
-    body = draw_fbd(statements, declared_rules(declared, Dialect.IEC)).body
+    statements = parse_statements(f"Q := d; IF c THEN Q := {value}; END_IF;", Dialect.IEC).tree.statements
+    rules = declared_rules(declared, Dialect.IEC, tool)
+    body = draw_fbd(statements, rules).body if language == "FBD" else draw_ld(statements, rules).body
     sections = [m.VariableSection(kind=m.SectionKind.INPUT, variables=[v for v in declared if v.name != "Q"])]
     sections.append(m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[boolean("Q")]))
     pou = m.Pou(name="F", kind=m.PouKind.FUNCTION_BLOCK, interface=m.Interface(sections=sections), bodies=[body])
     project = m.Project(name="Anlage", pous=[pou])
-    back = sfc.loads(sfc.dumps(project, format="simaticml"), format="simaticml")
-    verdict = equivalent(project, back, "iec")
+    data, report = convert(project, "simaticml")
+    assert not [item for item in report.with_fate(Fate.CARRIED) if item.what in ("network", "body")]
+    verdict = equivalent(project, sfc.loads(data, format="simaticml"), "iec")
     assert verdict.outcome is Outcome.PROVEN, str(verdict)
+
+
+def test_a_ladder_of_boxes_with_en_that_contacts_cannot_say_is_reported() -> None:
+    declared = [boolean("c"), boolean("Q"), boolean("a"), boolean("b")]
+    statements = parse_statements("IF c THEN Q := a XOR b; END_IF;", Dialect.IEC).tree.statements
+    interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.OUTPUT, variables=declared)])
+    body = draw_ld(statements, declared_rules(declared, Dialect.IEC)).body
+    pou = m.Pou(name="F", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=[body])
+    _, report = convert(m.Project(name="Anlage", pous=[pou]), "simaticml")
+    assert [item.why for item in report.with_fate(Fate.CARRIED) if item.what == "network"]

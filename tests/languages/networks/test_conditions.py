@@ -14,6 +14,7 @@ from plcopen_sfc.languages.networks.drawing import DrawnExpression, draw_fbd_exp
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.model import (
     Body,
@@ -184,3 +185,13 @@ def test_a_condition_drawn_into_a_chart_reads_as_itself(
     assert result.complete
     assert result.tree is not None
     assert normal_form(result.tree) == normal_form(expression)
+
+
+def test_what_is_drawn_as_branches_because_it_is_short_is_read_as_text() -> None:
+    # 30 elements when it is drawn; more when it is read, before its arguments are in their usual form
+    written = parse_expression("(a XOR GT(i, ABS(i), cnt.CV) XOR -i = -(MAX(i, cnt.CV) - (i - i))) AND (a OR b)").tree
+    drawn = draw_ld_expression(written, first_id=300)
+    wired = WiredCondition(input=InputPin(connections=list(drawn.outputs)), negated=drawn.negated)
+    result = read(wired, *drawn.network.nodes)
+    assert result.tree is not None
+    assert normal_form(result.tree) == normal_form(written)
