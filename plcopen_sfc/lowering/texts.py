@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Literal, TypeAlias
 
 from plcopen_sfc.model.sfc import Step, Transition
 from plcopen_sfc.model.text import plain
@@ -32,6 +33,29 @@ def _numbered(step: Step, path: str) -> str:
     if step.number is None or digits == str(step.number):
         return digits or path
     return f"{step.number} {path}"
+
+
+Suffix: TypeAlias = Literal[
+    "again",
+    "before",
+    "edge",
+    "end",
+    "entered",
+    "entry",
+    "exit",
+    "last",
+    "late",
+    "left",
+    "main",
+    "old",
+    "on",
+    "over",
+    "pulse",
+    "seen",
+    "start",
+    "time",
+]
+"""What names of variables end with that belong to something else, in English."""
 
 
 class Texts:
@@ -83,16 +107,7 @@ class Texts:
     first_scan = "End of the first scan"
     pulse = "FirstScan"
     condition = "Condition"
-    edge_suffix = "edge"
-    old_suffix = "old"
-    before_suffix = "before"
-    entered_suffix = "entered"
-    again_suffix = "again"
-    seen_suffix = "seen"
-    late_suffix = "late"
-    time_suffix = "time"
-    running_suffix = "on"
-    start_suffix = "start"
+    suffixes: Mapping[Suffix, str] = {}
     resets = "Steps that are left"
     sets = "Steps that are entered"
     chain = "Step sequence"
@@ -163,11 +178,15 @@ class Texts:
             return f"T{_transition_digits(model.name) or '_' + model.name}"
         sides = transition.sources, transition.targets
         before, after = (_short(net.steps[side[0]].step) if side else "" for side in sides)
-        return f"T{before}_{after.removeprefix('_') or 'end'}"
+        return f"T{before}_{after.removeprefix('_') or self.suffixes.get('end', 'end')}"
+
+    def with_suffix(self, name: str, suffix: Suffix) -> str:
+        """The name of a variable that belongs to what `name` names: ``Push_edge``."""
+        return f"{name}_{self.suffixes.get(suffix, suffix)}"
 
     def time_name(self, step: Step) -> str:
         """The timer of a step."""
-        return f"{self.flag_name(step)}_{self.time_suffix}"
+        return self.with_suffix(self.flag_name(step), "time")
 
     def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
         """The variable of ``↑a`` or ``↓a``."""
@@ -273,16 +292,26 @@ class GermanTexts(Texts):
     first_scan = "Ende des Richtimpulses"
     pulse = "Richtimpuls"
     condition = "Bedingung"
-    edge_suffix = "flanke"
-    old_suffix = "alt"
-    before_suffix = "vorher"
-    entered_suffix = "erreicht"
-    again_suffix = "neu"
-    seen_suffix = "durchlaufen"
-    late_suffix = "zu_lange"
-    time_suffix = "zeit"
-    running_suffix = "laeuft"
-    start_suffix = "start"
+    suffixes: Mapping[Suffix, str] = {
+        "again": "neu",
+        "before": "vorher",
+        "edge": "flanke",
+        "end": "ende",
+        "entered": "erreicht",
+        "entry": "eingang",
+        "exit": "ausgang",
+        "last": "zuletzt",
+        "late": "zu_lange",
+        "left": "verlassen",
+        "main": "aktion",
+        "old": "alt",
+        "on": "laeuft",
+        "over": "abgelaufen",
+        "pulse": "impuls",
+        "seen": "durchlaufen",
+        "start": "start",
+        "time": "zeit",
+    }
     resets = "Verlassene Schritte"
     sets = "Erreichte Schritte"
     chain = "Schrittfolge"

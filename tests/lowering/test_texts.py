@@ -5,12 +5,13 @@ from __future__ import annotations
 import ast
 import inspect
 from collections import Counter
+from typing import get_args
 
 import pytest
 
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering.lower import lower
-from plcopen_sfc.lowering.texts import TEXTS, GermanTexts, Texts
+from plcopen_sfc.lowering.texts import TEXTS, GermanTexts, Suffix, Texts
 from tests.lowering.charts import act, boolean, training_chain
 from tests.lowering.grafcets import pou_with
 
@@ -23,6 +24,8 @@ SAME = {
     "waiting_constant",
     "init_input",
     "remark",
+    "said",
+    "with_suffix",
     "step_numbers",
 }
 """What is the same in all languages."""
@@ -31,6 +34,10 @@ SAME = {
 def test_german_has_words_of_its_own_for_everything() -> None:
     missing = [name for name in vars(Texts) if not name.startswith("_") and name not in vars(GermanTexts)]
     assert set(missing) <= SAME
+
+
+def test_every_suffix_is_german_too() -> None:
+    assert set(GermanTexts.suffixes) == set(get_args(Suffix))
 
 
 @pytest.mark.parametrize("language", TEXTS)
@@ -68,6 +75,12 @@ def with_everything() -> m.Pou:
     pou.interface.sections[0].variables += map(boolean, flags)
     chart.steps[1].max_time = "T#5s"
     chart.steps[2].min_time = "T#5s"
+    chart.steps[3].entry_action, chart.steps[3].exit_action = (
+        m.StBody(text=f"Q3 := {value};") for value in ("B5", "B4")
+    )
+    for number, (qualifier, step) in enumerate((("N", 0), ("S", 1), ("P", 3)), 90):
+        body = m.StBody(text="Q3 := NOT Q3;")
+        chart.steps[step].actions.append(m.ActionAssociation(id=number, body=body, qualifier=qualifier))
     chart.add_transition(chart.steps[2], chart.steps[2], "B5")
     for step, qualifier, duration in (
         (0, m.Qualifier.P, None),
@@ -104,7 +117,7 @@ def test_all_names_are_german_where_german_was_asked_for(
 ) -> None:
     if profile == "grafcet" and language != "ST":
         pytest.skip("networks have no loop")
-    english = {text for name, text in vars(Texts).items() if name.endswith("_suffix")} - {GermanTexts.start_suffix}
+    english = {word for word, german in GermanTexts.suffixes.items() if word != german}
     english |= {Texts.pulse, Texts.condition, Texts.state}
 
     def words(lang: str) -> set[str]:

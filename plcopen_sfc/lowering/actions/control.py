@@ -119,7 +119,7 @@ class ActionControl:
         kept = qualifier in (Q.SD, Q.SL) and not isinstance(times[0], n.Literal)  # their timers go on without the step
         if all(time == times[0] for time in times) and not kept:
             return times[0]
-        chosen = self._memory.variable(f"{action.name}_{qualifier}_{self._memory.texts.time_suffix}", TIME)
+        chosen = self._memory.variable(self._memory.texts.with_suffix(f"{action.name}_{qualifier}", "time"), TIME)
         for use, time in reversed(list(zip(uses, times, strict=True))):
             into += self._memory.conditional("", self._of(use), [assignment(chosen, time)])
         return chosen

@@ -66,7 +66,7 @@ class _Execution:
             executed = disjunction([lasting, single])
             if self._final_scan and not is_constant(lasting, FALSE):
                 lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
-                ended = self._memory.falling(f"{action.name}_end", lasting, statements)
+                ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), lasting, statements)
                 executed = disjunction([lasting, single, ended])
             self._add(action, executed, statements)
             return
@@ -74,7 +74,7 @@ class _Execution:
             statements.append(assignment(action.target, self._control.drive(action, statements)))
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
-            ended = self._memory.falling(f"{action.name}_end", driven, statements)
+            ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
         self._code.add(self._texts.action(action.name), statements)
@@ -96,18 +96,18 @@ class _Execution:
                 if self._always:
                     idle += self._memory.conditional("", negation(driven), off)
                 else:
-                    ended = self._memory.falling(f"{name}_end", driven, deciding)
+                    ended = self._memory.falling(self._texts.with_suffix(name, "end"), driven, deciding)
                     ending += self._memory.conditional("", ended, off)
                 acting.append((replace(action, statements=(on,)), driven))
                 continue
             if not is_constant(single, FALSE):
-                single = self._memory.named(f"{name}_pulse", single, deciding)
+                single = self._memory.named(self._texts.with_suffix(name, "pulse"), single, deciding)
             if not is_constant(lasting, FALSE):
                 lasting = self._memory.named(f"{name}_Q", lasting, deciding)
                 if self._final_scan:
-                    ended = self._memory.falling(f"{name}_end", lasting, deciding)
+                    ended = self._memory.falling(self._texts.with_suffix(name, "end"), lasting, deciding)
                     last = conjunction([ended, negation(single)])
-                    ending += self._memory.conditional(f"{name}_last", last, action.statements)
+                    ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, action.statements)
             acting.append((action, disjunction([lasting, single])))
         self._code.add(self._texts.control, deciding)
         self._code.add(self._texts.ended, [*idle, *ending])

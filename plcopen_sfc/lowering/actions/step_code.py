@@ -17,11 +17,11 @@ def add_changes(source: ChartSource, code: Code, memory: Memory, active: StepVal
     for step in source.step_code:
         name = source.net.steps[step.step].step.name
         if step.exit:
-            left = memory.falling(f"{name}_exit", active(step.step), edges)
-            exits += memory.conditional(f"{name}_left", left, step.exit)
+            left = memory.falling(texts.with_suffix(name, "exit"), active(step.step), edges)
+            exits += memory.conditional(texts.with_suffix(name, "left"), left, step.exit)
         if step.entry:
-            entered = memory.rising(f"{name}_entry", active(step.step), edges)
-            entries += memory.conditional(f"{name}_entered", entered, step.entry)
+            entered = memory.rising(texts.with_suffix(name, "entry"), active(step.step), edges)
+            entries += memory.conditional(texts.with_suffix(name, "entered"), entered, step.entry)
     code.add(texts.step_actions, [*edges, *exits, *entries])
 
 
@@ -30,5 +30,6 @@ def add_main_actions(source: ChartSource, code: Code, memory: Memory, active: St
     mains: list[Statement] = []
     for step in source.step_code:
         if step.main:
-            mains += memory.conditional(f"{source.net.steps[step.step].step.name}_main", active(step.step), step.main)
+            name = texts.with_suffix(source.net.steps[step.step].step.name, "main")
+            mains += memory.conditional(name, active(step.step), step.main)
     code.add(texts.main_actions, mains)

@@ -80,9 +80,11 @@ class StepwiseControl:
             active = disjunction(self._active(step) for step in use.steps)
             name = "_".join(self._net.steps[step].path for step in use.steps[:1])
             initial = any(self._net.initial >> step & 1 for step in use.steps)
-            before = self._code.declare(f"{name}_{self._code.texts.before_suffix}", initial="TRUE" if initial else None)
+            before = self._code.declare(
+                self._code.texts.with_suffix(name, "before"), initial="TRUE" if initial else None
+            )
             self._entered[use.steps] = self._memory.named(
-                f"{name}_{self._code.texts.entered_suffix}", conjunction([active, negation(before)]), into
+                self._code.texts.with_suffix(name, "entered"), conjunction([active, negation(before)]), into
             )
             into.append(assignment(before, active))
         return conjunction([self._entered[use.steps], use.condition])
@@ -98,12 +100,14 @@ class StepwiseControl:
                 location=Location(path=f"action {action.name}"),
             )
         timer = self._code.declare(f"{action.name}_SD", DerivedType(name="TON"))
-        running = self._code.declare(f"{action.name}_SD_{self._code.texts.running_suffix}")
+        running = self._code.declare(self._code.texts.with_suffix(f"{action.name}_SD", "on"))
         into.append(call(timer, IN=running, PT=times[0]))
-        over = self._memory.named(f"{action.name}_SD_over", n.Member(timer, n.Name("Q")), into)
+        over = self._memory.named(
+            self._code.texts.with_suffix(f"{action.name}_SD", "over"), n.Member(timer, n.Name("Q")), into
+        )
         started = disjunction(self._starts(use, into) for use in uses)
         if not is_constant(started, FALSE):
-            started = self._memory.named(f"{action.name}_SD_{self._code.texts.start_suffix}", started, into)
+            started = self._memory.named(self._code.texts.with_suffix(f"{action.name}_SD", "start"), started, into)
         goes_on = disjunction([conjunction([running, negation(over)]), started])
         into.append(assignment(running, conjunction([goes_on, negation(reset)])))
         into += self._memory.conditional("", started, [call(timer, IN=FALSE, PT=times[0])])

@@ -53,7 +53,7 @@ class FlagCode:
         causes: list[Expression] = [init] if init is not None else []
         if reset is not None:
             causes.append(
-                self._memory.rising(f"{reset.identifier}_{self._texts.edge_suffix}", reset, self._edges, kept=True)
+                self._memory.rising(self._texts.with_suffix(reset.identifier, "edge"), reset, self._edges, kept=True)
             )
         back = disjunction(causes)
         if len(causes) > 1:
@@ -153,7 +153,7 @@ class FlagCode:
         tip = self._flags.get(SfcFlag.TIP)
         if tip is None:
             return FALSE
-        return self._memory.rising(f"{tip.identifier}_{self._texts.edge_suffix}", tip, self._tip_edge, kept=True)
+        return self._memory.rising(self._texts.with_suffix(tip.identifier, "edge"), tip, self._tip_edge, kept=True)
 
     # -- reports
 
@@ -189,7 +189,7 @@ class FlagCode:
                 *self._analysis(watch),
             ]
             statements = self._memory.conditional(
-                f"{self._texts.flag_name(step.step)}_{self._texts.late_suffix}", late, report
+                self._texts.with_suffix(self._texts.flag_name(step.step), "late"), late, report
             )
             self._code.add(self._texts.maximum_time(step.path), statements)
 

@@ -60,7 +60,7 @@ class Modes:
         pulse: Expression = FALSE
         if modes & {OperatingMode.SINGLE_STEP, OperatingMode.ADVANCE}:
             push = self._input(texts.advance)
-            pulse = self._memory.rising(f"{push.identifier}_{self._texts.edge_suffix}", push, self._statements)
+            pulse = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
         if OperatingMode.SELECT in modes:
             self._declare_selection(init)
         calm = [negation(self.selecting)] if self.selecting is not None else []
@@ -78,7 +78,7 @@ class Modes:
         self.selected = self._code.declare_input(
             name, self._texts.comments[self._texts.selected], integer(max(self._numbers))
         )
-        edge = self._memory.rising(f"{push.identifier}_{self._texts.edge_suffix}", push, self._statements)
+        edge = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
         stronger = [negation(init)] if init is not None else []
         known = conjunction([edge, self._is_known(self.selected), *stronger])
         self.selecting = self._code.declare(self._texts.selecting)

@@ -265,7 +265,7 @@ class RegionChain(Chain):
             for step in set(transition.sources) & set(transition.targets):
                 if (reported or (timed and self.times.measures(step))) and step not in self._again:
                     path = self.net.steps[step].path
-                    wanted = f"{self.texts.flag_name(self.net.steps[step].step)}_{self.texts.again_suffix}"
+                    wanted = self.texts.with_suffix(self.texts.flag_name(self.net.steps[step].step), "again")
                     self._again[step] = self.code.declare(wanted, comment=self.texts.again_of(path))
 
     # -- the CASE of one region

@@ -154,7 +154,7 @@ def _edge(
     code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool
 ) -> tuple[Expression, Statement]:
     """An edge, and what makes it forget."""
-    pulse, before = code.declare(wanted), code.declare(f"{wanted}_{code.texts.old_suffix}")
+    pulse, before = code.declare(wanted), code.declare(code.texts.with_suffix(wanted, "old"))
     now, then = (value, negation(before)) if rising else (negation(value), before)
     into.append(assignment(pulse, conjunction([now, then])))
     into.append(assignment(before, value))

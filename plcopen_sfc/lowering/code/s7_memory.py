@@ -40,7 +40,7 @@ class OperandMemory(BlockMemory):
 
     def _edge(self, block: str, wanted: str, value: Expression, into: list[Statement], *, kept: bool) -> Expression:
         pulse = self._code.declare(wanted)
-        before = self._code.declare(f"{wanted}_{self._code.texts.old_suffix}")
+        before = self._code.declare(self._code.texts.with_suffix(wanted, "old"))
         self._code.operands[before] = block
         into.append(call(before, CLK=value))
         into.append(assignment(pulse, n.Member(before, n.Name("Q"))))

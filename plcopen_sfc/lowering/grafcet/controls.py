@@ -58,7 +58,7 @@ class PassingControl(ActionControl):
             if is_constant(now, FALSE) and is_constant(passed, FALSE):
                 continue
             pulse = self._code.declare(f"{action.name}_{qualifier}")
-            before = self._code.declare(f"{pulse.identifier}_{self._code.texts.old_suffix}")
+            before = self._code.declare(self._code.texts.with_suffix(pulse.identifier, "old"))
             falling = conjunction([disjunction([before, passed]), negation(now)])
             rising = conjunction([passed, negation(before)])
             into += [assignment(pulse, falling if qualifier is Qualifier.P0 else rising), assignment(before, now)]

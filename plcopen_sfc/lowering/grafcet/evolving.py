@@ -42,7 +42,7 @@ class EvolvingFlags:
         """A copy of the flag."""
         if step not in self._olds:
             name = self._chain.texts.flag_name(self._chain.net.steps[step].step)
-            self._olds[step] = self._chain.code.declare(f"{name}_{self._chain.texts.old_suffix}")
+            self._olds[step] = self._chain.code.declare(self._chain.texts.with_suffix(name, "old"))
         return self._olds[step]
 
     def remembered(self) -> list[Statement]:
@@ -83,7 +83,7 @@ class EvolvingState:
         if self._old is None:
             return {}
         flags = ((self.before(s.index), self._chain.texts.flag_name(s.step)) for s in self._chain.net.steps)
-        return {before: Signal(f"{flag}_{self._chain.texts.old_suffix}", "") for before, flag in flags}
+        return {before: Signal(self._chain.texts.with_suffix(flag, "old"), "") for before, flag in flags}
 
     def fired(self, transition: int) -> Expression:  # noqa: ARG002
         """Nothing tells, and nobody asks where steps are not left and entered at once."""
@@ -97,5 +97,5 @@ class EvolvingState:
         if self._old is None:
             code = self._chain.code
             kind = next(v.type for v in code.variables if v.name == self._state.identifier)
-            self._old = code.declare(f"{self._state.identifier}_{code.texts.old_suffix}", kind)
+            self._old = code.declare(code.texts.with_suffix(self._state.identifier, "old"), kind)
         return self._old

@@ -67,7 +67,7 @@ class GrafcetScan:
         self._evolving: Evolving = EvolvingFlags(chain) if isinstance(chain, StepFlags) else EvolvingState(chain)
         passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
-        self._passed = {i: self._code.declare(f"{names[i]}_{self._texts.seen_suffix}") for i in passed}
+        self._passed = {i: self._code.declare(self._texts.with_suffix(names[i], "seen")) for i in passed}
         before = self._evolving.before
         sights = StepSights(chain.active, before, self._fresh)
         bits = _bits(chain.source) if self._code.drawn else ()

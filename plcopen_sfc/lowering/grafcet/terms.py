@@ -81,7 +81,7 @@ class TermCode:
         operand = transform(edge.operand, self.named)
         start = self._at_the_start(operand)
         initial = "TRUE" if (is_constant(start, TRUE) if start is not None else edge.rising) else None
-        before = self._code.declare(f"{pulse.identifier}_{self._texts.old_suffix}", initial=initial)
+        before = self._code.declare(self._texts.with_suffix(pulse.identifier, "old"), initial=initial)
         if start is not None and not is_constant(start, TRUE) and not is_constant(start, FALSE):
             self.starts.append((before, start))
         now, then = (operand, negation(before)) if edge.rising else (negation(operand), before)
