@@ -17,7 +17,7 @@ from plcopen_sfc.lowering.texts import GermanTexts
 from plcopen_sfc.model import FbdBody, StBody
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.corpus import CORPUS
-from tests.lowering.charts import act, boolean, training_chain
+from tests.lowering.charts import act, boolean, pou_with, training_chain
 
 RULES = LoweringRules(PROFILES["iec"], GermanTexts())
 
@@ -149,6 +149,19 @@ def test_times_and_blocks_of_conditions_are_part_of_textbook_forms() -> None:
         made = lower(m.Project(pous=[pou]), construction, style="classic", language="ST", lang="de", verify=False)
         assert isinstance(made.pou.body, StBody)
         assert expected in made.pou.body.text
+
+
+@pytest.mark.parametrize("text", ["", "// nothing yet"])
+def test_a_step_of_which_nothing_is_executed_has_an_empty_statement(text: str) -> None:
+    chart = m.SfcNetwork()
+    first, last = chart.add_step("S1", initial=True), chart.add_step("S2")
+    chart.add_transition(first, last, "B1")
+    chart.step("S2").actions = [m.ActionAssociation(id=90, body=m.StBody(text=text))]
+    for style in ("classic", "exact"):
+        made = lower(m.Project(pous=[pou_with(chart)]), "case", style=style, verify=False)
+        assert isinstance(made.pou.body, StBody)
+        lines = [line.strip() for line in made.pou.body.text.splitlines()]
+        assert lines[lines.index("2: // Step 2") + 1] == ";"
 
 
 def test_a_selection_in_a_textbook_case_tries_its_legs_in_order() -> None:

@@ -72,19 +72,21 @@ class CaseChain(RegionChain):
 
     def _classic_branch(self, step: NetStep) -> list[str]:
         used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
-        main = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
-        lines = [f"{self.text(self.names.step(step.index))}: // {self.heading(step)}"]
-        lines += [INDENT + remark for remark in self.remarks(step.step)]
-        if used or main:
+        acts = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
+        done = [*acts]
+        lines = [f"{self.text(self.names.step(step.index))}: // {self.states.heading(step)}"]
+        lines += [INDENT + remark for remark in self.states.remarks(step.step)]
+        for action, use in used:
+            acting = self._acting(action, use)
+            acts += acting
+            done += [*comment_lines(self.texts.said(action.comment, use.comment)), *acting]
+        if done:
             lines.append(f"{INDENT}// {self.texts.actions}")
-            done = [*main]
-            for action, use in used:
-                done += [*comment_lines(self.texts.said(action.comment, use.comment)), *self._acting(action, use)]
             lines += [INDENT + line for text in done for line in text.splitlines()]
             lines.append("")
         ending = [line for action, use in used for line in self._ending(action, use)]
         transitions = self._classic_transitions(step, ending)
-        if not (used or main or transitions):
+        if not (acts or transitions):  # some tools want a statement in every branch
             transitions = [";"]
         lines += [INDENT + line for line in transitions]
         return [*lines, ""]
