@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal, TypeAlias
 
 from plcopen_sfc.model.sfc import Step, Transition
-from plcopen_sfc.model.text import plain
+from plcopen_sfc.model.text import Text, plain
 from plcopen_sfc.semantics.net import Net, NetTransition
 
 
@@ -147,9 +147,13 @@ class Texts:
     unstable = "unstable"
     unstable_comment = "no stable situation was found"
 
+    def said(self, *texts: Text | None) -> str:
+        """What the chart says to people, each thing once, in this language where it is said in it."""
+        return "\n".join(filter(None, dict.fromkeys(plain(text, self.language) for text in texts)))
+
     def remark(self, element: Step | Transition) -> str:
-        """What the chart says of a step or transition: its title and comment, in this language where they are in it."""
-        return "\n".join(filter(None, (plain(text, self.language) for text in (element.title, element.comment))))
+        """What the chart says of a step or transition: its title and comment."""
+        return self.said(element.title, element.comment)
 
     def set_while(self, condition: str) -> str:
         """The comment of an action with a condition."""

@@ -74,8 +74,8 @@ class CaseChain(RegionChain):
         used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
         acts = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
         done = [*acts]
-        lines = [f"{self.text(self.names.step(step.index))}: // {self.states.heading(step)}"]
-        lines += [INDENT + remark for remark in self.states.remarks(step.step)]
+        lines = [f"{self.text(self.names.step(step.index))}: // {self.heading(step)}"]
+        lines += [INDENT + remark for remark in self.remarks(step.step)]
         for action, use in used:
             acting = self._acting(action, use)
             acts += acting
