@@ -7,10 +7,11 @@ executes the actions of its step and then tries its transition, which ends them.
 
 from __future__ import annotations
 
-from plcopen_sfc.analysis.regions import Region, Regions
+from plcopen_sfc.analysis.regions import Regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.lowering.chains.chain import refuse_classic
-from plcopen_sfc.lowering.chains.regions import INDENT, RegionChain
+from plcopen_sfc.lowering.chains.machines import INDENT, one_region
+from plcopen_sfc.lowering.chains.regions import RegionChain
 from plcopen_sfc.lowering.code.emitting import comment_lines
 from plcopen_sfc.lowering.code.logic import TRUE, is_constant
 from plcopen_sfc.lowering.code.program import TextNetwork
@@ -40,10 +41,7 @@ class CaseChain(RegionChain):
         objection = one_step_at_a_time(source)
         if objection:
             raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=Location(path=source.pou.name))
-        net = source.net
-        steps, transitions = (tuple(range(len(each))) for each in (net.steps, net.transitions))
-        region = Region(0, steps, transitions, block=None, blocks=(), initial=next(indexes(net.initial)))
-        return Regions(net, (region,), (), tuple(0 for _ in steps))
+        return one_region(source.net)
 
     def classic(self) -> None:
         """Each branch: the actions of the step, then its transitions. `LoweringError` for what it cannot hold."""
@@ -58,7 +56,7 @@ class CaseChain(RegionChain):
     def _initialise(self, *ending: str) -> None:
         if self.init is None:
             return
-        lines = [f"IF {self.text(self.init)} THEN", INDENT + self.entered(self.machines[0].first)]
+        lines = [f"IF {self.text(self.init)} THEN", INDENT + self.states.entered(self.machines[0].first)]
         lines += [INDENT + line for line in ending]
         lines.append("END_IF;")
         self.code.networks.append(TextNetwork(self.texts.init, "\n".join(lines)))
@@ -74,8 +72,8 @@ class CaseChain(RegionChain):
         used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
         acts = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
         done = [*acts]
-        lines = [f"{self.text(self.names.step(step.index))}: // {self.heading(step)}"]
-        lines += [INDENT + remark for remark in self.remarks(step.step)]
+        lines = [f"{self.text(self.names.step(step.index))}: // {self.states.heading(step)}"]
+        lines += [INDENT + remark for remark in self.states.remarks(step.step)]
         for action, use in used:
             acting = self._acting(action, use)
             acts += acting
@@ -101,10 +99,10 @@ class CaseChain(RegionChain):
             target = self.net.steps[transition.targets[0]]
             initial = bool(self.net.initial & target.bit)
             jump = self.texts.jump(target.step, initial=initial, back=target.index <= step.index)
-            lines += [f"// {self.texts.transition}", *self.remarks(transition.transition)]
+            lines += [f"// {self.texts.transition}", *self.states.remarks(transition.transition)]
             lines.append(f"{word} {self.text(self.source.conditions[transition.index])} THEN")
             lines += [INDENT + line for line in ending]
-            lines.append(f"{INDENT}{self.entered(target.index)} // {jump}")
+            lines.append(f"{INDENT}{self.states.entered(target.index)} // {jump}")
             word = "ELSIF"
         return [*lines, "END_IF;"] if leaving else lines
 
