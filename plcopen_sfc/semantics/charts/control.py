@@ -169,32 +169,23 @@ class _Timer:
         v[self._start], v[self._done] = None, False
 
 
-class _Limited(_Part):
-    __slots__ = ("_timer",)
+class _Timed(_Part):
+    """L and D: what they give before the time of the step is over, and then."""
 
-    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
+    __slots__ = ("_early", "_late", "_timer")
+
+    def __init__(
+        self, associations: Sequence[Association], reserve: Reserve, name: str, *, early: int = 0, late: int = 0
+    ) -> None:
         super().__init__(associations)
-        self._timer = _Timer(reserve, "L_TMR")
+        self._timer = _Timer(reserve, f"{name}_TMR")
+        self._early, self._late = early | BUSY, late | BUSY
 
     def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
         if not self.input.is_on(situation, frame):
             self._timer.stop(frame.v)
             return 0
-        return BUSY if self._timer.over(frame.v, now, self.input.duration(situation, frame)) else ON | BUSY
-
-
-class _Delayed(_Part):
-    __slots__ = ("_timer",)
-
-    def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
-        super().__init__(associations)
-        self._timer = _Timer(reserve, "D_TMR")
-
-    def step(self, frame: Frame, now: int, situation: int, seen: int, reset: bool) -> int:  # noqa: ARG002
-        if not self.input.is_on(situation, frame):
-            self._timer.stop(frame.v)
-            return 0
-        return ON | BUSY if self._timer.over(frame.v, now, self.input.duration(situation, frame)) else BUSY
+        return self._late if self._timer.over(frame.v, now, self.input.duration(situation, frame)) else self._early
 
 
 class _Pulse(_Part):
@@ -312,9 +303,9 @@ class StandardControl:
         if found := of(Qualifier.S):
             parts.append(_Stored(found, reserve))
         if found := of(Qualifier.L):
-            parts.append(_Limited(found, reserve))
+            parts.append(_Timed(found, reserve, "L", early=ON))
         if found := of(Qualifier.D):
-            parts.append(_Delayed(found, reserve))
+            parts.append(_Timed(found, reserve, "D", late=ON))
         if found := of(Qualifier.P):
             parts.append(_Pulse(found, reserve, ON, "P_TRIG"))
         if found := of(Qualifier.SD):
