@@ -71,7 +71,7 @@ class BitSequencer(Sequencer):
             flag = self.flags[step].identifier
             self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
             if step not in self._old:
-                self._old[step] = self.code.declare(f"{flag}_old")
+                self._old[step] = self.code.declare(self.texts.with_suffix(flag, "old"))
         return self._events[step, event]
 
     def touched(self, step: int) -> Expression:
@@ -82,7 +82,8 @@ class BitSequencer(Sequencer):
         """A bit that keeps the event of the last cycle."""
         left = self.changed(step, ActionEvent.S0)
         if step not in self._left_before:
-            self._left_before[step] = self.code.declare(f"{self.flags[step].identifier}_S0_old"), left
+            name = self.texts.with_suffix(f"{self.flags[step].identifier}_S0", "old")
+            self._left_before[step] = self.code.declare(name), left
         return self._left_before[step][0]
 
     def add_events(self, place: int, registered: Sequence[Statement]) -> None:

@@ -108,7 +108,7 @@ class RegionSequencer(Sequencer):
     def gone(self, step: int) -> Expression:
         """A bit that keeps the event of the last cycle."""
         if step not in self._gone:
-            self._gone[step] = self.code.declare(f"{self.signs[step].name}_S0_old")
+            self._gone[step] = self.code.declare(self.texts.with_suffix(f"{self.signs[step].name}_S0", "old"))
         return self._gone[step]
 
     def _state_before(self, step: int) -> n.Name:
@@ -116,7 +116,8 @@ class RegionSequencer(Sequencer):
         if machine.region.index not in self._old:
             state = next(v for v in self.code.variables if v.name == machine.state.identifier)
             initial = state.initial.text if isinstance(state.initial, SimpleValue) else None
-            self._old[machine.region.index] = self.code.declare(f"{state.name}_old", state.type, initial=initial)
+            name = self.texts.with_suffix(state.name, "old")
+            self._old[machine.region.index] = self.code.declare(name, state.type, initial=initial)
         return self._old[machine.region.index]
 
     def add_events(self, place: int, registered: Sequence[Statement]) -> None:
@@ -274,7 +275,7 @@ class RegionSequencer(Sequencer):
         loop = [text(assignment(again, FALSE)), f"CASE {text(following)} OF"]
         begin: list[Statement] = []
         for step in (self.net.steps[i] for i in steps):
-            passed = self.code.declare(f"{self.signs[step.index].name}_passed")
+            passed = self.code.declare(self.texts.with_suffix(self.signs[step.index].name, "seen"))
             begin.append(assignment(passed, FALSE))
             tries = [self._passing(machine, self.net.transitions[t], goes_on) for t in self.net.leaving[step.index]]
             inner = [text(assignment(passed, TRUE)), *states.tried(tries)]

@@ -43,9 +43,8 @@ class Commands:
         """Whether a parameter rises; FALSE where the block does not have it."""
         if name not in self._edges:
             variable = self.variable(name)
-            self._edges[name] = (
-                FALSE if variable is None else self._memory.rising(f"{name}_edge", variable, self._statements)
-            )
+            wanted = self._code.texts.with_suffix(name, "edge")
+            self._edges[name] = FALSE if variable is None else self._memory.rising(wanted, variable, self._statements)
         return self._edges[name]
 
     @property
