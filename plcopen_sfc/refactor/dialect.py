@@ -22,7 +22,7 @@ from plcopen_sfc.languages.translation import (
 )
 from plcopen_sfc.model import ActionAssociation, Interface, Project, Qualifier, Variable
 from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,10 +105,16 @@ def _interfaces(site: Site) -> Iterator[Interface]:
 
 
 def _locals(site: Site) -> list[str]:
-    """All that the POU around declares: variables, steps and actions."""
+    """All that the POU around has itself: its variables and its result, steps and actions.
+
+    External variables are global: S7 has no declaration that brings them in.
+    """
     if site.pou is None:
         return []
-    names = [variable.name for interface in _interfaces(site) for variable in interface.variables()]
+    sections = [section for interface in _interfaces(site) for section in interface.sections]
+    names = [v.name for section in sections if section.kind is not SectionKind.EXTERNAL for v in section.variables]
+    if site.pou.interface is not None and site.pou.interface.return_type is not None:
+        names.append(site.pou.name)
     names += [step.name for chart in site.charts for step in chart.steps]
     return [*names, *(action.name for action in site.pou.actions)]
 

@@ -101,7 +101,8 @@ def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
 
 def _note_foreign(pou: Pou, report: ConversionReport) -> None:
     """Say which declarations of a block are written although TIA Portal does not know them."""
-    for section in pou.interface.sections if pou.interface is not None else []:
+    sections = pou.interface.sections if pou.interface is not None else []
+    for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
         words = section_head(section, _SCL)[-1]
         if section.kind in _FOREIGN_SECTIONS or section.persistent:
             report.add(Fate.APPROXIMATED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
@@ -114,7 +115,7 @@ def _note_foreign(pou: Pou, report: ConversionReport) -> None:
                 report.add(Fate.APPROXIMATED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
 
 
-_FOREIGN_SECTIONS = frozenset({SectionKind.EXTERNAL, SectionKind.GLOBAL, SectionKind.ACCESS})
+_FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})
 
 
 def _data_type(declaration: DataTypeDeclaration) -> str:
@@ -132,8 +133,9 @@ def _pou(pou: Pou) -> Iterator[Piece]:
     written = f" : {write_type(result, _SCL) if result is not None else 'Void'}"
     yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
     yield from _comment(pou.comment)
-    if pou.interface is not None:
-        yield from map(_section, pou.interface.sections)
+    for section in pou.interface.sections if pou.interface is not None else []:
+        if section.kind is not SectionKind.EXTERNAL:  # S7 declares in no block what is global
+            yield _section(section)
     yield Piece(("begin", ""), "BEGIN")
     text = pou.body.text if isinstance(pou.body, StBody) else ""
     yield Piece(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)

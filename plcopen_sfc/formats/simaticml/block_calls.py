@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from plcopen_sfc.formats.simaticml.results import RESULT, RETURN
 from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.languages.networks.graph import wires_of
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.network import Block, BlockCall, BlockVariable
+from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, LogicNetwork
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.model.variables import Interface, SectionKind
 
 _CALLS = {PouKind.FUNCTION_BLOCK: BlockCall.FUNCTION_BLOCK, PouKind.FUNCTION: BlockCall.FUNCTION}
 _PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
@@ -26,6 +27,8 @@ def say_calls(project: Project) -> None:
             for node in network.nodes:
                 pou = callable_.get(node.type_name.casefold()) if isinstance(node, Block) else None
                 if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
+                    if pou.kind is PouKind.FUNCTION:
+                        _name_pins(node, pou, network)
                     _say(node, pou)
 
 
@@ -59,6 +62,25 @@ def _standard_of_others(block: Block, own: Collection[str]) -> StandardBlock | N
     for parameter in block.parameters.outputs:
         parameter.name = standard.output_name(parameter.name) or parameter.name
     return standard
+
+
+def _name_pins(block: Block, pou: Pou, network: LogicNetwork) -> None:
+    """Give the pins of a function the names of its declaration: other tools leave them out, or call the result OUT."""
+    interface = pou.interface or Interface()
+    declared = [v.name for v in interface.variables(SectionKind.INPUT)]
+    inputs = [pin for pin in block.parameters.inputs if pin.name != "EN"]
+    if len(inputs) <= len(declared) and not any(pin.name for pin in inputs):
+        for pin, name in zip(inputs, declared, strict=False):
+            pin.name = name
+    known = {v.name.casefold() for v in interface.variables()}
+    for pin in block.parameters.outputs:
+        is_result = pin.name.casefold() in ("", "out", pou.name.casefold()) and pin.name.casefold() not in known
+        if interface.return_type is not None and is_result:
+            for wire in (wire for node in network.nodes for wire in wires_of(node)):
+                if wire.source == block.id and wire.pin == pin.name:
+                    wire.pin = RESULT
+            pin.name = RESULT
+            _mark(pin, Type=write_type(interface.return_type), Section=RETURN)
 
 
 def _say(block: Block, pou: Pou) -> None:

@@ -49,7 +49,7 @@ def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
     return kind, {**marks, "SystemDefined": "true"}
 
 
-_ADDABLE = frozenset({"Base", "Input", "Output"})
+_ADDABLE = frozenset({"Base", "Input", "Output", "Return"})
 
 
 def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.graph_parameters import add_system_parts
 from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, SECTIONS, usual_form
+from plcopen_sfc.formats.simaticml.results import write_result
 from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
@@ -43,10 +46,15 @@ def write_interface(
             continue
         _section(ctx, sections, name, section, renamed or {})
     unsayable = [s for s in interface.sections if s.kind not in _NAMES]
-    left = {"sections": [s.model_dump(mode="json", exclude_none=True) for s in unsayable]} if unsayable else None
+    left: dict[str, Any] = {}
+    if unsayable:
+        left["sections"] = [s.model_dump(mode="json", exclude_none=True) for s in unsayable]
     if graph:
         add_system_parts(ctx, sections)
-    finish(ctx, sections, interface, frozenset({"sections"}), also=left)
+    if interface.return_type is not None:
+        write_result(sections, interface.return_type)
+        left["return_type"] = interface.return_type.model_dump(mode="json", exclude_none=True)
+    finish(ctx, sections, interface, frozenset({"sections", "return_type"}), also=left)
     return element
 
 

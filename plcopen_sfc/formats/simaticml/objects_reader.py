@@ -23,6 +23,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_object_text,
     whole_number,
 )
+from plcopen_sfc.formats.simaticml.results import name_result
 from plcopen_sfc.formats.simaticml.types import read_type
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlockKind, PouKind
@@ -77,6 +78,8 @@ def read_pou(ctx: ReadContext, element: etree._Element) -> Fields:
     units = _object_list(element, fields, "SW.Blocks.CompileUnit")
     late: Fields = {}
     fields["bodies"], unit_language = read_units(ctx, units, late)
+    if fields.get("interface", {}).get("return_type") is not None:
+        name_result(fields["bodies"], fields["name"])
     if any(isinstance(body, SfcBody) for body in fields["bodies"]):
         late["graph_settings"] = _settings(values)
     if language is not None and language != unit_language:

@@ -18,6 +18,7 @@ from plcopen_sfc.formats.simaticml.objects_reader import (
     TAG,
     TAG_TABLE,
 )
+from plcopen_sfc.formats.simaticml.results import bodies_with_result
 from plcopen_sfc.formats.simaticml.writing import (
     ID,
     WriteContext,
@@ -113,7 +114,7 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _settings(writer, chart.chart.graph_settings)
     write_object_text(ctx, writer.objects, "Comment", pou.comment)
-    for body in pou.bodies:
+    for body in bodies_with_result(pou):
         write_units(ctx, writer.objects, body)
     writer.finish(frozenset(native))
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":

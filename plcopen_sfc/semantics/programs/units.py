@@ -64,6 +64,9 @@ class Callee:
                     if unusable is not None:
                         unusable.hidden = True
                     self.library.problems.append(broken)
+            if section.kind is SectionKind.RETURN and section.variables:  # of S7, without a result its type is Void
+                field = self.layout.find(section.variables[0].name)
+                self.result = field if field is not None and not isinstance(field.type, t.OpaqueType) else None
         if interface.return_type is not None:
             type_ = self.library.types.read(interface.return_type, self.scope)
             self.result = self.layout.find(self.name)

@@ -179,7 +179,7 @@ def test_what_tia_portal_does_not_know_is_reported() -> None:
     interface = m.Interface(
         sections=[
             m.VariableSection(
-                kind=m.SectionKind.EXTERNAL,
+                kind=m.SectionKind.GLOBAL,
                 variables=[m.Variable(name="x", type=m.PointerType(base="INT")), m.Variable(name="y", type="INT")],
             )
         ]
@@ -190,10 +190,21 @@ def test_what_tia_portal_does_not_know_is_reported() -> None:
     )
     data, report = sfc.convert(project, "scl")
     assert [(item.what, item.path) for item in report.losses] == [
-        ("section", "POU a / VAR_EXTERNAL"),
+        ("section", "POU a / VAR_GLOBAL"),
         ("type", "POU a / x"),
     ]
     assert sfc.loads(data, format="scl") == project
+
+
+def test_external_variables_are_global_and_declared_in_no_block() -> None:
+    text = "FUNCTION_BLOCK A\nVAR_EXTERNAL x : INT; END_VAR\nVAR_OUTPUT y : INT; END_VAR\ny := x;\nEND_FUNCTION_BLOCK"
+    project = sfc.loads(text.encode(), format="iec-text")
+    data = sfc.dumps(project, format="scl")
+    assert b'#y := "x";' in data
+    assert b"\r\n   VAR_EXTERNAL" not in data
+    back = sfc.loads(data)
+    assert back.pous[0].interface == project.pous[0].interface
+    assert b"y := x;" in sfc.dumps(back, format="codesys")
 
 
 @pytest.mark.corpus
