@@ -109,7 +109,8 @@ def construct(
             add_grafcet(maker, drawn=code.drawn)
         else:
             _fill(maker, chosen, style)
-    if code.needs_flat_statements:
+    # most of a sequencer would be the text of boxes in CODESYS
+    if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())
     drives = maker.drives if isinstance(maker, Chain) else []
     return Constructed(

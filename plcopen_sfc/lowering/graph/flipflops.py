@@ -8,7 +8,6 @@ from plcopen_sfc.analysis.regions import Regions, find_regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.code.flattening import flatten
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
 from plcopen_sfc.lowering.graph.bits import BitSequencer
 from plcopen_sfc.model.text import plain
@@ -24,9 +23,6 @@ class FlipFlopSequencer(BitSequencer):
         if self.source.skips:
             self._refuse("steps that are skipped need a loop, which networks do not have")
         super().exact()
-        if self.code.drawn:
-            interface = self.source.pou.interface
-            flatten(self.code, interface.variables() if interface is not None else ())
 
     def _refuse(self, message: str) -> None:
         raise LoweringError(message, location=Location(path=self.source.pou.name))
