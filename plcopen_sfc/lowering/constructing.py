@@ -35,10 +35,10 @@ from plcopen_sfc.lowering.grafcet.scan import add_grafcet
 from plcopen_sfc.lowering.graph.bits import BitSequencer
 from plcopen_sfc.lowering.graph.cases import CaseSequencer, RegionSequencer
 from plcopen_sfc.lowering.graph.flipflops import FlipFlopSequencer
+from plcopen_sfc.lowering.graph.interface import without_step_data
 from plcopen_sfc.lowering.graph.reading import read_sequencer
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.graph.source import GraphSource
-from plcopen_sfc.lowering.graph.surface import without_step_data
 from plcopen_sfc.lowering.reading.chart import read_chart
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules, OperatingMode
