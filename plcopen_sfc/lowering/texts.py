@@ -36,6 +36,7 @@ def _numbered(step: Step, path: str) -> str:
 
 
 Suffix: TypeAlias = Literal[
+    "acknowledged",
     "again",
     "before",
     "edge",
@@ -43,17 +44,23 @@ Suffix: TypeAlias = Literal[
     "entered",
     "entry",
     "exit",
+    "fault",
     "last",
     "late",
     "left",
     "main",
+    "mode",
+    "next",
     "old",
     "on",
     "over",
     "pulse",
+    "runs",
     "seen",
     "start",
+    "starts",
     "time",
+    "timer",
 ]
 """What names of variables end with that belong to something else, in English."""
 
@@ -297,6 +304,7 @@ class GermanTexts(Texts):
     pulse = "Richtimpuls"
     condition = "Bedingung"
     suffixes: Mapping[Suffix, str] = {
+        "acknowledged": "quittiert",
         "again": "neu",
         "before": "vorher",
         "edge": "flanke",
@@ -304,17 +312,23 @@ class GermanTexts(Texts):
         "entered": "erreicht",
         "entry": "eingang",
         "exit": "ausgang",
+        "fault": "stoerung",
         "last": "zuletzt",
         "late": "zu_lange",
         "left": "verlassen",
         "main": "aktion",
+        "mode": "art",
+        "next": "danach",
         "old": "alt",
         "on": "laeuft",
         "over": "abgelaufen",
         "pulse": "impuls",
+        "runs": "laeuft",
         "seen": "durchlaufen",
         "start": "start",
+        "starts": "startet",
         "time": "zeit",
+        "timer": "zeitglied",
     }
     resets = "Verlassene Schritte"
     sets = "Erreichte Schritte"

@@ -9,11 +9,13 @@ from typing import get_args
 
 import pytest
 
+from plcopen_sfc import load
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.texts import TEXTS, GermanTexts, Suffix, Texts
 from tests.lowering.charts import act, boolean, training_chain
 from tests.lowering.grafcets import pou_with
+from tests.samples import FIXTURES
 
 SAME = {
     "flag_name",
@@ -103,35 +105,35 @@ def with_edges() -> m.Pou:
     return pou_with(chart, "Go", "Q n:INT")
 
 
-@pytest.mark.parametrize("language", ["ST", "FBD"])
+def names(project: m.Project, lang: str, **options: str | list[str]) -> set[str]:
+    """The words of all names of variables."""
+    made = lower(project, lang=lang, verify=False, **options)  # type: ignore[arg-type]
+    return {word for variable in made.pou.variables() for word in variable.name.split("_")}
+
+
+ENGLISH = {word for word, german in GermanTexts.suffixes.items() if word != german}
+ENGLISH |= {Texts.pulse, Texts.condition, Texts.state}
+DRAWN = {"construction": "flipflop", "language": "FBD"}
+
+
 @pytest.mark.parametrize(
-    ("pou", "profile", "modes"),
+    ("pou", "options"),
     [
-        (with_everything(), "codesys", ["single-step", "select"]),
-        (with_everything(), "matiec", []),
-        (with_edges(), "grafcet", []),
+        (with_everything(), {"construction": "bits", "profile": "codesys", "modes": ["single-step", "select"]}),
+        (with_everything(), {**DRAWN, "target": "simaticml", "profile": "codesys", "modes": ["single-step", "select"]}),
+        (with_everything(), {"construction": "bits", "profile": "matiec"}),
+        (with_everything(), {**DRAWN, "target": "simaticml", "profile": "matiec"}),
+        (with_edges(), {"construction": "bits", "profile": "grafcet"}),
     ],
 )
-def test_all_names_are_german_where_german_was_asked_for(
-    pou: m.Pou, profile: str, modes: list[str], language: str
-) -> None:
-    if profile == "grafcet" and language != "ST":
-        pytest.skip("networks have no loop")
-    english = {word for word, german in GermanTexts.suffixes.items() if word != german}
-    english |= {Texts.pulse, Texts.condition, Texts.state}
+def test_all_names_are_german_where_german_was_asked_for(pou: m.Pou, options: dict[str, str | list[str]]) -> None:
+    project = m.Project(pous=[pou])
+    assert names(project, "en", **options) & ENGLISH
+    assert not names(project, "de", **options) & ENGLISH
 
-    def words(lang: str) -> set[str]:
-        made = lower(
-            m.Project(pous=[pou]),
-            "flipflop" if language == "FBD" else "bits",
-            language=language,
-            profile=profile,
-            modes=modes,
-            target="simaticml" if language == "FBD" else None,
-            lang=lang,
-            verify=False,
-        )
-        return {word for variable in made.pou.variables() for word in variable.name.split("_")}
 
-    assert words("en") & english
-    assert not words("de") & english
+@pytest.mark.parametrize("options", [{"construction": "bits"}, {**DRAWN, "target": "codesys"}])
+def test_names_of_sequencers_are_german_too(options: dict[str, str | list[str]]) -> None:
+    project = load(FIXTURES / "simaticml-plc")
+    assert names(project, "en", pou="FB_Drilling", **options) & ENGLISH
+    assert not names(project, "de", pou="FB_Drilling", **options) & ENGLISH

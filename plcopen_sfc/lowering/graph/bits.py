@@ -44,7 +44,8 @@ class BitSequencer(Sequencer):
         switched = {i for rows in self.source.rows for row in rows for i in row.switched}
         self.wanted = {
             i: code.declare(
-                f"{self.flags[i].identifier}_next", comment=self.own_texts.wanted_of(self.net.steps[i].path)
+                texts.with_suffix(self.flags[i].identifier, "next"),
+                comment=self.own_texts.wanted_of(self.net.steps[i].path),
             )
             for i in sorted(switched)
         }

@@ -6,7 +6,7 @@ as the sequencer does it: for an active step before the step change, for one tha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ from plcopen_sfc.lowering.code.logic import (
 from plcopen_sfc.lowering.code.program import Code
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.graph.step_data import Phase, Questions, StepSign
+from plcopen_sfc.lowering.texts import Suffix, Texts
 
 INTERLOCK = ("LS", "LA", "L1", "L0")
 SUPERVISION = ("VS", "VA", "V1", "V0", "A1")
@@ -82,7 +83,7 @@ class StepChecks:
         self._remembers = remembers
         self._asked_between = questions.asked(step, _EVENTS, Phase.CHECK)
         self._variables = {
-            name: code.declare(f"{asked.sign.name}_{name}", comment=asked.comment(name))
+            name: code.declare(_called(name, asked.sign.name, code.texts), comment=asked.comment(name))
             for name in _ORDER
             if name in wanted
         }
@@ -202,3 +203,12 @@ class StepChecks:
 
 _EVENTS = ("L1", "L0", "V1", "V0", "A1")
 _ORDER = ("LS", "L1", "L0", "LA", "fault", "V1", "V0", "VS", "VA", "A1", "acknowledged")
+
+
+def _called(name: str, step: str, texts: Texts) -> str:
+    """The variable of a step: as S7-GRAPH calls it, else by a word."""
+    word = _WORDS.get(name)
+    return f"{step}_{name}" if word is None else texts.with_suffix(step, word)
+
+
+_WORDS: Mapping[str, Suffix] = {"fault": "fault", "acknowledged": "acknowledged"}

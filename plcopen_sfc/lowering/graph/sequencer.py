@@ -59,7 +59,7 @@ class Sequencer(ABC):
         code.declare_helpers(source.helpers)
         names = self.declare_states(surroundings)
         self.signs = [StepSign(self.active(step), name) for step, name in enumerate(names)]
-        self.first = code.declare("FirstScan", initial="TRUE", comment=self.own_texts.first_cycle)
+        self.first = code.declare(self.texts.pulse, initial="TRUE", comment=self.own_texts.first_cycle)
         self.questions = Questions(source)
         self.commands = Commands(source, code, memory, self.own_texts)
         self.clock = StepClock(source, code, self.signs, self.texts, self.questions)

@@ -19,11 +19,12 @@ class Timer:
 
     def __init__(self, name: str, output: Expression, code: Code, texts: GraphTexts) -> None:
         self._output = output
-        self._timer = code.declare(f"{name}_timer", DerivedType(name="TON"))
-        self._mode = code.declare(f"{name}_mode", INT, comment=texts.timer_mode)
-        self._runs = code.declare(f"{name}_runs")
-        self._starts = code.declare(f"{name}_starts")
-        self._time = code.declare(f"{name}_time", TIME)
+        called = code.texts.with_suffix
+        self._timer = code.declare(called(name, "timer"), DerivedType(name="TON"))
+        self._mode = code.declare(called(name, "mode"), INT, comment=texts.timer_mode)
+        self._runs = code.declare(called(name, "runs"))
+        self._starts = code.declare(called(name, "starts"))
+        self._time = code.declare(called(name, "time"), TIME)
 
     def started(self, qualifier: Qualifier, time: Expression | None) -> list[Statement]:
         """What TL, TD and TR do."""

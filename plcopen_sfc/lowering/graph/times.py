@@ -48,7 +48,8 @@ class StepClock:
                 self._kept[index] = code.declare(f"{signs[index].name}_T", TIME)
             if counted:
                 sum_ = code.declare(f"{signs[index].name}_U", TIME)
-                self._undisturbed[index] = sum_, code.declare(f"{signs[index].name}_T_old", TIME)
+                before = texts.with_suffix(f"{signs[index].name}_T", "old")
+                self._undisturbed[index] = sum_, code.declare(before, TIME)
 
     def _is_checked(self, step: int) -> bool:
         """Whether anything could disturb a step; where nothing does, its times T and U are the same."""
