@@ -29,6 +29,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import Item
+from plcopen_sfc.semantics.charts.graph.parameters import OPERATING
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve
@@ -84,11 +85,14 @@ class LoweredPou:
         return str(self.code.language) if self.code is not None else ""
 
     def __str__(self) -> str:
-        """What was made and why, the numbers that select steps, what the comparison came to, and the faults."""
+        """What was made and why, the numbers that select steps, what is at rest, the comparison, and the faults."""
         lines = [f"{self.name}: {self.style} {self.construction} in {self.language}: {self.why}"]
         if OperatingMode.SELECT in self.rules.modes:
             numbers = ", ".join(f"{number} {path}" for path, number in self.step_numbers.items())
             lines.append(f"steps are selected by their numbers: {numbers}")
+        if self.rules.at_rest:
+            resting = [name for name in self.at_rest if name.upper() in OPERATING]
+            lines.append(f"at rest, without code: {', '.join(resting) or 'nothing'}")
         if self.proof is not None:
             verdict = str(self.proof).splitlines()
             lines.append(f"under the profile {self.profile.name}: {verdict[0]}")
@@ -107,6 +111,7 @@ class LoweredPou:
             "proof": self.proof.as_dict() if self.proof is not None else None,
             "faults": [fault.as_dict() for fault in self.faults],
             "step_numbers": dict(self.step_numbers),
+            "at_rest": dict(self.at_rest),
             "losses": [asdict(item) for item in self.losses],
         }
 

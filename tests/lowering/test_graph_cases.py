@@ -215,7 +215,8 @@ def test_switching_on_by_hand_that_nobody_operates() -> None:
         sfc.lower(project, "case", profile="s7graph")
     assert "at_rest=['S_ON']" in str(caught.value)
     lowered = sfc.lower(project, "case", profile="s7graph", at_rest=["s_on"])
-    assert lowered.at_rest == {"S_ON": False}
+    assert lowered.at_rest == lowered.as_dict()["at_rest"] == {"S_ON": False}
+    assert "\nat rest, without code: S_ON\n" in str(lowered)
     assert lowered.proof is not None
     assert lowered.proof.equal
     assert "S_ON" not in _text(lowered)
