@@ -19,6 +19,7 @@ from plcopen_sfc.languages.declarations.names import is_quoted_in_scl
 from plcopen_sfc.languages.declarations.writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, changes, plain_fields
+from plcopen_sfc.languages.s7_globals import data_blocks_of
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
@@ -96,6 +97,9 @@ def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
         yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou))), apart=True)
     for block in project.data_blocks:
         report.add(Fate.KEPT, "data block", f"data block {block.name}")
+        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
+    for block in data_blocks_of(project):
+        report.add(Fate.TRANSLATED, "global variables", block.name, "a data block")
         yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
 
 

@@ -18,6 +18,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_attribute,
     carry_element,
     children,
+    is_added,
     local,
     read_comments,
 )
@@ -91,7 +92,9 @@ def read_project(
             frame.add(kind)
         if kind == "DocumentInfo":
             _document_info(header, child)
-        elif (where := _list_for(kind)) is not None:
+        elif (where := _list_for(kind)) is not None and is_added(child):
+            continue  # the project has the global variables that it says
+        elif where is not None:
             look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))
         elif kind != "Engineering":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from lxml import etree
@@ -17,11 +18,12 @@ from plcopen_sfc.formats.simaticml.objects_writer import (
 )
 from plcopen_sfc.formats.simaticml.project_reader import IDS, PRODUCT, SCHEMA
 from plcopen_sfc.formats.simaticml.versions import TiaVersion
-from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, sub
+from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, keep_added, sub
+from plcopen_sfc.languages.s7_globals import data_blocks_of, tag_tables_of
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Fate
 
 _NATIVE = frozenset({"header", "pous", "data_blocks", "data_types", "tag_tables", "dialect"})
 
@@ -62,7 +64,9 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
             root.set(name, value)
     sub(root, "Engineering", {"version": version.name})
     _document_info(ctx, root, project.header)
-    for thing in _in_order(project):
+    tables, blocks = tag_tables_of(project), data_blocks_of(project)
+    added = {id(thing) for thing in (*tables, *blocks)}
+    for thing in _in_order(project, tables, blocks):
         if isinstance(thing, Pou):
             write_pou(ctx, root, thing)
         elif isinstance(thing, DataBlock):
@@ -71,16 +75,22 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
             write_data_type(ctx, root, thing)
         else:
             write_tag_table(ctx, root, thing)
+        if id(thing) in added:
+            keep_added(root[-1])
+            why = "a data block" if isinstance(thing, DataBlock) else "tags and constants"
+            ctx.note(Fate.TRANSLATED, "global variables", thing.name, why)
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE)
     return root
 
 
-def _in_order(project: Project) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
-    """The objects in the order of the file, else what others need first."""
+def _in_order(
+    project: Project, tables: Sequence[TagTable], blocks: Sequence[DataBlock]
+) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
+    """The objects in the order of the file, else what others need first. `tables` and `blocks` are added to them."""
     things: list[Pou | DataBlock | DataTypeDeclaration | TagTable]
-    things = [*project.tag_tables, *project.data_types, *project.data_blocks, *project.pous]
+    things = [*project.tag_tables, *tables, *project.data_types, *project.data_blocks, *blocks, *project.pous]
 
     def rank(thing: Pou | DataBlock | DataTypeDeclaration | TagTable) -> int:
         text = thing.carried.attributes.get(ID, "") if thing.carried is not None else ""

@@ -1,0 +1,89 @@
+"""Global variables of other tools: data blocks, tags and constants of TIA Portal."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.semantics.programs import Controller
+
+BOOL, INT = (m.ElementaryType(name=name) for name in (m.Elementary.BOOL, m.Elementary.INT))
+LOGIC = "FUNCTION_BLOCK Main\nVAR_OUTPUT y : INT; END_VAR\n{}\nEND_FUNCTION_BLOCK"
+
+
+def section(*variables: m.Variable, **fields: object) -> m.VariableSection:
+    return m.VariableSection.model_validate(
+        {"kind": m.SectionKind.GLOBAL, "variables": [v.model_dump() for v in variables], **fields}
+    )
+
+
+def variable(name: str, type_: m.ElementaryType, **fields: object) -> m.Variable:
+    return m.Variable.model_validate({"name": name, "type": type_, **fields})
+
+
+def with_lists() -> m.Project:
+    project = sfc.loads(LOGIC.format("y := Plant.Level + 1;").encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    lists = [section(variable("Level", INT, initial=m.SimpleValue(text="41")), variable("Open", BOOL), name="Plant")]
+    project.applications = [m.Resource(name="App", global_variables=lists)]
+    return project
+
+
+def with_globals() -> m.Project:
+    text = LOGIC.format("VAR_EXTERNAL Top : INT; Start : BOOL; END_VAR\nIF NOT Start THEN y := Top; END_IF;")
+    project = sfc.loads(text.encode(), format="iec-text")
+    own = [section(variable("Top", INT, initial=m.SimpleValue(text="42")), constant=True)]
+    inputs = [section(variable("Start", BOOL, address="%IX0.3"), variable("Loose", BOOL))]
+    project.configurations = [m.Configuration(name="Plc", global_variables=[*own, *inputs])]
+    return project
+
+
+def value(project: m.Project) -> object:
+    instance = Controller(project).instance("Main")
+    instance.scan()
+    return instance["y"]
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_lists_of_global_variables_are_data_blocks(target: str) -> None:
+    project = with_lists()
+    content, report = sfc.convert(project, target)
+    assert ("Plant", "a data block") in [(i.path, i.why) for i in report.items if i.fate is sfc.Fate.TRANSLATED]
+    seen = sfc.loads(content, format=target, as_tool=True)
+    (block,) = seen.data_blocks
+    assert block.interface is not None
+    assert (block.name, [v.name for v in block.interface.variables()]) == ("Plant", ["Level", "Open"])
+    assert value(seen) == value(project) == 42
+    back = sfc.loads(content, format=target)
+    assert back.data_blocks == []
+    home = sfc.loads(sfc.dumps(back, format="codesys"))
+    assert list(differences(home.applications, project.applications)) == []
+
+
+def test_others_are_tags_and_constants() -> None:
+    project = with_globals()
+    content = sfc.dumps(project, format="simaticml")
+    seen = sfc.loads(content, as_tool=True)
+    (table,) = seen.tag_tables
+    assert [(tag.name, tag.type, tag.address) for tag in table.tags] == [("Start", "Bool", "%I0.3")]
+    assert [(constant.name, constant.initial) for constant in table.constants] == [("Top", m.SimpleValue(text="42"))]
+    assert value(seen) == value(project) == 42
+    back = sfc.loads(content)
+    assert (back.tag_tables, back.configurations) == ([], project.configurations)
+
+
+def test_a_block_that_has_the_name_stays() -> None:
+    project = with_lists()
+    project.data_blocks = [m.DataBlock(name="PLANT", interface=m.Interface())]
+    seen = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
+    assert [block.name for block in seen.data_blocks] == ["PLANT"]
+
+
+def test_an_edit_of_a_global_variable_reaches_its_block() -> None:
+    project = sfc.loads(sfc.dumps(with_lists(), format="simaticml"))
+    project.applications[0].global_variables[0].variables[0].name = "Height"
+    seen = sfc.loads(sfc.dumps(project), as_tool=True)
+    assert seen.data_blocks[0].interface is not None
+    assert [v.name for v in seen.data_blocks[0].interface.variables()] == ["Height", "Open"]
