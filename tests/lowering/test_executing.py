@@ -12,6 +12,7 @@ from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import construct
 from plcopen_sfc.lowering.forms import Construction
+from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.texts import Texts
 from plcopen_sfc.semantics.profile import PROFILES
@@ -191,3 +192,22 @@ def test_random_actions_that_disturb_each_other(seed: int, profile: str) -> None
             act(chart(pou), step, target, m.Qualifier(qualifier), condition=condition)
     found = verdict(pou, random.choice([Construction.CASE, Construction.BITS, Construction.FLIPFLOP]), profile)
     assert found.outcome is Outcome.PROVEN, f"{found}\n{text_of(pou, profile)}"
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+def test_an_action_that_does_nothing_has_no_code(profile: str) -> None:
+    pou = chain("S1>S2 S2>S1")
+    first, second = chart(pou).steps
+    first.actions.append(m.ActionAssociation(id=90, body=m.StBody(text=""), qualifier="SD", duration="T#1s"))
+    second.actions.append(m.ActionAssociation(id=91, body=m.StBody(text="// nothing yet")))
+    project = m.Project(pous=[pou])
+    made = lower(project, "bits", profile=profile)
+    assert made.proof is not None
+    assert made.proof.outcome is Outcome.PROVEN
+    assert isinstance(made.pou.body, m.StBody)
+    paragraphs = made.pou.body.text.split("\n\n")
+    assert [each for each in paragraphs if "Action" in each] == ["// Action S2_1\n// nothing yet"]
+    assert {v.name for v in made.pou.variables()} - {v.name for v in pou.variables()} == {"X1", "X2", "T1_2", "T2_1"}
+    drawn = lower(project, "flipflop", language="FBD", profile=profile, verify=False)
+    assert isinstance(drawn.pou.body, m.FbdBody)
+    assert not any("Action" in str(network.title) for network in drawn.pou.body.networks)

@@ -16,6 +16,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
 from plcopen_sfc.lowering.actions.ownership import OwnVariables, WrittenPaths, standard_instances
 from plcopen_sfc.lowering.actions.stepwise import StepwiseControl
+from plcopen_sfc.lowering.code.emitting import comment_lines
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import Code, TextNetwork
@@ -32,11 +33,15 @@ def add_actions(
     if rules.profile.alphabetic_actions:
         actions.sort(key=lambda action: "" if action.in_place else action.name.casefold())
     execution = _Execution(source, code, control, memory, rules)
-    if execution.interfere(actions):
-        execution.in_phases(actions)
+    acting = [action for action in actions if action.target is not None or action.statements]
+    if execution.interfere(acting):
+        execution.in_phases(acting)
     else:
-        for action in actions:
+        for action in acting:
             execution.at_once(action)
+    for action in actions:
+        if action.target is None and not action.statements:
+            execution.explain(action)
 
 
 class _Execution:
@@ -77,7 +82,7 @@ class _Execution:
             ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
-        self._code.add(self._texts.action(action.name), statements)
+        self._code.add(self._texts.action(action.name), statements, self._said(action))
 
     # -- all decided on, then all executed
 
@@ -119,12 +124,23 @@ class _Execution:
         title = self._texts.action(action.name)
         if not self._verbatim or not action.statements or not has_comments(action.text):
             acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
-            self._code.add(title, [*before, *acting])
+            self._code.add(title, [*before, *acting], self._said(action))
             return
         lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
         lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
         lines += [f"    {line}".rstrip() for line in dedent(action.text).strip("\n").splitlines()]
-        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"])))
+        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"]), self._said(action)))
+
+    def explain(self, action: ActionSource) -> None:
+        """Append the comments of an action that does nothing."""
+        lines = comment_lines(self._said(action))
+        lines += dedent(action.text).strip("\n").splitlines() if has_comments(action.text) else []
+        if self._verbatim and lines:
+            self._code.networks.append(TextNetwork(self._texts.action(action.name), "\n".join(lines)))
+
+    def _said(self, action: ActionSource) -> str:
+        """The comments of an action and of its associations."""
+        return self._texts.said(action.comment, *(use.comment for use in action.uses))
 
     # -- whether it matters
 
