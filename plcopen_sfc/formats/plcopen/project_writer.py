@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
+from datetime import datetime
 from typing import Any
 
 from lxml import etree
@@ -25,6 +27,7 @@ _HEADER = frozenset(
     {"name", "header", "version", "modified", "organization", "author", "language", "content_comment"}
     | {"content_carried", "scales", "foreign_data_infos"}
 )
+_TIME = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
 
 
 def write_project(
@@ -64,6 +67,10 @@ def write_project(
             holder = Configuration(name=application.name, resources=[application])
             write_configuration(ctx, configurations, holder, is_application=True)
     native = _HEADER | {"data_types", "pous", "configurations", "applications", "dialect"}  # the format has its dialect
+    if project.header.created != _time(ctx, project.header.created):
+        native = native - {"header"}
+    if project.modified is not None and project.modified != (_time(ctx, project.modified) or None):
+        native = native - {"modified"}
     if ctx.version.first_generation:
         native = native - {"content_carried", "foreign_data_infos"}
     finish(ctx, root, project, "project", native, documents=not ctx.version.first_generation)
@@ -72,6 +79,23 @@ def write_project(
 
 def _attributes(pairs: Iterable[tuple[str, str | None]]) -> dict[str, str]:
     return {name: value for name, value in pairs if value is not None}
+
+
+def _time(ctx: WriteContext, text: str) -> str:
+    """A time as the schema wants it: some tools write ``2007-07-07 11:58:26``. Empty for what is no time.
+
+    In a file of the same format it stays as it was.
+    """
+    if ctx.same:
+        return text
+    time = text.strip().replace(" ", "T", 1)
+    if not _TIME.fullmatch(time):
+        return ""
+    try:
+        datetime.fromisoformat(time)
+    except ValueError:
+        return ""
+    return time
 
 
 def _file_header(ctx: WriteContext, root: etree._Element, project: Project) -> None:
@@ -87,7 +111,7 @@ def _file_header(ctx: WriteContext, root: etree._Element, project: Project) -> N
                 ("productName", header.product),
                 ("productVersion", header.version),
                 ("productRelease", header.release),
-                ("creationDateTime", header.created or NO_TIME),
+                ("creationDateTime", _time(ctx, header.created) or NO_TIME),
                 ("contentDescription", header.description),
             )
         ),
@@ -106,7 +130,7 @@ def _content_header(ctx: WriteContext, root: etree._Element, project: Project) -
             (
                 ("name", project.name),
                 ("version", project.version),
-                ("modificationDateTime", project.modified),
+                ("modificationDateTime", _time(ctx, project.modified or "") or None),
                 ("organization", project.organization),
                 ("author", project.author),
                 ("language", project.language),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.formats.plcopen.schema import validate
 from plcopen_sfc.model import OpaqueBody, Pou, PouKind, Project
 
 TARGETS = ["plcopen", "plcopen-2.0", "plcopen-1.01", "codesys"]
@@ -33,3 +34,16 @@ def test_a_time_of_that_day_is_kept() -> None:
     project = Project()
     project.header.created = "1970-01-01T00:00:00Z"
     assert sfc.loads(sfc.dumps(project, format="plcopen")).header.created == "1970-01-01T00:00:00Z"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("time", ["2007-07-07 11:58:26", "2007-07-07T11:58:26", "2007-13-07T11:58:26", "yesterday"])
+def test_times_of_other_forms_are_written_as_the_schema_wants_them_and_come_back(time: str, target: str) -> None:
+    project = Project(name="New", modified=time)
+    project.header.created = time
+    data = sfc.dumps(project, format=target)
+    assert validate(data) == []
+    back = sfc.loads(data)
+    assert (back.header.created, back.modified) == (time, time)
+    seen = sfc.loads(data, as_tool=True).header.created
+    assert seen == (time.replace(" ", "T") if time.startswith("2007-07") else "")
