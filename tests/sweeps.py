@@ -10,26 +10,26 @@ import os
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from typing import TypeVar
 
-__all__ = ["FULL", "one_of_each", "some_of", "turn"]
+__all__ = ["WHOLE", "in_turn", "one_of_each", "some_of"]
 
-FULL = bool(os.environ.get("PLCOPEN_SFC_FULL"))
+WHOLE = bool(os.environ.get("PLCOPEN_SFC_FULL"))
 
 T = TypeVar("T")
 
 
 def some_of(items: Sequence[T], every: int) -> Sequence[T]:
     """Every nth."""
-    return items if FULL else items[::every]
+    return items if WHOLE else items[::every]
 
 
-def turn(items: Sequence[T], number: int) -> Sequence[T]:
-    """One of them: which, goes round with the number of whoever asks."""
-    return items if FULL else [items[number % len(items)]]
+def in_turn(items: Sequence[T], number: int, count: int = 1) -> Sequence[T]:
+    """`count` of them: which, goes round with the number of whoever asks."""
+    return items if WHOLE else [items[(number + k * len(items) // count) % len(items)] for k in range(count)]
 
 
 def one_of_each(items: Iterable[T], kind: Callable[[T], Hashable]) -> list[T]:
     """The first of each kind."""
-    if FULL:
+    if WHOLE:
         return list(items)
     first: dict[Hashable, T] = {}
     for item in items:

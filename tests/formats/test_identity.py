@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -11,10 +12,11 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.model.project import Project
 from tests.samples import ALL_PARAMS, NEW, assert_only_names_changed, charts_in, label, name_places, outline, variants
+from tests.sweeps import in_turn
 
-BIG = 300_000
-TELLING = {"bom crlf", "lf", "utf-16", "swapped"}
-"""The handwritings that are tried on big files too."""
+SMALL = 50_000
+"""Files up to this size, of which each format has some, are tried in every handwriting; bigger ones in two."""
+FILES = [param.values[0] for param in ALL_PARAMS]
 
 
 def one_with_steps(project: Project) -> int | None:
@@ -36,13 +38,19 @@ def test_unedited_files_come_back_byte_for_byte(path: Path) -> None:
     assert not report.losses
 
 
+def handwritings(path: Path) -> Sequence[tuple[str, bytes]]:
+    """A file in other handwritings: a small one in all of them, a bigger one in two, the next file in two others."""
+    data = path.read_bytes()
+    made = list(variants(data).items())
+    assert len(made) >= 11
+    return made if len(data) <= SMALL else in_turn(made, FILES.index(path), 2)
+
+
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_every_handwriting_of_a_file_is_read_alike_and_comes_back(path: Path) -> None:
     data = path.read_bytes()
     original = sfc.loads(data)
-    made = variants(data)
-    assert len(made) >= 11
-    for name, variant in made.items():
+    for name, variant in handwritings(path):
         project = sfc.loads(variant)
         assert project == original, f"{name}: {label(path)}"
         assert [d.code for d in project.diagnostics] == [d.code for d in original.diagnostics], name
@@ -56,9 +64,7 @@ def test_renaming_a_step_keeps_the_handwriting(path: Path) -> None:
     number = one_with_steps(original)
     if number is None:
         pytest.skip("this file has no chart")
-    for name, variant in variants(data).items():
-        if len(data) > BIG and name not in TELLING:
-            continue
+    for name, variant in handwritings(path):
         project = sfc.loads(variant)
         chart = list(project.charts())[number].network
         old = chart.steps[-1].name

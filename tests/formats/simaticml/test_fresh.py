@@ -75,22 +75,33 @@ def last(fact: Fact) -> str:
     return fact[0].rpartition("/")[2].partition("[")[0]
 
 
-@pytest.mark.parametrize("path", ALL_PARAMS)
-def test_a_fresh_document_means_the_same(path: Path) -> None:
-    project = sfc.load(path)
-    fresh = sfc.dumps(project, fresh=True)
-    again = sfc.loads(fresh)
-    if path.name not in NOT_EQUAL:
-        assert again == project
-    assert sfc.dumps(again, fresh=True) == fresh
+class Written:
+    """A document, and the one that is written anew from its model."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.data = path.read_bytes()
+        self.project = sfc.loads(self.data)
+        self.fresh = sfc.dumps(self.project, fresh=True)
 
 
-@pytest.mark.parametrize("path", ALL_PARAMS)
-def test_a_fresh_document_says_all_but_the_documented_exceptions(path: Path) -> None:
-    data = path.read_bytes()
-    old, new = facts(data), facts(sfc.dumps(sfc.loads(data), fresh=True))
+@pytest.fixture(scope="module", params=ALL_PARAMS)
+def written(request: pytest.FixtureRequest) -> Written:
+    """Each document once for all tests."""
+    return Written(request.param)
+
+
+def test_a_fresh_document_means_the_same(written: Written) -> None:
+    again = sfc.loads(written.fresh)
+    if written.path.name not in NOT_EQUAL:
+        assert again == written.project
+    assert sfc.dumps(again, fresh=True) == written.fresh
+
+
+def test_a_fresh_document_says_all_but_the_documented_exceptions(written: Written) -> None:
+    old, new = facts(written.data), facts(written.fresh)
     differing = {last(fact) for fact in (old - new) + (new - old)}
-    assert differing == DIFFERENCES.get(path.name, set())
+    assert differing == DIFFERENCES.get(written.path.name, set())
 
 
 def test_the_list_of_documents_that_differ_is_as_short_as_can_be() -> None:
