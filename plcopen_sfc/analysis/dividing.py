@@ -21,7 +21,14 @@ from plcopen_sfc.model.pou import Pou
 __all__ = ["Division", "divide", "race"]
 
 _HEAD_START = 2_000
-"""Scans that the undivided search gets first: most comparisons are small."""
+_HEAD_START_FOR_A_VARIABLE = 20
+"""Scans that the undivided search gets first: what does not multiply has about as many states as it has variables."""
+
+_SHARE = 4
+"""Of so many scans one is given to the parts, as long as the whole may be the first to end."""
+
+_BUILDING = 3
+"""Scans that take as long as making the systems of a part, for each of their variables."""
 
 Pair = tuple[Observation, Observation]
 Build = Callable[[Pou, Pou, Sequence[Pair]], tuple[ProgramSystem, ProgramSystem, Mapping[str, Domain]]]
@@ -59,7 +66,9 @@ class Division:
         failed: list[Explored] = []
         for share in self._shares:
             left, right = (pou(kept) for pou, kept in zip(self._pous, (share.left, share.right), strict=True))
-            searching = search(*build(left, right, share.pairs), cap)
+            systems = build(left, right, share.pairs)
+            scans += _BUILDING * sum(system.size for system in systems[:2])
+            searching = search(*systems, cap)
             found = None
             progress = Progress(0, 0)
             while found is None and (inputs is None or progress.depth + 1 < len(inputs)):
@@ -140,25 +149,28 @@ class _Running:
         return self.found
 
 
-def race(whole: Search, divided: Callable[[], Search | None], accepted: Callable[[Explored], bool]) -> Explored:
+def race(
+    whole: Search, size: int, divided: Callable[[], Search | None], accepted: Callable[[Explored], bool]
+) -> Explored:
     """Search the whole and its parts in turn: whichever has an answer first ends it.
 
-    `accepted` tells whether what the parts show is a difference of the whole. What the search of the whole says counts
-    where the parts have no answer.
+    `size`: how many variables the whole has. `accepted` tells whether what the parts show is a difference of the whole.
+    What the search of the whole says counts where the parts have no answer.
     """
     undivided = _Running(whole)
-    found = undivided.advance(_HEAD_START)
+    head_start = _HEAD_START + _HEAD_START_FOR_A_VARIABLE * size
+    found = undivided.advance(head_start)
     if found is not None and not found.capped:
         return found
     searching = divided()
     if searching is None:
         return undivided.advance() or _never()
     parts = _Running(searching)
-    for limit in _doubling(_HEAD_START):
-        by_parts = parts.advance(limit if undivided.found is None else None)
+    for limit in _doubling(head_start):
+        by_parts = parts.advance(limit // _SHARE if undivided.found is None else None)
         if by_parts is not None and (by_parts.complete or (by_parts.inputs is not None and accepted(by_parts))):
             return by_parts
-        found = undivided.advance(limit if by_parts is None else None)
+        found = undivided.advance(2 * limit if by_parts is None else None)
         if found is not None and (by_parts is not None or not found.capped):
             return found
     return _never()

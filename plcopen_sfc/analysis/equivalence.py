@@ -244,7 +244,7 @@ def equivalent(
 
     found = Explored(0, 0, complete=False, reason=clock.reason)
     if not clock.reason:
-        found = race(search(left, right, domains, cap), divided, accepted)
+        found = race(search(left, right, domains, cap), left.size + right.size, divided, accepted)
     counterexample = None
     runs_made = 0
     if found.inputs is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from plcopen_sfc.languages.networks import body_statements
@@ -127,9 +128,12 @@ class _Reading:
 
     def is_exposed(self, path: str) -> bool:
         """Whether a variable, a part of it, or all that it is a part of is read before it is written."""
-        if any(each in self.exposed for each in _upwards(path)):
-            return True
-        return any(each.startswith(f"{path}.") for each in self.exposed)
+        return path in self._around or any(each in self.exposed for each in _upwards(path))
+
+    @cached_property
+    def _around(self) -> set[str]:
+        """What has a part that is read before it is written."""
+        return {around for path in self.exposed for around in _upwards(path)}
 
     # -- statements
 

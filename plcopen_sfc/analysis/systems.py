@@ -95,6 +95,11 @@ class ProgramSystem:
         """The inputs that nothing writes, with their types."""
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
 
+    @property
+    def size(self) -> int:
+        """How many variables it has, with those of its charts that nobody sees."""
+        return len(self.instance.frame.layout.fields)
+
     def marking(self) -> int:
         """The active steps as bits in the order of `steps`."""
         return self._marking()
@@ -147,7 +152,11 @@ class ProgramSystem:
     def _look_at(self, paths: Iterable[str]) -> None:
         """Variables are read at the end of scans."""
         self._looked_at += paths
-        self._scratch = scratch_cells(self.instance, self._looked_at)
+        found = scratch_cells(self.instance, self._looked_at)
+        own = self.instance.frame.v
+        self.instance.leave_out(frozenset(slot for cells, slot, _ in found if cells is own))
+        self._scratch = [each for each in found if each[0] is not own]
+        self._initial = self.snapshot()
 
     def reset(self) -> None:
         """Go to the state before the first scan."""
@@ -197,11 +206,13 @@ class ProgramSystem:
         limit = self.times.limit
         if limit is None:
             return
+        earliest = now - limit
         for cells, slot in self._starts:
-            if cells[slot] is not None and now - cells[slot] > limit:
-                cells[slot] = now - limit
+            if cells[slot] is not None and cells[slot] < earliest:
+                cells[slot] = earliest
         for cells, slot in self._elapsed:
-            cells[slot] = min(cells[slot], limit)
+            if cells[slot] > limit:  # noqa: PLR1730  # min() takes longer, for every step in every state
+                cells[slot] = limit
 
     def _input(self, path: str) -> Any:
         key = path.casefold()

@@ -23,14 +23,15 @@ from plcopen_sfc.semantics.profile import PROFILES
 from tests.analysis.schemes import EXACT, Flow, chart_of, program, step_flags
 from tests.lowering.random_charts import random_chart
 
-Race = Callable[[Search, Callable[[], Search | None], Callable[[Explored], bool]], Explored]
+Divided = Callable[[], Search | None]
+Accepted = Callable[[Explored], bool]
 
 
-def as_a_whole(whole: Search, divided: Callable[[], Search | None], accepted: Callable[[Explored], bool]) -> Explored:
+def as_a_whole(whole: Search, size: int, divided: Divided, accepted: Accepted) -> Explored:
     return ended(whole)
 
 
-def in_parts(whole: Search, divided: Callable[[], Search | None], accepted: Callable[[Explored], bool]) -> Explored:
+def in_parts(whole: Search, size: int, divided: Divided, accepted: Accepted) -> Explored:
     searching = divided()
     if searching is None:
         return ended(whole)
@@ -155,7 +156,7 @@ def test_a_difference_is_called_the_shortest_where_all_parts_were_searched_as_fa
     delay = "s6 := s5; s5 := s4; s4 := s3; s3 := s2; s2 := s1; s1 := c0; IF n < 8 THEN n := n + 1; END_IF; late := "
     variables = ["s1, s2, s3, s4, s5, s6, late : BOOL; n : INT"]
     sides = [program(f"{delay} n >= {limit};", ["c0"], variables) for limit in (7, 8)]
-    verdict = equivalent(*sides, "iec", outputs=["s6", "late"], cap=cap, runs=0)
+    verdict = equivalent(sides[0], sides[1], "iec", outputs=["s6", "late"], cap=cap, runs=0)
     assert verdict.counterexample is not None
     assert len(verdict.counterexample.inputs) == 7
     assert verdict.counterexample.shortest is shortest

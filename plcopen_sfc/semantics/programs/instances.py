@@ -54,6 +54,7 @@ class Instance:
         self._run = unit.run
         self._free: list[tuple[list[Any], int, Any]] = []
         self._left_out: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
+        self._unseen: frozenset[int] = frozenset()
         self._known = -1
         self._find_free()
 
@@ -135,7 +136,7 @@ class Instance:
             self._free.append(
                 (cells, index, t.default(field.type) if isinstance(field.type, t.ElementaryType) else value)
             )
-        self._left_out = (frozenset(own), frozenset(outer))
+        self._left_out = (self._unseen | own, frozenset(outer))
 
     # -- variables
 
@@ -287,6 +288,11 @@ class Instance:
         return cells, index
 
     # -- snapshots
+
+    def leave_out(self, slots: frozenset[int]) -> None:
+        """Have snapshots from now on without some variables of the instance, whose values no later scan sees."""
+        self._unseen = slots
+        self._known = -1
 
     def snapshot(self, limit: int | None = None) -> Hashable:
         """All that a later scan can see: of the instance and of global variables, but not the values of free inputs.
