@@ -1,4 +1,4 @@
-"""How the property tests run.
+"""How the tests run: in which order, and how many examples of properties.
 
 A property that takes long is no failure: no deadline. Where `CI` is set they draw the same examples in every run (that
 is hypothesis' own rule), and what fails is reported as it was drawn: shrinking a big program takes minutes.
@@ -7,7 +7,9 @@ is hypothesis' own rule), and what fails is reported as it was drawn: shrinking 
 from __future__ import annotations
 
 import os
+from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, Phase, settings
 
 settings.register_profile("here", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -19,3 +21,16 @@ settings.register_profile(
     phases=[Phase.explicit, Phase.generate],
 )
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Neighbours run in the same process: what they load or compile once, is made once."""
+    from xdist.scheduler import WorkStealingScheduling  # noqa: PLC0415  # not without xdist
+
+    return WorkStealingScheduling(config, log)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What installs a whole environment comes first: at the end the other processes would wait for it."""
+    items.sort(key=lambda item: item.path.name != "test_wheel.py")
