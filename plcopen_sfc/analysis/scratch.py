@@ -6,18 +6,14 @@ Without this a search would tell states apart that differ in such values only.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.analysis.sole_bodies import path_names, sole_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.st.walking import children
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
-from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Direction, Layout, leaves
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, StructureType, default
@@ -31,18 +27,14 @@ _WRITTEN = {"R_TRIG": ("q",), "F_TRIG": ("q",), "CTU": ("q",), "CTD": ("q",), "C
 _NOT_READ = {"TON": ("et",), "TOF": ("et",), "TP": ("et",)}
 """What a call may write, but does not look at."""
 
-_ALIASES = (n.Dereference, n.Peripheral)
-_JUMPS = (n.Goto, n.Label, n.Try, n.Unreadable)
-
 
 def scratch_cells(instance: Instance, observed: Collection[str]) -> list[tuple[list[Any], int, Value | None]]:
     """Where local variables and outputs of a POU are that no scan reads before it writes them, and any value for each.
 
     `observed` (paths) are those that are looked at when a scan has ended. Members of structures and of instances of
-    standard function blocks are variables too. None for what is not one body of text, FBD or LD without actions and
-    methods, which see the variables too, or where references are used.
+    standard function blocks are variables too. None where other bodies may see them (`sole_statements`).
     """
-    statements = _statements(instance)
+    statements = sole_statements(instance)
     if statements is None:
         return []
     reading = _Reading(instance)
@@ -58,51 +50,6 @@ def scratch_cells(instance: Instance, observed: Collection[str]) -> list[tuple[l
         if not reading.is_exposed(path.casefold()):
             found.append((cells, slot, default(variable.type)))
     return found
-
-
-def _statements(instance: Instance) -> Sequence[n.Statement] | None:
-    """The statements of the only body, if it alone sees the variables, and by their names."""
-    pou, project = instance.unit.pou, instance.controller.project
-    if len(pou.bodies) != 1 or pou.actions or pou.methods or pou.transitions or instance.unit.base is not None:
-        return None
-    if pou.kind is PouKind.PROGRAM and _seen_by_others(pou, project.pous):
-        return None
-    body = pou.body
-    statements: Sequence[n.Statement]
-    if isinstance(body, StBody):
-        parsed = parse_statements(body.text, project.dialect)
-        if parsed.problems:
-            return None
-        statements = parsed.tree.statements
-    elif isinstance(body, FbdBody | LdBody):
-        read = body_statements(body, project.dialect)
-        if read.obstacles or read.helpers:
-            return None
-        statements = read.tree.statements
-    else:
-        return None
-    for node in _all_nodes(statements):
-        if isinstance(node, _ALIASES + _JUMPS):
-            return None
-        if isinstance(node, n.Assignment) and node.kind in (n.AssignmentKind.REFERENCE, n.AssignmentKind.ATTEMPT):
-            return None
-        if isinstance(node, n.Call) and isinstance(node.callee, n.Name) and node.callee.identifier.upper() == "ADR":
-            return None
-    return statements
-
-
-def _seen_by_others(pou: Pou, others: Iterable[Pou]) -> bool:
-    """Whether another POU of the project names this one, as in ``Main.x``."""
-    name = re.compile(rf"\b{re.escape(pou.name)}\b", re.IGNORECASE)
-    return any(name.search(each.model_dump_json()) for each in others if each.name != pou.name)
-
-
-def _all_nodes(statements: Sequence[n.Statement]) -> Iterator[n.Node]:
-    waiting: list[n.Node] = list(statements)
-    while waiting:
-        node = waiting.pop()
-        yield node
-        waiting += children(node)
 
 
 @dataclass
@@ -146,7 +93,7 @@ class _Reading:
         match statement:
             case n.Assignment(target=target, value=value, kind=kind):
                 self.read(value, written)
-                path = _path(target)
+                path = path_names(target)
                 if kind is n.AssignmentKind.ASSIGN and path is not None:
                     written.add(self._canonical(path))
                 else:
@@ -198,7 +145,7 @@ class _Reading:
         """Whatever stands in an expression is read."""
         if isinstance(node, n.Call):
             self._expose(_root(node.callee), written)
-        path = _path(node)
+        path = path_names(node)
         if path is not None:
             self._read_path(path, written)
             return
@@ -261,15 +208,6 @@ class _Reading:
             return None
         known = all(a.name is not None and layout.find(a.name.identifier) is not None for a in node.arguments)
         return layout if known else None
-
-
-def _path(node: n.Node) -> list[str] | None:
-    """The names of a path in lower case; None: that is none."""
-    parts: list[str] = []
-    while isinstance(node, n.Member):
-        parts.append(node.name.identifier.casefold())
-        node = node.base
-    return [node.identifier.casefold(), *reversed(parts)] if isinstance(node, n.Name) else None
 
 
 def _root(node: n.Node) -> str:

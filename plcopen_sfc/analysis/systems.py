@@ -11,6 +11,7 @@ from typing import Any
 from plcopen_sfc.analysis.clocking import Clocking, step_times
 from plcopen_sfc.analysis.product import LeftOutError
 from plcopen_sfc.analysis.scratch import scratch_cells
+from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import SimpleValue
@@ -80,6 +81,7 @@ class ProgramSystem:
         self.times = step_times(subject, clock.scan_time)
         self._forget = self._forgetting()
         self._scratch: list[tuple[list[Any], int, Value | None]] = []
+        self._timers: list[WaitingTimer] = []
         self._looked_at: list[str] = []
         frames = [frame for _, _, frame in self.instance.charts()]
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
@@ -156,6 +158,7 @@ class ProgramSystem:
         own = self.instance.frame.v
         self.instance.leave_out(frozenset(slot for cells, slot, _ in found if cells is own))
         self._scratch = [each for each in found if each[0] is not own]
+        self._timers = waiting_timers(self.instance, self._looked_at, self.clock.scan_time)
         self._initial = self.snapshot()
 
     def reset(self) -> None:
@@ -202,7 +205,9 @@ class ProgramSystem:
         return found
 
     def _clamp(self, now: int) -> None:
-        """Set the times that charts keep back to the limit beyond which they make no difference."""
+        """Set the times that charts and timers keep back to the limit beyond which they make no difference."""
+        for timer in self._timers:
+            timer.clamp(now)
         limit = self.times.limit
         if limit is None:
             return

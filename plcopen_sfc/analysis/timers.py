@@ -1,0 +1,151 @@
+"""Timers of which only the elapsed time counts, compared with constants: beyond the greatest it makes no difference.
+
+Lowered charts measure the time of a step with an on-delay that never ends (``Fill_time.ET >= T#5s``). Its elapsed time
+would go on growing for days while the step waits for something else, and every millisecond would be a state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+from plcopen_sfc.analysis.sole_bodies import path_names, sole_statements
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
+from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.layouts import Frame, Layout
+from plcopen_sfc.semantics.programs.types import StructureType
+
+__all__ = ["WaitingTimer", "waiting_timers"]
+
+_ON_DELAYS = frozenset({"TON", "LTON", "TON_TIME", "TON_LTIME"})
+_COMPARING = frozenset(
+    {
+        n.Operator.EQUAL,
+        n.Operator.UNEQUAL,
+        n.Operator.LESS,
+        n.Operator.GREATER,
+        n.Operator.LESS_OR_EQUAL,
+        n.Operator.GREATER_OR_EQUAL,
+    }
+)
+_ROUNDING = 1_000_000
+"""Elapsed times are whole milliseconds at most."""
+
+
+@dataclass(frozen=True)
+class WaitingTimer:
+    """The cells of an on-delay, and the elapsed time beyond which it makes no difference (nanoseconds)."""
+
+    cells: list[Any]
+    start: int
+    elapsed: int
+    limit: int
+
+    def clamp(self, now: int) -> None:
+        """Set the elapsed time back to the limit."""
+        cells = self.cells
+        if cells[self.start] is not None and now - cells[self.start] > self.limit:
+            cells[self.start] = now - self.limit
+        if cells[self.elapsed] > self.limit:  # noqa: PLR1730  # min() takes longer
+            cells[self.elapsed] = self.limit
+
+
+def waiting_timers(instance: Instance, observed: Collection[str], scan_time: int) -> list[WaitingTimer]:
+    """The timers of a POU whose end (``Q``) nobody looks at, and whose elapsed time is only compared with constants.
+
+    `observed` (paths) are variables that are looked at when a scan has ended. None where other bodies may see them.
+    """
+    frames = {
+        field.name.casefold(): frame
+        for field in instance.frame.layout.fields
+        if _is_on_delay(field.type, instance) and isinstance(frame := instance.frame.v[field.slot], Frame)
+    }
+    statements = sole_statements(instance) if frames else None
+    if statements is None:
+        return []
+    uses = _Uses(instance, frozenset(frames))
+    for statement in statements:
+        uses.look(statement)
+    for path in observed:
+        uses.otherwise.update(part.strip('"#') for part in path.casefold().split("."))
+    found = []
+    for name, frame in frames.items():
+        presets = uses.presets.get(name)
+        if name in uses.otherwise or not presets:
+            continue
+        limit = max(uses.constants.get(name, ()), default=0) + scan_time + _ROUNDING
+        start, elapsed = frame.layout.find("START"), frame.layout.find("ET")
+        if min(presets) > limit and start is not None and elapsed is not None:
+            found.append(WaitingTimer(frame.v, start.slot, elapsed.slot, limit))
+    return found
+
+
+def _is_on_delay(type_: object, instance: Instance) -> bool:
+    if not isinstance(type_, StructureType) or type_.layout.name.upper() not in _ON_DELAYS:
+        return False
+    layout: Layout = type_.layout
+    return instance.controller.library.block_of(layout) is not None
+
+
+class _Uses:
+    """What is done with some timers.
+
+    `constants`: what their elapsed time is compared with; `presets`: their times; `otherwise`: names that are used in
+    any other way.
+    """
+
+    def __init__(self, instance: Instance, timers: frozenset[str]) -> None:
+        self._dialect = instance.controller.project.dialect
+        self._timers = timers
+        self.constants: dict[str, list[int]] = {}
+        self.presets: dict[str, list[int]] = {}
+        self.otherwise: set[str] = set()
+
+    def look(self, node: n.Node) -> None:
+        """Look through a statement or an expression."""
+        if isinstance(node, n.Operation) and node.operator in _COMPARING:
+            first, second = node.operands
+            if self._compared(first, second) or self._compared(second, first):
+                return
+        if isinstance(node, n.Call) and self._called(node):
+            return
+        if isinstance(node, n.Name):
+            self.otherwise.add(node.identifier.casefold())
+        for part in children(node):
+            self.look(part)
+
+    def _compared(self, time: n.Expression, constant: n.Expression) -> bool:
+        path = path_names(n.bare(time))
+        value = self._duration(constant)
+        if path is None or len(path) != 2 or path[0] not in self._timers or path[1] != "et" or value is None:
+            return False
+        self.constants.setdefault(path[0], []).append(value)
+        return True
+
+    def _called(self, call: n.Call) -> bool:
+        """A call with IN and with a constant PT."""
+        path = path_names(call.callee)
+        if path is None or len(path) != 1 or path[0] not in self._timers:
+            return False
+        given = {a.name.identifier.upper(): a.value for a in call.arguments if a.name is not None and not a.output}
+        preset = self._duration(given.get("PT"))
+        if len(given) != len(call.arguments) or given.keys() != {"IN", "PT"} or preset is None:
+            return False
+        self.presets.setdefault(path[0], []).append(preset)
+        if given["IN"] is not None:
+            self.look(given["IN"])
+        return True
+
+    def _duration(self, node: n.Expression | None) -> int | None:
+        """The value of a literal duration in nanoseconds; None: it is none."""
+        node = n.bare(node) if node is not None else None
+        if not isinstance(node, n.Literal):
+            return None
+        try:
+            literal = literal_value(node, self._dialect)
+        except LiteralError:
+            return None
+        return literal.value if literal.kind is LiteralKind.DURATION and isinstance(literal.value, int) else None

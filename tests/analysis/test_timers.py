@@ -1,0 +1,74 @@
+"""Timers that only wait: their elapsed time makes no difference beyond what it is compared with."""
+
+from __future__ import annotations
+
+import pytest
+
+from plcopen_sfc.analysis.clocking import clocking
+from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.timers import waiting_timers
+from plcopen_sfc.model import SfcNetwork
+from plcopen_sfc.semantics.profile import profile
+from plcopen_sfc.semantics.subjects import resolve
+from tests.analysis.schemes import program
+
+MS = 1_000_000
+VARIABLES = ["t, u : TON", "a, b : BOOL", "e : TIME"]
+
+
+def limits(text: str, *observed: str) -> list[int]:
+    subject = resolve(program(text, ["i", "k"], VARIABLES))
+    instance = ProgramSystem(subject, profile("iec"), clocking([subject], None)).instance
+    return [timer.limit // MS for timer in waiting_timers(instance, observed, 10 * MS)]
+
+
+@pytest.mark.parametrize(
+    ("text", "limit"),
+    [
+        ("t(IN := i, PT := T#1d); a := t.ET >= T#50ms;", [61]),
+        ("t(IN := i, PT := T#1d); a := T#70ms < (t.ET) AND k OR NOT (t.ET <> T#20ms);", [81]),
+        ("IF k THEN t(IN := t.ET < T#3s, PT := T#1d); END_IF; a := t.ET >= T#50ms;", [3011]),
+        ("t(IN := i, PT := T#1d);", [11]),
+        ("t(IN := i, PT := T#60ms); a := t.ET >= T#50ms;", []),  # it ends before
+        ("t(IN := i, PT := T#1d); a := t.ET >= T#50ms OR t.Q;", []),
+        ("t(IN := i, PT := T#1d); e := t.ET;", []),
+        ("t(IN := i, PT := T#1d, ET => e); a := t.ET >= T#50ms;", []),
+        ("t(IN := i, PT := e); a := t.ET >= T#50ms;", []),
+        ("t(IN := i); a := t.ET >= T#50ms;", []),
+        ("t(i, T#1d); a := t.ET >= T#50ms;", []),
+        ("t(IN := i, PT := T#1d); a := t.ET >= e;", []),
+        ("t(IN := i, PT := T#1d); a := t.ET + T#1s >= T#5s;", []),
+        ("t(IN := i, PT := T#1d); u := t; a := t.ET >= T#50ms;", []),
+    ],
+)
+def test_which_timers_only_wait(text: str, limit: list[int]) -> None:
+    assert limits(text) == limit
+
+
+def test_what_is_looked_at_behind_a_scan_counts() -> None:
+    text = "t(IN := i, PT := T#1d); a := t.ET >= T#50ms;"
+    assert limits(text, "a") == [61]
+    assert limits(text, "t.Q") == []
+
+
+def waiting(condition: str, tested: str) -> Verdict:
+    chart = SfcNetwork()
+    first, second = chart.add_step("A", initial=True), chart.add_step("B")
+    chart.add_transition(first, second, condition)
+    chart.add_transition(second, first, "c1")
+    text = f"""
+    t(IN := x, PT := T#24d);
+    IF x AND {tested} THEN x := FALSE; ELSIF NOT x AND c1 THEN x := TRUE; END_IF;
+    t(IN := x, PT := T#24d);
+    """
+    code = program(text, ["c0", "c1"], ["x : BOOL := TRUE", "t : TON"])
+    return equivalent(chart, code, "iec", step_flags={"A": "x"}, cap=100, runs=0)
+
+
+def test_a_step_that_waits_longer_than_its_time_is_proven() -> None:
+    assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#50ms AND c0").proven
+    assert waiting("A.T < T#50ms AND c0", "NOT (t.ET >= T#50ms) AND c0").proven
+    assert waiting("A.T >= T#50ms AND c0", "t.ET > T#50ms AND c0").outcome is Outcome.DIFFERENT
+    assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#75ms AND c0").outcome is Outcome.DIFFERENT
+    assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#50ms AND (t.ET < T#1s OR c1) AND c0").outcome is Outcome.DIFFERENT
