@@ -9,7 +9,7 @@ from plcopen_sfc.analysis.equivalence import Outcome
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.lower import lower
-from tests.lowering.charts import boolean, training_chain
+from tests.lowering.charts import training_chain
 from tests.lowering.test_exact import FORMS, verdict
 
 
@@ -81,24 +81,6 @@ def test_qualifiers_that_nothing_defines_are_refused() -> None:
     association = m.ActionAssociation(id=chart.new_id(), target="Q1", qualifier="DL", duration="T#1s")
     chart.steps[0].actions.append(association)
     with pytest.raises(LoweringError, match="does not say what DL does"):
-        verdict(pou, Construction.BITS, Language.ST)
-
-
-def test_a_block_with_a_state_in_the_condition_of_an_action_is_refused() -> None:
-    pou = training_chain()
-    chart = pou.sfc
-    assert chart is not None
-    assert pou.interface is not None
-    pou.interface.sections[0].variables.append(boolean("B6"))
-    contact = m.Contact(id=1, variable="B6", edge=m.Edge.RISING, input=m.InputPin(connections=[m.Connection(source=2)]))
-    rail = m.LeftPowerRail(id=2, outputs=[m.OutputPin()])
-    coil = m.Coil(id=3, variable="Drawn", input=m.InputPin(connections=[m.Connection(source=1)]))
-    pou.transitions.append(
-        m.NamedTransition(name="Drawn", body=m.LdBody(networks=[m.LogicNetwork(nodes=[rail, contact, coil])]))
-    )
-    condition = m.NamedCondition(name="Drawn")
-    chart.steps[0].actions[0].condition = condition
-    with pytest.raises(LoweringError, match="blocks that have a state"):
         verdict(pou, Construction.BITS, Language.ST)
 
 

@@ -19,7 +19,7 @@ from plcopen_sfc.lowering.actions.stepwise import StepwiseControl
 from plcopen_sfc.lowering.code.emitting import comment_lines
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
-from plcopen_sfc.lowering.code.program import Code, TextNetwork
+from plcopen_sfc.lowering.code.program import Code, StepValue, TextNetwork
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.semantics.profile import BooleanTargets
@@ -29,9 +29,7 @@ def add_actions(
     source: ChartSource, code: Code, control: ActionControl | StepwiseControl, memory: Memory, rules: LoweringRules
 ) -> None:
     """Append what drives and executes the actions, in the order in which the profile does."""
-    actions = list(source.actions)
-    if rules.profile.alphabetic_actions:
-        actions.sort(key=lambda action: "" if action.in_place else action.name.casefold())
+    actions = _in_order(source, rules)
     execution = _Execution(source, code, control, memory, rules)
     acting = [action for action in actions if action.target is not None or action.statements]
     if execution.interfere(acting):
@@ -42,6 +40,24 @@ def add_actions(
     for action in actions:
         if action.target is None and not action.statements:
             execution.explain(action)
+
+
+def add_conditions(source: ChartSource, code: Code, memory: Memory, active: StepValue, rules: LoweringRules) -> None:
+    """Append the blocks with a state in conditions of actions, executed while their steps drive these."""
+    statements: list[Statement] = []
+    for action in _in_order(source, rules):
+        for use in action.uses:
+            driven = disjunction(active(step) for step in use.steps)
+            driven = negation(driven) if use.inverted else driven
+            statements += memory.conditional(f"{action.name}_asked", driven, use.preparation)
+    code.add(rules.texts.conditions, statements)
+
+
+def _in_order(source: ChartSource, rules: LoweringRules) -> list[ActionSource]:
+    actions = list(source.actions)
+    if rules.profile.alphabetic_actions:
+        actions.sort(key=lambda action: "" if action.in_place else action.name.casefold())
+    return actions
 
 
 class _Execution:

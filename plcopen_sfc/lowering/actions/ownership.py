@@ -20,7 +20,8 @@ class OwnVariables:
         self._others = WrittenPaths()
         steps = (each for step in source.step_code for each in (*step.entry, *step.main, *step.exit))
         before = (each for statements in source.preparations for each in statements)
-        for statement in (*steps, *source.logic, *before, *beside):
+        asked = (each for action in source.actions for use in action.uses for each in use.preparation)
+        for statement in (*steps, *source.logic, *before, *asked, *beside):
             self._others.add(0, writes(statement, blocks))
         self._variables: dict[Path, Variable] = {}
         for section in source.pou.interface.sections if source.pou.interface is not None else ():
@@ -85,9 +86,7 @@ def _forms(path: Path) -> list[tuple[bool, Path]]:
 
 def standard_instances(source: ChartSource) -> set[Path]:
     """The instances of standard function blocks of a POU: calling them writes nothing else."""
-    found: set[Path] = set()
-    for variable in source.pou.variables():
-        block = standard_block(variable.type.name) if isinstance(variable.type, DerivedType) else None
-        if block is not None and block.stateful:
-            found.add((variable.name.casefold(),))
-    return found
+    kinds = {v.name: v.type.name for v in source.pou.variables() if isinstance(v.type, DerivedType)}
+    kinds |= {helper.name: helper.type_name for helper in source.helpers if helper.type_name}
+    blocks = {name: standard_block(kind) for name, kind in kinds.items()}
+    return {(name.casefold(),) for name, block in blocks.items() if block is not None and block.stateful}

@@ -119,6 +119,8 @@ class CaseChain(RegionChain):
                 refuse_classic(self.source, "entry and exit actions", f"step {path}")
         for action in self.source.actions:
             for use in action.uses:
+                if use.preparation:
+                    refuse_classic(self.source, "blocks with a state in conditions", f"action {action.name}")
                 plain = use.qualifier in (Qualifier.N, Qualifier.NONE)
                 if use.inverted or not (plain or (action.target is not None and use.qualifier in _STORED)):
                     what = "an action of all other steps" if use.inverted else f"qualifier {use.qualifier}"

@@ -11,7 +11,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
 from plcopen_sfc.lowering.actions.drive import DriveBlock, Signal, without_texts
-from plcopen_sfc.lowering.actions.executing import add_actions
+from plcopen_sfc.lowering.actions.executing import add_actions, add_conditions
 from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.actions.stepwise import StepwiseControl, stepwise_timed
 from plcopen_sfc.lowering.chains.flags import FlagCode
@@ -153,6 +153,7 @@ class Chain(ABC):
         add_changes(self.source, self.code, self.memory, self.active, self.texts)
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
         add_main_actions(self.source, self.code, self.memory, self.active, self.texts)
+        add_conditions(self.source, self.code, self.memory, self.active, self.rules)
         ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
         if self.rules.actions is ActionPlace.BLOCK:
             self._add_drive_block(ending)

@@ -24,8 +24,9 @@ _PULSES = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})
 
 
 def passed_steps(actions: Sequence[ActionSource]) -> set[int]:
-    """The steps of which it matters that a scan has passed them."""
-    return {i for a in actions for use in a.uses if use.qualifier in _PASSING | _PULSES for i in use.steps}
+    """The steps of which it matters that a scan has passed them: also where blocks in conditions look at them."""
+    uses = (use for action in actions for use in action.uses)
+    return {i for use in uses if use.qualifier in _PASSING | _PULSES or use.preparation for i in use.steps}
 
 
 class PassingControl(ActionControl):

@@ -15,7 +15,7 @@ from plcopen_sfc.lowering.reading.chart import read_chart
 from plcopen_sfc.lowering.reading.grafcet_source import Delay, Edge, GrafcetSource, StoredAction
 from plcopen_sfc.lowering.reading.references import bits_by_number
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource, Use
-from plcopen_sfc.lowering.reading.texts import TextReader
+from plcopen_sfc.lowering.reading.texts import ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.pou import Pou
@@ -55,7 +55,7 @@ def read_grafcet(
     reader = _Reader(copied, chart, dialect, profile, Targets(pou, project, dialect))
     grafcet = reader.grafcet()
     once = replace(profile, evolution=Evolution.SINGLE)
-    plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=True)
+    plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=reader)
     initial = reader.hierarchy.start(plain.net.initial)
     ruled = replace(plain.net, initial=initial, hierarchy=bool(reader.hierarchy))
     return replace(plain, pou=pou, net=ruled, grafcet=grafcet)
@@ -116,9 +116,6 @@ class _Reader(TextReader):
             return condition
         return condition.model_copy(update={"text": self._terms.read(condition.text)})
 
-    def _value(self, chart: SfcNetwork, condition: Condition, path: str) -> n.Expression:
-        return self.action_condition(chart, self._termless(condition), path)
-
     def _stored(self) -> Iterator[StoredAction]:
         for owner, chart, model in self._owned:
             if model.kind not in STORED:
@@ -128,7 +125,7 @@ class _Reader(TextReader):
             if model.kind is ActionKind.ON_EVENT:
                 if not isinstance(model.condition, Expression) or not self._profile.grafcet_terms:
                     self.refuse("the stored action has no event that could be lowered", path)
-                event = self._value(chart, rising(model.condition), path)
+                event = self.condition(chart, self._termless(rising(model.condition)), path).value
             statements: tuple[n.Statement, ...] = ()
             if model.body is not None:
                 statements = self.statements(model.body, path)
@@ -179,8 +176,18 @@ class _Reader(TextReader):
             if inverted:
                 self.refuse("an action that is delayed or limited while its step is not active has no meaning", path)
             duration = self.expression(model.duration, path)
-        condition = self._value(chart, model.condition, path) if model.condition is not None else TRUE
-        return Use(tuple(indexes(owner.steps)), inverted, qualifier, condition, duration, model.comment)
+        condition = ConditionText(TRUE, ())
+        if model.condition is not None:
+            condition = self.condition(chart, self._termless(model.condition), path)
+        return Use(
+            tuple(indexes(owner.steps)),
+            inverted,
+            qualifier,
+            condition.value,
+            duration,
+            model.comment,
+            condition.preparation,
+        )
 
 
 def _words(tree: n.Expression) -> tuple[str, ...]:

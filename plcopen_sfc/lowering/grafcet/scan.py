@@ -10,7 +10,7 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.drive import DriveBlock, without_texts
-from plcopen_sfc.lowering.actions.executing import add_actions
+from plcopen_sfc.lowering.actions.executing import add_actions, add_conditions
 from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
 from plcopen_sfc.lowering.chains.chain import Chain
 from plcopen_sfc.lowering.chains.steps import StepFlags
@@ -105,6 +105,7 @@ class GrafcetScan:
             code.add(texts.terms, self._terms.times)  # something may have changed since they were last called
         outputs = replace(chain.source, actions=self._grafcet.continuous)
         rules = replace(chain.rules, profile=_outputs(chain.profile))
+        add_conditions(outputs, code, chain.memory, chain.active, rules)
         if self._drive is None:
             add_actions(outputs, code, continuous, chain.memory, rules)
         else:
@@ -117,6 +118,7 @@ class GrafcetScan:
         chain = self._chain
         add_changes(chain.source, self._code, chain.memory, chain.active, self._texts)
         add_main_actions(chain.source, self._code, chain.memory, chain.active, self._texts)
+        add_conditions(chain.source, self._code, chain.memory, self._driving, chain.rules)
         ending = chain.init if chain.init is not None and chain.rules.reset_actions else FALSE
         source, code, memory = chain.source, self._code, chain.memory
         if self._drive is not None:
@@ -162,6 +164,10 @@ class GrafcetScan:
             return self._passed[step]
         started = self._searches and self._net.initial >> step & 1
         return disjunction([self._chain.active(step), self._starting() if started else FALSE])
+
+    def _driving(self, step: int) -> Expression:
+        """Whether a step drives its actions in any situation of the scan."""
+        return self._seen(step) if not self._stable or step in self._passed else self._chain.active(step)
 
     def _fresh(self, step: int) -> Expression:
         """Whether the evolution before has activated a step; at the start that of the initial steps counts."""

@@ -34,11 +34,11 @@ def read_chart(
     surroundings: Collection[str] = (),
     *,
     project: Project | None = None,
-    grafcet: bool = False,
+    grafcet: TextReader | None = None,
 ) -> ChartSource:
     """Read a chart of `pou`. `surroundings`: the names of its project in lower case.
 
-    `grafcet`: what only IEC 60848 has is read by somebody else.
+    `grafcet` has read what only IEC 60848 has.
 
     Raises `LoweringError` for what has no meaning that could be lowered.
     """
@@ -64,9 +64,9 @@ class _Reader(TextReader):
         surroundings: Collection[str],
         *,
         project: Project | None,
-        grafcet: bool,
+        grafcet: TextReader | None,
     ) -> None:
-        super().__init__(pou, chart, dialect)
+        super().__init__(pou, chart, dialect, grafcet.helpers if grafcet is not None else ())
         self._targets = Targets(pou, project, dialect)
         self._grafcet = grafcet
         self._profile = profile
@@ -94,7 +94,7 @@ class _Reader(TextReader):
             self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path)
         if self._profile.evolution is Evolution.UNTIL_STABLE:
             self.refuse("the search for stability is not lowered yet", "")
-        if self._profile.graph_parameters or (self._net.hierarchy and not self._grafcet):
+        if self._profile.graph_parameters or (self._net.hierarchy and self._grafcet is None):
             self.refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
         if self._flags and self._profile.order is not ScanOrder.ACTIONS_FIRST:
             self.refuse("SFC flags are lowered only where actions come before transitions", "")
@@ -223,12 +223,15 @@ class _Reader(TextReader):
         duration = self.expression(association.duration, path) if association.duration else None
         if qualifier.needs_duration and duration is None:
             self.refuse(f"{qualifier} needs a time", path)
-        condition = self._guard(owner.chart, association.condition, path)
+        condition, before = self._guard(owner.chart, association.condition, path)
         inverted = owner.step.negated is not association.negated
-        return Use(owner.steps, inverted, qualifier, condition, duration, association.comment)
+        return Use(owner.steps, inverted, qualifier, condition, duration, association.comment, before)
 
-    def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> n.Expression:
-        return TRUE if condition is None else self._boolean(self.action_condition(chart, condition, path), path)
+    def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
+        if condition is None:
+            return ConditionText(TRUE, ())
+        found = self.condition(chart, condition, path)
+        return found._replace(value=self._boolean(found.value, path))
 
     # -- what steps execute
 

@@ -57,7 +57,7 @@ def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None
     for action in source.actions:
         ask(action.statements)
         for use in action.uses:
-            ask([use.condition], () if use.inverted or len(use.steps) > 1 else use.steps)
+            ask([use.condition, *use.preparation], () if use.inverted or len(use.steps) > 1 else use.steps)
             ask([use.duration] if use.duration is not None else [])
     for code in source.step_code:
         ask((*code.entry, *code.main), [code.step])

@@ -26,6 +26,7 @@ class Use:
     """One association of an action: `steps` (indexes of the net; several in a macro-step) drive it by `qualifier`.
 
     `inverted`: they do while none of them is active. `condition` is TRUE where there is none, `duration` None.
+    `preparation` is what must be executed before the condition is evaluated, once in each scan in which they drive it.
     """
 
     steps: tuple[int, ...]
@@ -34,6 +35,7 @@ class Use:
     condition: n.Expression
     duration: n.Expression | None
     comment: Text | None = None
+    preparation: tuple[n.Statement, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,8 @@ class ActionSource:
 
         def used(use: Use) -> Use:
             duration = change(use.duration) if use.duration is not None else None
-            return replace(use, condition=change(use.condition), duration=duration)
+            preparation = tuple(change(statement) for statement in use.preparation)
+            return replace(use, condition=change(use.condition), duration=duration, preparation=preparation)
 
         statements = tuple(change(statement) for statement in self.statements)
         text = self.text if statements == self.statements else ""
@@ -70,6 +73,7 @@ class ActionSource:
             yield self.target
         for use in self.uses:
             yield use.condition
+            yield from use.preparation
             if use.duration is not None:
                 yield use.duration
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -34,12 +34,12 @@ class ConditionText(NamedTuple):
 class TextReader:
     """Reads the texts of a chart of `pou`. `helpers` are the variables that drawings need."""
 
-    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect) -> None:
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, helpers: Iterable[Helper] = ()) -> None:
         self.pou = pou
         self.chart = chart
         self.dialect = dialect
-        self.helpers: list[Helper] = []
-        self._taken: list[str] = []
+        self.helpers = [*helpers]
+        self._taken = [helper.name for helper in self.helpers]
         self._readers: dict[int, Callable[[Condition], NetworkExpression]] = {}
 
     def refuse(self, message: str, path: str) -> NoReturn:
@@ -83,13 +83,6 @@ class TextReader:
         if found.tree is None:
             self.refuse("the condition has no value", path)
         return ConditionText(n.bare(found.tree), self._staying(found.before, path))
-
-    def action_condition(self, chart: SfcNetwork, condition: Condition, path: str) -> n.Expression:
-        """The condition of an action, before which nothing can be executed."""
-        found = self.condition(chart, condition, path)
-        if found.preparation:
-            self.refuse("conditions of actions with blocks that have a state are not lowered", path)
-        return found.value
 
     def expression(self, text: str, path: str) -> n.Expression:
         """An expression."""

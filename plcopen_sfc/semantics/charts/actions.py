@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError
-from plcopen_sfc.model import ActionAssociation, Qualifier
+from plcopen_sfc.model import ActionAssociation, Expression, Qualifier
 from plcopen_sfc.semantics.charts.control import (
     ON,
     PULSE,
@@ -74,6 +75,15 @@ class _Work:
     idle: tuple[Write, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class _Drawn:
+    """A condition that may hold blocks with a state, and the slot that has its value while controls are asked."""
+
+    association: Association
+    is_true: Callable[[Frame], bool]
+    slot: int
+
+
 class Actions:
     """All actions of a chart that follow the qualifiers of IEC 61131-3."""
 
@@ -91,6 +101,8 @@ class Actions:
             drafts.sort(key=lambda draft: draft.name.casefold())
         self.starts: list[int] = []
         """The slots of running timers."""
+        self._drawn: list[_Drawn] = []
+        self._slots: dict[int, int] = {}
         self._actions = tuple(self._action(index, draft) for index, draft in enumerate(drafts))
         self._by_step: dict[int, list[Action]] = {}
         self._inverted: list[Action] = []
@@ -115,6 +127,9 @@ class Actions:
 
         control = _control(associations, reserve, self._profile)
         out = reserve("out", ELEMENTARY["USINT"])
+        for number, (association, (_, model)) in enumerate(zip(associations, draft.model, strict=True)):
+            if model.condition is not None and not isinstance(model.condition, Expression):
+                self._slots[id(association)] = reserve(f"condition {number}", ELEMENTARY["BOOL"])
         return Action(draft.name, 1 << index, out, memory, control, associations, draft.model)
 
     @property
@@ -142,7 +157,13 @@ class Actions:
     def _translate(self, owner: Owner, model: ActionAssociation, association: Association) -> None:
         where = f"{self._path} / step {owner.path}"
         if model.condition is not None:
-            association.condition = self._scope.condition(model.condition, where)
+            condition = self._scope.condition(model.condition, where)
+            if isinstance(model.condition, Expression):
+                association.condition = condition
+            else:
+                slot = self._slots[id(association)]
+                self._drawn.append(_Drawn(association, condition, slot))
+                association.condition = partial(_kept, slot)
         if model.duration:
             association.duration = self._scope.expression(model.duration, where, ELEMENTARY["TIME"])
         elif model.qualifier.needs_duration:
@@ -156,6 +177,8 @@ class Actions:
         `situation`, `seen` and `entered` are as in `Control.step`.
         """
         v = frame.v
+        for drawn in self._drawn:  # once in each scan in which their steps act, however often controls ask
+            v[drawn.slot] = drawn.association.acts(situation | seen) and drawn.is_true(frame)
         work = self._work.get((situation, seen, v[self._busy]))
         if work is None:
             work = self._plan(situation, seen, v[self._busy])
@@ -176,6 +199,8 @@ class Actions:
             if bits:
                 busy |= action.bit
         v[self._busy] = busy
+        for drawn in self._drawn:
+            v[drawn.slot] = False
         for write in (*work.idle, *resting):
             write(frame, False)
         for action in ended:
@@ -237,6 +262,10 @@ def _control(associations: Sequence[Association], reserve: Reserve, profile: Pro
     if all(a.qualifier in (Qualifier.N, Qualifier.NONE) for a in associations):
         return PlainControl(associations)
     return StandardControl(associations, reserve, cancels=profile.reset_cancels_delays)
+
+
+def _kept(slot: int, frame: Frame) -> bool:
+    return bool(frame.v[slot])
 
 
 def _association(owner: Owner, model: ActionAssociation) -> Association:

@@ -46,9 +46,13 @@ class Association:
     duration: Callable[[Frame], int]
     since: int
 
+    def acts(self, situation: int) -> bool:
+        """Whether its step lets it act in this situation."""
+        return (situation & self.steps == 0) is self.inverted
+
     def is_on(self, situation: int, frame: Frame) -> bool:
-        """Whether it acts in this situation."""
-        if (situation & self.steps == 0) is not self.inverted:
+        """Whether it acts in this situation, and its condition holds."""
+        if not self.acts(situation):
             return False
         return self.condition is None or self.condition(frame)
 
