@@ -214,7 +214,7 @@ def _note_limits(project: Project, report: ConversionReport) -> None:
 
     for chart in project.charts():
         names = {step.id: f"step {step.name}" for step in chart.network.steps}
-        names |= {t.id: f"transition {chart.network.label(t)}" for t in chart.network.transitions}
+        names |= {id_: f"transition {label}" for id_, label in chart.network.labels().items()}
         for problem in limits(chart.network):
             path = f"{chart.report_path} / {names.get(problem.symbol, problem.symbol)}"
             report.add(Fate.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")

@@ -27,7 +27,7 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
     texts in the code (``de``).
     """
     own, pou = subject.pou, lowered[0]
-    said = Said(lowered, subject.project.dialect)
+    said = Said(lowered)
     found: list[Item] = []
     for path, part in _lowered_parts(subject, pou):
         if isinstance(part, SfcBody):

@@ -7,7 +7,7 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
@@ -301,7 +301,16 @@ class SfcNetwork(Element):
         """What people call a transition: its name, or from where to where it leads."""
         if transition.name:
             return transition.name
+        return self._label(transition, {step.id: step.name for step in self.steps})
+
+    def labels(self) -> dict[int, str]:
+        """The labels of all transitions by their ids: for who needs many of them."""
         names = {step.id: step.name for step in self.steps}
+        return {transition.id: self._label(transition, names) for transition in self.transitions}
+
+    def _label(self, transition: Transition, names: Mapping[int, str]) -> str:
+        if transition.name:
+            return transition.name
         sides = (transition.sources, transition.targets)
         return " -> ".join("+".join(names.get(i, "?") for i in side) or "nowhere" for side in sides)
 

@@ -61,6 +61,11 @@ class ChartWriter:
     unique: bool = True
     late: list[Change] = field(default_factory=list)
     named: frozenset[str] = frozenset()
+    labels: dict[int, str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Transitions are called by their labels in the report."""
+        self.labels = self.chart.labels()
 
     def pieces(self) -> Iterator[tuple[Key, str]]:
         """The steps and transitions, each with a key that stays when it is renamed."""
@@ -231,7 +236,7 @@ class ChartWriter:
 
     def transition(self, transition: Transition) -> str:
         """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
-        path = f"{self.path} / transition {self.chart.label(transition)}"
+        path = f"{self.path} / transition {self.labels[transition.id]}"
         self.printer.note(Fate.KEPT, "transition", path)
         in_place: list[tuple[str, Body]] = []
         name = transition.name if self.printer.is_name(transition.name) else ""

@@ -31,14 +31,14 @@ class _Finder:
         self._put(path, part)
         chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
         steps = iter(chart.steps if chart is not None else ())
-        transitions = iter(chart.transitions if chart is not None else ())
+        labels = iter(chart.labels().values() if chart is not None else ())
         for inner in part.parts:
             if inner.kind is Kind.STEP and (step := next(steps, None)) is not None:
                 self._put(f"{path} / step {step.name}", inner)
             elif inner.kind is Kind.TRANSITION and chart is not None and self._leads(inner):
-                transition = next(transitions, None)
-                if transition is not None:
-                    self._put(f"{path} / transition {chart.label(transition)}", inner)
+                label = next(labels, None)
+                if label is not None:
+                    self._put(f"{path} / transition {label}", inner)
             elif inner.kind is Kind.ACTION and pou is not None and (action := pou.action(inner.name)) is not None:
                 own = [action.body] if action.body is not None else []
                 self.note(inner, f"{path} / action {action.name}", own)

@@ -57,6 +57,7 @@ class ChartWriter:
         self.write_body = write_body
         self.steps = {step.id: step for step in chart.steps}
         self.transitions = {transition.id: transition for transition in chart.transitions}
+        self._labels = chart.labels()
         self.associations = {a.id: a for _, a in chart.associations()}
         self.owner = {a.id: step for step, a in chart.associations()}
         self.nodes: dict[int, Node] = {node.id: node for node in chart.logic if is_known(ctx, node)}
@@ -180,7 +181,7 @@ class ChartWriter:
             attributes["priority"] = str(transition.priority)
         element = self._element(parent, symbol, attributes)
         self._pins(element, symbol)
-        label = self.chart.label(transition)
+        label = self._labels[transition.id]
         if transition.condition is not None:
             self.write_condition(element, symbol, transition.condition)
         ctx.keep("transition", label, *_features(transition.condition))

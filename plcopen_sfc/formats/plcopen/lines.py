@@ -76,9 +76,7 @@ def _add_lines_of_blocks(found: dict[int, etree._Element], chart: SfcNetwork, ve
 def _names(chart: SfcNetwork) -> dict[int, list[str]]:
     """What the report calls the objects of a chart, by their id."""
     names = {step.id: [step.name, f"step {step.name}"] for step in chart.steps}
-    for transition in chart.transitions:
-        label = chart.label(transition)
-        names[transition.id] = [label, f"transition {label}"]
+    names |= {transition: [label, f"transition {label}"] for transition, label in chart.labels().items()}
     for node in chart.logic:
         names[node.id] = [f"{TAGS.get(node.kind, node.kind)} {node.id}"]
     for step, association in chart.associations():

@@ -94,6 +94,7 @@ class _ChartWriter:
             block.name.casefold(): f'"{block.type_name}"' for block in ctx.project.data_blocks if block.type_name
         }
         self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
+        self._labels = chart.labels()
         self.last_transition = max(self.transition_numbers.values(), default=0)
 
     def write(self, root: etree._Element) -> None:
@@ -360,7 +361,7 @@ class _ChartWriter:
         element = sub(parent, "Transition", {"IsMissing": "false", "Name": name, "Number": str(number)})
         for key, value in _attributes(transition.carried).items():
             element.set(key, value)
-        ctx.place.append(f"transition {self.chart.label(transition)}")
+        ctx.place.append(f"transition {self._labels[transition.id]}")
         native = {"id", "name", "number", "sources", "targets", "condition", "priority", "title", "comment"}
         write_languages(ctx, element, "TransitionName", transition.title)
         write_languages(ctx, element, "Comment", transition.comment)
