@@ -107,6 +107,39 @@ def test_times_counters_timers_and_calls() -> None:
     proven(chart, outputs="Q P t n:INT")
 
 
+def counting(number: int) -> m.BodyCondition:
+    """A condition that counts whenever it is evaluated."""
+    return m.BodyCondition(
+        body=m.StBody(text=f"#n := (#n * 2 + {number}) MOD 7; #ready := #c{number} AND #n > 1;"), name="ready"
+    )
+
+
+@pytest.mark.parametrize("inputs", ["INIT_SQ OFF_SQ", "SW_TAP T_PUSH", "SW_MAN SW_AUTO"])
+@pytest.mark.parametrize("construction", [Construction.BITS, CASE])
+def test_all_conditions_of_the_active_step_are_evaluated(construction: Construction, inputs: str) -> None:
+    chart = ring(act("N"))
+    chart.add_transition(chart.step("S1"), chart.step("S3"), counting(3))
+    chart.transitions[1].condition = counting(2)
+    proven(chart, inputs, "Q n:INT ready", construction)
+
+
+@pytest.mark.parametrize("check", ["interlock", "supervision"])
+@pytest.mark.parametrize("construction", [Construction.BITS, CASE])
+def test_checks_are_made_before_conditions_count(construction: Construction, check: str) -> None:
+    chart = ring(act("N", interlock=True))
+    chart.transitions[1].condition = counting(2)
+    setattr(chart.step("S2"), check, m.Supervised(condition=m.Expression(text="#n > 3")))
+    proven(chart, "", "Q n:INT ready", construction)
+
+
+def test_conditions_of_several_sequences_are_evaluated_in_their_order() -> None:
+    chart = m.SfcNetwork()
+    steps = [chart.add_step(f"S{number}", initial=number in (1, 3)) for number in range(1, 5)]
+    for source, target, number in ((0, 1, 1), (2, 3, 2), (1, 0, 3), (3, 2, 1)):
+        chart.add_transition(steps[source], steps[target], counting(number))
+    proven(chart, "", "n:INT ready", REGIONS)
+
+
 def test_a_selection_and_an_end() -> None:
     chart = ring(act("N"))
     chart.add_transition(chart.step("S1"), chart.step("S3"), "#c2")

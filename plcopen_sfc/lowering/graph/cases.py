@@ -167,13 +167,15 @@ class RegionSequencer(Sequencer):
     def _needing_bits(self) -> list[int]:
         """Joins that have rivals, with these; transitions before whose conditions something must be executed.
 
-        All conditions of an active step are evaluated, also of rivals of one that switches: then all of them need one.
+        All conditions of active steps are evaluated one after the other, also of rivals of one that switches: then all
+        of them need one, those of one step, or where there are several regions all.
         """
+        if any(self.source.preparations) and len(self.states.machines) > 1:
+            return list(range(len(self.net.transitions)))
         found: set[int] = set()
         for block in self.states.regions.blocks:
             rivals = self.states.regions.exit_rivals(block)
             found.update([*block.joins, *rivals] if rivals else [])
-            found.update(join for join in block.joins if self.source.preparations[join])
         for leaving in self.net.leaving:
             if any(self.source.preparations[t] for t in leaving[1:]):
                 found.update(leaving)

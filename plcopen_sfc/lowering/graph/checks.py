@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import (
     FALSE,
@@ -61,7 +63,10 @@ class StepChecks:
             step, {*INTERLOCK, *SUPERVISION}, Phase.CHECK, Phase.SWITCH
         )
         self.early = (
-            remembers or (asked_early and bool(stated)) or any(c.preparation or questions.asks(c.value) for c in stated)
+            remembers
+            or (asked_early and bool(stated))
+            or any(c.preparation or questions.asks(c.value) for c in stated)
+            or any(_names(c.value) & source.prepared_names for c in stated)
         )
         wanted: set[str] = set()
         if self._interlock is not None:
@@ -199,6 +204,10 @@ class StepChecks:
             into.append(when(event, assignment(v["acknowledged"], TRUE)))
         known = [v["acknowledged"]] if self._must_acknowledge else []
         into.append(when(conjunction([negation(v["VS"]), *known]), assignment(v["VA"], FALSE)))
+
+
+def _names(tree: Expression) -> set[str]:
+    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
 
 
 _EVENTS = ("L1", "L0", "V1", "V0", "A1")

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.reading.texts import ConditionText
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
@@ -61,6 +64,12 @@ class GraphSource(ChartSource):
     skips: bool
     shown: tuple[tuple[int, str], ...] = ()
     at_rest: tuple[str, ...] = ()
+
+    @cached_property
+    def prepared_names(self) -> frozenset[str]:
+        """The names (lower case) in what is executed before conditions of transitions: it may change them."""
+        trees = chain.from_iterable(self.preparations)
+        return frozenset(node.identifier.casefold() for t in trees for node in walk(t) if isinstance(node, n.Name))
 
     def _trees(self) -> Iterator[n.Node]:
         yield from super()._trees()
