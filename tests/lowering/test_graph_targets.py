@@ -10,13 +10,16 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.lower import LoweredPou
 from plcopen_sfc.semantics.subjects import resolve
 from tests.corpus import corpus_files, require_corpus
 from tests.lowering.sequencers import act, block, guarded
 
 FORMATS = ["simaticml", "scl", "codesys", "plcopen", "iec-text"]
-FIXTURE = Path(__file__).resolve().parents[2] / "fixtures" / "simaticml-plc"
+FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
+FIXTURE = FIXTURES / "simaticml-plc"
+DRILL = FIXTURES / "simaticml" / "FB_Drill.xml"
 
 
 def read_back(chart: m.Project, lowered: LoweredPou, format: str, *, cap: int = 3_000, runs: int = 3) -> Outcome:
@@ -28,6 +31,7 @@ def read_back(chart: m.Project, lowered: LoweredPou, format: str, *, cap: int = 
         again,
         "s7graph",
         step_flags=lowered.step_flags,
+        fixed=lowered.at_rest,
         cap=cap,
         runs=runs,
         scans=80,
@@ -43,7 +47,22 @@ def test_every_target_holds_the_code(format: str) -> None:
     )
     project = block(chart, "ok fault ACK_EF", "P Q R ERR_FLT")
     lowered = sfc.lower(project, profile="s7graph", target=format, verify=False)
+    assert lowered.construction is Construction.CASE
     assert read_back(project, lowered, format, cap=20_000) is Outcome.PROVEN
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_every_target_holds_several_cases_with_names_of_steps(format: str) -> None:
+    project = sfc.load(DRILL)
+    lowered = sfc.lower(project, target=format, states="constants", verify=False)
+    assert lowered.construction is Construction.REGIONS
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    assert "#next_step_number := #PARALLEL_Drill;" in body.text
+    assert "// Step sequence from Lamp off" in body.text
+    data = sfc.dumps(lowered.project, format=format)
+    again = sfc.loads(data, format=format).pou("FB_Drill")
+    assert {v.name for v in again.variables()} >= {"step_number", "step_number_Drill", "step_number_Lamp_off"}
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD"])
@@ -103,6 +122,9 @@ def test_data_of_steps_that_the_target_cannot_show_are_refused(asking: str) -> N
 UNKNOWN_FUNCTION = {"FB_GraphSample"}
 """Blocks that call functions which their file does not hold: nobody can run them."""
 
+WITH_TIMES = {"FB_R134a_GRAPH"}
+"""Blocks that ask for times of steps: they are lowered to a CASE."""
+
 BROKEN = {"STATIONXSKFIXTURENR_FIXTURENAME_Sequence"}
 """Templates with a connection to nothing."""
 
@@ -120,6 +142,9 @@ def test_blocks_of_the_corpus(number: int) -> None:
             with pytest.raises(LoweringError, match="not read completely"):
                 sfc.lower(project, pou=pou.name, verify=False)
             continue
-        lowered = sfc.lower(project, pou=pou.name, verify=False)
+        at_rest = ["S_ON"] if number % 2 or pou.name in WITH_TIMES else []
+        lowered = sfc.lower(project, pou=pou.name, at_rest=at_rest, verify=False)
+        one_by_one = at_rest and pou.sfc is not None and pou.sfc.steps
+        assert lowered.construction is (Construction.CASE if one_by_one else Construction.BITS)
         if pou.name not in UNKNOWN_FUNCTION:
             read_back(project, lowered, FORMATS[1 + number % 4], cap=30, runs=2)
