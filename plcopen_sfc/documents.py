@@ -147,7 +147,14 @@ def refuse_losses(report: ConversionReport) -> None:
 
 
 def verify(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:
-    """Compare what was written with what is read `back`: what does not come back is lost, whatever the writer says."""
+    """Compare what was written with what is read `back`: what does not come back is lost, whatever the writer says.
+
+    Networks are compared by what they say where the format draws them in its own way. `back` is changed by that.
+    """
+    if not kind.positions:
+        from plcopen_sfc.languages.networks.alike import take_over_drawings  # noqa: PLC0415  # brings the parser
+
+        take_over_drawings(project, back)
     if not kind.ids:
         project, back = numbered_in_order(project), numbered_in_order(back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
