@@ -212,6 +212,10 @@ class Texts:
         """The comment of a step's flag."""
         return f"step {path} is active"
 
+    def described_flag(self, step: Step, path: str) -> str:
+        """The same with what the chart says of the step, where that has no network of its own."""
+        return ": ".join(filter(None, [self.flag_of(path), " ".join(self.remark(step).split())]))
+
     def transition_title(self, path: str) -> str:
         """The title of a transition's network."""
         return f"Transition {path}"

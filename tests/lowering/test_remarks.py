@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.model.text import plain
@@ -66,3 +67,11 @@ def test_a_comment_is_before_its_transition() -> None:
     assert lines[place + 2].startswith("IF ")
     assert lowered.proof is not None
     assert lowered.proof.proven
+
+
+@pytest.mark.parametrize(("construction", "language"), [("bits", "ST"), ("flipflop", "FBD"), ("flipflop", "LD")])
+def test_comments_of_sequencers_stand_in_their_code(construction: str, language: str) -> None:
+    project = sfc.load("fixtures/simaticml/FB_Drill.xml")
+    lowered = lower(project, construction, language=language, lang="de", verify=False)
+    paths = {item.path for item in lowered.losses if item.why.startswith("not in the code")}
+    assert not {path for path in paths if " / step " in path or " / transition " in path}

@@ -17,8 +17,7 @@ class StepBits(StepFlags):
 
     def flag_comment(self, step: NetStep) -> str:
         """With what the chart says of the step: it has no network of its own."""
-        remark = " ".join(self.texts.remark(step.step).split())
-        return ": ".join(filter(None, [self.texts.flag_of(step.path), remark]))
+        return self.texts.described_flag(step.step, step.path)
 
     def move(self) -> None:
         """Append all resets, then all sets, and what is stronger than the transitions behind them."""

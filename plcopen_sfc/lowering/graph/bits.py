@@ -16,13 +16,14 @@ from plcopen_sfc.lowering.code.logic import (
     negation,
     when,
 )
+from plcopen_sfc.lowering.code.program import CodeNetwork
 from plcopen_sfc.lowering.graph.actions import Actions
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.graph.skipping import add_skips
 from plcopen_sfc.lowering.graph.step_data import Phase
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
-from plcopen_sfc.semantics.net import NetTransition, Rivals
+from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
 
 
 class BitSequencer(Sequencer):
@@ -32,7 +33,7 @@ class BitSequencer(Sequencer):
         """The flags of steps, the bits of transitions, and what actions want of the steps that they switch."""
         code, texts = self.code, self.texts
         self.flags = [
-            code.declare(texts.flag_name(step.step), comment=texts.flag_of(step.path)) for step in self.net.steps
+            code.declare(texts.flag_name(step.step), comment=self.flag_comment(step)) for step in self.net.steps
         ]
         self.fired = [
             code.declare(texts.transition_name(self.net, t), comment=texts.transition_of(t.path))
@@ -50,6 +51,10 @@ class BitSequencer(Sequencer):
             for i in sorted(switched)
         }
         return [flag.identifier for flag in self.flags]
+
+    def flag_comment(self, step: NetStep) -> str:
+        """What is said of the flag of a step, which has no network of its own, where it is declared."""
+        return self.texts.described_flag(step.step, step.path)
 
     def active(self, step: int) -> Expression:
         """The flag of a step."""
@@ -112,7 +117,9 @@ class BitSequencer(Sequencer):
             permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
         if not is_constant(pushed, FALSE):
             pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
+        parts = [CodeNetwork(self.texts.transitions, tuple(statements))]
         for transition in self.net.transitions:
+            statements = []
             index = transition.index
             enabled = self.enabled(transition)
             preparation = self.resolved(self.source.preparations[index], Phase.SWITCH)
@@ -124,7 +131,9 @@ class BitSequencer(Sequencer):
             rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
             free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
             statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
-        self.code.add(self.texts.transitions, statements)
+            title, remark = self.texts.transition_title(transition.path), self.texts.remark(transition.transition)
+            parts.append(CodeNetwork(title, tuple(statements), remark))
+        self.code.add_each(self.texts.transitions, parts)
 
     def _held(self, step: int) -> Expression:
         """Whether its supervision keeps a step active; one that was only just switched on is not supervised yet."""

@@ -10,7 +10,6 @@ from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, equal, is_constant, negation
 from plcopen_sfc.lowering.graph.bits import BitSequencer
-from plcopen_sfc.model.text import plain
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetStep
 
@@ -26,6 +25,10 @@ class FlipFlopSequencer(BitSequencer):
 
     def _refuse(self, message: str) -> None:
         raise LoweringError(message, location=Location(path=self.source.pou.name))
+
+    def flag_comment(self, step: NetStep) -> str:
+        """What is said of the flag of a step; what the chart says of that stands at its flip-flop."""
+        return self.texts.flag_of(step.path)
 
     def add_step_change(self) -> None:
         """Append a network for each step."""
@@ -60,7 +63,7 @@ class FlipFlopSequencer(BitSequencer):
         name = f"FF_{self.flags[step.index].identifier}"
         self.memory.latch(name, disjunction(set_), disjunction(resets), statements, self.flags[step.index])
         title = self.texts.step(step.step, step.path, initial=initial)
-        self.code.add(title, statements, plain(step.step.comment))
+        self.code.add(title, statements, self.texts.remark(step.step))
 
     @cached_property
     def _is_safe(self) -> bool:
