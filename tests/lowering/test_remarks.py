@@ -71,7 +71,7 @@ def test_a_comment_is_before_its_transition() -> None:
 
 @pytest.mark.parametrize(("construction", "language"), [("bits", "ST"), ("flipflop", "FBD"), ("flipflop", "LD")])
 def test_comments_of_sequencers_stand_in_their_code(construction: str, language: str) -> None:
-    project = sfc.load("fixtures/simaticml/FB_Drill.xml")
-    lowered = lower(project, construction, language=language, lang="de", verify=False)
+    project = sfc.load("fixtures/simaticml")
+    lowered = lower(project, construction, pou="FB_Drill", language=language, lang="de", verify=False)
     paths = {item.path for item in lowered.losses if item.why.startswith("not in the code")}
     assert not {path for path in paths if " / step " in path or " / transition " in path}
