@@ -71,7 +71,14 @@ def test_a_comment_is_before_its_transition() -> None:
 
 @pytest.mark.parametrize(("construction", "language"), [("bits", "ST"), ("flipflop", "FBD"), ("flipflop", "LD")])
 def test_comments_of_sequencers_stand_in_their_code(construction: str, language: str) -> None:
-    project = sfc.load("fixtures/simaticml")
-    lowered = lower(project, construction, pou="FB_Drill", language=language, lang="de", verify=False)
+    project = sfc.load("fixtures/simaticml-plc")
+    chart = project.pou("FB_Drilling").sfc
+    assert chart is not None
+    for number, element in enumerate([*chart.steps, *chart.transitions]):
+        element.comment = f"remark {number}."
+    for step in chart.steps if language != "ST" else ():
+        step.actions = [action for action in step.actions if action.event is None]  # calls on events have no box
+    lowered = lower(project, construction, pou="FB_Drilling", language=language, verify=False)
     paths = {item.path for item in lowered.losses if item.why.startswith("not in the code")}
     assert not {path for path in paths if " / step " in path or " / transition " in path}
+    assert "remark 0." in "\n".join(plain(v.comment) for v in lowered.pou.variables()) + str(lowered.pou.body)
