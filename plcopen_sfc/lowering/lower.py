@@ -10,12 +10,14 @@ from typing import Any, TypeVar
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
-from plcopen_sfc.lowering.code.targets import without_version
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.lowering.code.targets import tool_of, without_version
 from plcopen_sfc.lowering.constructing import Constructed, construct
 from plcopen_sfc.lowering.faults.kinds import Fault
 from plcopen_sfc.lowering.faults.search import find_faults
 from plcopen_sfc.lowering.forms import Construction, Language, Style
 from plcopen_sfc.lowering.grafcet.classic import read_plain
+from plcopen_sfc.lowering.inlining import with_actions_inside
 from plcopen_sfc.lowering.leftovers import without_leftovers
 from plcopen_sfc.lowering.losses import losses
 from plcopen_sfc.lowering.nested import with_actions
@@ -184,6 +186,8 @@ def lower(
             project=found.project,
         )
         made = with_actions(made, found.project.dialect, rules, spoken, found.project)
+        if rules.target is not None and tool_of(rules.target, found.project.dialect) is Tool.S7:
+            made = replace(made, pou=with_actions_inside(made.pou, found.project.dialect))
     if found.name == found.pou.name:
         made = replace(made, pou=without_leftovers(found.pou, made.pou, found.project.dialect))
     project, lowered_pou = _with(found, made.pou, made.blocks, made.data_types)

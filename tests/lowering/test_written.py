@@ -8,10 +8,11 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.inlining import with_actions_inside
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.lowering.written import prove_written
 from plcopen_sfc.semantics.subjects import resolve
-from tests.lowering.charts import training_chain
+from tests.lowering.charts import boolean, training_chain
 
 
 def proved(project: m.Project, lowered: LoweredPou, target: str) -> Verdict:
@@ -20,24 +21,56 @@ def proved(project: m.Project, lowered: LoweredPou, target: str) -> Verdict:
     return prove_written(resolve(project, lowered.name), lowered, seen, lambda: sfc.loads(content, format=target))
 
 
-def chain_in_actions(dialect: m.Dialect) -> m.Project:
-    """A chain whose second step calls an action of CODESYS."""
+def chain_in_actions(text: str) -> m.Project:
+    """A chain of CODESYS whose second step calls an action."""
     pou = training_chain()
     chart = pou.sfc
     assert chart is not None
     chart.steps[1].main_action = "Blink"
-    pou.actions = [m.Action(name="Blink", body=m.StBody(text="IF NOT B5 THEN RETURN; END_IF\nQ3 := NOT Q3;"))]
-    return m.Project(name="Plant", pous=[pou], dialect=dialect)
+    pou.actions = [
+        m.Action(name="Blink", body=m.StBody(text=text)),
+        m.Action(name="Toggle", body=m.StBody(text="Q4 := NOT Q4; // each scan")),
+    ]
+    assert pou.interface is not None
+    pou.interface.sections[1].variables += [boolean("Q4"), boolean("Q5")]
+    return m.Project(name="Plant", pous=[pou], dialect=m.Dialect.CODESYS)
 
 
 def test_actions_that_stand_in_comments_are_no_code() -> None:
-    project = chain_in_actions(m.Dialect.CODESYS)
+    project = chain_in_actions("IF NOT B5 THEN RETURN; END_IF\nQ5 := NOT Q5;")
     lowered = lower(project, "case", target="codesys", verify=False)
     assert proved(project, lowered, "codesys").outcome is Outcome.PROVEN
     for target in ("scl", "simaticml"):
+        lowered = lower(project, "case", target=target, verify=False)
         with pytest.raises(LoweringError, match=r"comments or data of ours only.*pous\[Ablauf\]\.actions") as caught:
             proved(project, lowered, target)
         assert caught.value.location.path == "Ablauf"
+
+
+NESTED = "Toggle();\nIF B5 THEN Toggle; END_IF; Toggle(); Q5 := Q4;"
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml"])
+@pytest.mark.parametrize("construction", ["case", "bits"])
+def test_tia_portal_gets_the_statements_of_actions_instead_of_calls(target: str, construction: str) -> None:
+    project = chain_in_actions(NESTED)
+    lowered = lower(project, construction, target=target, verify=False)
+    assert isinstance(lowered.pou.body, m.StBody)
+    assert "Toggle;" not in lowered.pou.body.text.replace("()", "")
+    assert lowered.pou.body.text.count("    // Toggle\n") == 3
+    assert proved(project, lowered, target).outcome is Outcome.PROVEN
+    elsewhere = lower(project, construction, target="codesys", verify=False)
+    assert isinstance(elsewhere.pou.body, m.StBody)
+    assert elsewhere.pou.body.text.count("Toggle();") == 2
+
+
+def test_actions_that_call_themselves_stay_calls() -> None:
+    pou = m.Pou(name="A", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text="One(); Two();")])
+    texts = {"One": "Two(); x := 1;", "Two": "IF x > 3 THEN One(); END_IF;"}
+    pou.actions = [m.Action(name=name, body=m.StBody(text=text)) for name, text in texts.items()]
+    body = with_actions_inside(pou, m.Dialect.CODESYS).bodies[0]
+    assert isinstance(body, m.StBody)
+    assert body.text.count("One();") == body.text.count("Two();") == 1
 
 
 @pytest.mark.parametrize("style", ["exact", "classic"])
