@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -19,21 +19,23 @@ from plcopen_sfc.refactor.rename import RenameResult, rename
 from tests.corpus import corpus_files
 from tests.formats.simaticml.documents import real_documents
 from tests.languages.names.projects import meanings
-from tests.samples import ALL_PARAMS, NEW, label, lines_of
-from tests.sweeps import some_of
+from tests.samples import ALL_PARAMS, NEW, label, lines_of, real_files
+from tests.sweeps import in_turn, some_of
 
 SEED = 61131
 SMALL = 100_000
 KINDS = (Kind.STEP, Kind.VARIABLE, Kind.ACTION, Kind.POU, Kind.MEMBER, Kind.ENUM_VALUE, Kind.TRANSITION, Kind.METHOD)
 OTHERS = (Kind.DATA_TYPE, Kind.GLOBAL_LIST, Kind.INSTANCE)
+LARGE = [path for path in real_files() if path.stat().st_size > 3 * SMALL]
+"""Of these there are several: in each, names of four kinds are renamed, in the next of others."""
 
 
-def sample(made: m.Project, number: int) -> list[int]:
+def sample(made: m.Project, number: int, kinds: Sequence[Kind]) -> list[int]:
     """At most so many declarations of every kind, by their number."""
     chosen = random.Random(SEED)  # noqa: S311
     declarations = list(Names(made).declarations())
     picked: list[int] = []
-    for kind in (*KINDS, *OTHERS):
+    for kind in kinds:
         some = [index for index, declaration in enumerate(declarations) if declaration.kind is kind]
         picked += chosen.sample(some, min(number, len(some)))
     return picked
@@ -87,7 +89,8 @@ def check_renames(path: Path, most: int, *, lines: bool = True) -> None:
     data = path.read_bytes()
     made = sfc.loads(data)
     before, original = meanings(made), made.model_dump_json()
-    for number in sample(made, most):
+    kinds = in_turn((*KINDS, *OTHERS), LARGE.index(path), 4) if path in LARGE else (*KINDS, *OTHERS)
+    for number in sample(made, most, kinds):
         names = Names(made)
         what = names.resolver.original(list(names.declarations())[number])
         if not what.name or not allowed(names, what):
