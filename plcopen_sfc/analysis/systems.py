@@ -152,7 +152,8 @@ class ProgramSystem:
         self._look_at([name])
 
     def _look_at(self, paths: Iterable[str]) -> None:
-        """Variables are read at the end of scans."""
+        """Variables are read at the end of scans. The state is the one before the first scan then."""
+        self.reset()
         self._looked_at += paths
         found = scratch_cells(self.instance, self._looked_at)
         own = self.instance.frame.v
