@@ -51,6 +51,14 @@ class StepSignals:
     gone: StepValue
 
 
+@dataclass(frozen=True)
+class StepCode:
+    """Statements that belong to a step, each under its own condition."""
+
+    step: NetStep
+    statements: tuple[Statement, ...]
+
+
 class Actions:
     """Makes the code of all actions."""
 
@@ -62,15 +70,24 @@ class Actions:
         self._own = _only_written_by_coils(source)
         self._timers: dict[str, Timer] = {}
 
-    def add(self) -> None:
-        """Append the networks."""
-        self._add_coils()
+    def leaving(self) -> list[StepCode]:
+        """What steps execute that were left."""
+        found: list[StepCode] = []
         for step in self._source.net.steps:
-            leaving = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
-            self._code.add(self._own_texts.leaving(step.path), self._step(step, leaving, left=True))
+            rows = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
+            found.append(StepCode(step, tuple(self._step(step, rows, left=True))))
+        return [each for each in found if each.statements]
+
+    def acting(self) -> list[StepCode]:
+        """What steps execute that are active."""
+        found: list[StepCode] = []
         for step in self._source.net.steps:
-            acting = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
-            self._code.add(self._own_texts.acting(step.path), self._step(step, acting))
+            rows = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
+            found.append(StepCode(step, tuple(self._step(step, rows))))
+        return [each for each in found if each.statements]
+
+    def add_timers(self) -> None:
+        """Append the timers that steps have started."""
         for name, timer in self._timers.items():
             self._code.add(self._own_texts.timer(name), timer.runs())
 
@@ -99,7 +116,8 @@ class Actions:
 
     # -- coils
 
-    def _add_coils(self) -> None:
+    def add_coils(self) -> None:
+        """Append what writes the coils."""
         coils: dict[str, list[tuple[NetStep, Row]]] = {}
         for step in self._source.net.steps:
             for row in self._source.rows[step.index]:

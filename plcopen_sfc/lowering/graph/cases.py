@@ -6,11 +6,12 @@ comparison, of an event two of them: with the state now and the one before the s
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from itertools import chain
+from typing import NamedTuple
 
-from plcopen_sfc.analysis.regions import ParallelBlock, Regions
+from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
@@ -29,7 +30,7 @@ from plcopen_sfc.lowering.code.logic import (
     when,
 )
 from plcopen_sfc.lowering.code.program import TextNetwork
-from plcopen_sfc.lowering.graph.actions import Actions
+from plcopen_sfc.lowering.graph.actions import Actions, StepCode
 from plcopen_sfc.lowering.graph.sequencer import Sequencer
 from plcopen_sfc.lowering.graph.sequences import ON_BY_HAND, on_by_hand, one_sequence, sequences
 from plcopen_sfc.lowering.graph.step_data import Phase
@@ -40,6 +41,13 @@ from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetStep, NetTransition
 
 _LARGEST_INT = 32_767
+
+
+class _Selected(NamedTuple):
+    """What a CASE looks at, and what is known in the branch of a step."""
+
+    selector: Expression
+    known: list[Expression]
 
 
 class RegionSequencer(Sequencer):
@@ -57,6 +65,7 @@ class RegionSequencer(Sequencer):
                 location=Location(path=self.source.pou.name),
                 hint=hint,
             )
+        regions = replace(regions, regions=tuple(self._in_order(region) for region in regions.regions))
         off = replace(regions, regions=tuple(replace(region, initial=None) for region in regions.regions))
         names = StateNames(self.source, off, self.code, self.rules, surroundings)
         self.states = StateMachines(regions, names, self.texts, self.source.dialect, off=True)
@@ -68,6 +77,11 @@ class RegionSequencer(Sequencer):
         self._guard: Expression = TRUE
         self._change = 0
         return [self.texts.flag_name(step.step) for step in self.net.steps]
+
+    def _in_order(self, region: Region) -> Region:
+        """The same with its steps in the order of their numbers, in which people look for them."""
+        numbers = step_numbers(self.net)
+        return replace(region, steps=tuple(sorted(region.steps, key=numbers.__getitem__)))
 
     def structure(self) -> Regions | str:
         """The regions, or why there are none."""
@@ -126,6 +140,77 @@ class RegionSequencer(Sequencer):
         kept = [assignment(bit, self.changed(step, ActionEvent.S0)) for step, bit in self._gone.items()]
         kept += [assignment(old, self.states.machines[region].state) for region, old in sorted(self._old.items())]
         self.code.add(self.texts.before, kept, place=self._change)
+
+    # -- what belongs to one step each: where there is one active step, in the branches of a CASE
+
+    def add_checks(self, cleared: list[Statement], checked: Sequence[StepCode], alarms: str) -> None:
+        """As it is, or with a CASE."""
+        if self._is_one_of(checked):
+            lines = [self.states.text(statement) for statement in cleared]
+            text = "\n".join([*lines, *self._case_of(checked, self._while_active)])
+            self.code.networks.append(TextNetwork(self.own_texts.checks, text, alarms))
+        else:
+            super().add_checks(cleared, checked, alarms)
+
+    def add_checks_behind(self, forgotten: Sequence[StepCode], checked: Sequence[StepCode], alarms: str) -> None:
+        """As it is, or with a CASE each for what was left and entered."""
+        entered = [part for part in checked if self.checks[part.step.index].early]
+        if not self._is_one_of(entered):
+            super().add_checks_behind(forgotten, checked, alarms)
+            return
+        cases = [*self._case_of(forgotten, self._when_left), *self._case_of(entered, self._when_entered)]
+        lines = self._when_changed(cases)
+        lines += [self.states.text(s) for part in checked if part not in entered for s in part.statements]
+        self.code.networks.append(TextNetwork(self.own_texts.checks_behind, "\n".join(lines), alarms))
+
+    def add_leaving(self, parts: Sequence[StepCode]) -> None:
+        """As it is, or with a CASE."""
+        if self._is_one_of(parts):
+            lines = self._when_changed(self._case_of(parts, self._when_left))
+            self.code.networks.append(TextNetwork(self.own_texts.leaving_one, "\n".join(lines)))
+        else:
+            super().add_leaving(parts)
+
+    def add_acting(self, parts: Sequence[StepCode]) -> None:
+        """As it is, or with a CASE. No event happens in a step that is not active, but that it was left."""
+        if self._is_one_of(parts):
+            lines = self._case_of(parts, self._while_active)
+            self.code.networks.append(TextNetwork(self.own_texts.acting_one, "\n".join(lines)))
+        else:
+            super().add_acting(parts)
+
+    def _is_one_of(self, parts: Sequence[StepCode]) -> bool:
+        return len(parts) > 1 and len(self.states.machines) == 1
+
+    def _while_active(self, step: int) -> _Selected:
+        return _Selected(self.states.machine_of(step).state, [self.active(step)])
+
+    def _when_entered(self, step: int) -> _Selected:
+        known = [self.active(step), negation(equal(self._state_before(step), self.states.names.step(step)))]
+        return _Selected(self.states.machine_of(step).state, known)
+
+    def _when_left(self, step: int) -> _Selected:
+        known = [equal(self._state_before(step), self.states.names.step(step)), negation(self.active(step))]
+        return _Selected(self._state_before(step), known)
+
+    def _case_of(self, parts: Sequence[StepCode], selected: Callable[[int], _Selected]) -> list[str]:
+        """A CASE with what each step has; what its branch says need not be asked in it."""
+        if not parts:
+            return []
+        lines = [f"CASE {self.states.text(selected(parts[0].step.index).selector)} OF"]
+        numbers = step_numbers(self.net)
+        for part in sorted(parts, key=lambda each: numbers[each.step.index]):
+            step = part.step
+            known = selected(step.index).known
+            statements = n.Statements(tuple(chain.from_iterable(_without(known, s) for s in part.statements)))
+            content = self.states.text(statements).splitlines()
+            lines += self.states.branch(self.states.names.step(step.index), self.states.heading(step), content)
+        return [*lines, "END_CASE;"]
+
+    def _when_changed(self, lines: list[str]) -> list[str]:
+        machine = self.states.machines[0]
+        changed = negation(equal(machine.state, self._state_before(machine.first)))
+        return [f"IF {self.states.text(changed)} THEN", *(INDENT + line for line in lines), "END_IF;"]
 
     # -- transitions
 
@@ -300,3 +385,14 @@ class CaseSequencer(RegionSequencer):
     def structure(self) -> Regions | str:
         """One region, or why it cannot be one."""
         return one_sequence(self.source, self.rules.profile)
+
+
+def _without(known: Sequence[Expression], statement: Statement) -> tuple[Statement, ...]:
+    """A statement without the conditions that are known to be satisfied."""
+    match statement:
+        case n.If((n.Branch(n.Operation(n.Operator.AND, operands), statements),), None):
+            rest = conjunction(operand for operand in operands if operand not in known)
+            return statements if is_constant(rest, TRUE) else (when(rest, *statements),)
+        case n.If((n.Branch(condition, statements),), None) if condition in known:
+            return statements
+    return (statement,)

@@ -7,7 +7,7 @@ operations. What the block does not declare and what nobody asks for makes no co
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.chains.restart import declare_restart
 from plcopen_sfc.lowering.code.logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import Code
-from plcopen_sfc.lowering.graph.actions import Actions, StepSignals
+from plcopen_sfc.lowering.graph.actions import Actions, StepCode, StepSignals
 from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
 from plcopen_sfc.lowering.graph.reports import add_reports
@@ -193,9 +193,9 @@ class Sequencer(ABC):
     def _add_checks(self) -> None:
         self.code.add(self.texts.times, self.clock.calls())
         acknowledge = self.commands.edge("ACK_EF") if any(c.early for c in self.checks) else FALSE
-        checked = [s for each in self.checks for s in each.cleared()]
-        checked += [s for each in self.checks for s in each.before(self.resolve, acknowledge)]
-        self.code.add(self.own_texts.checks, checked, "" if self._checked_late else self._alarms())
+        cleared = [s for each in self.checks for s in each.cleared()]
+        checked = self._of_steps(each.before(self.resolve, acknowledge) for each in self.checks)
+        self.add_checks(cleared, checked, "" if self._checked_late else self._alarms())
         self.code.add(self.own_texts.undisturbed, self.clock.counted(self.checks))
 
     def evolves(self) -> Expression:
@@ -215,10 +215,13 @@ class Sequencer(ABC):
             for name in self.questions.of(step.index) & _STEP_EVENTS:
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
-        self.code.add(self.own_texts.checks_behind, self._checked(), self._alarms() if self._checked_late else "")
+        self._add_checks_behind(self._alarms() if self._checked_late else "")
         signals = StepSignals(self.active, self.touched, self.event, self._released, self.clock.over, self.gone)
         actions = Actions(self.source, self.code, self.texts, self.own_texts, signals)
-        actions.add()
+        actions.add_coils()
+        self.add_leaving(actions.leaving())
+        self.add_acting(actions.acting())
+        actions.add_timers()
         self.add_switched(actions)
         registers = self._registers()
         registered = [
@@ -230,16 +233,40 @@ class Sequencer(ABC):
     def _restarted(self) -> list[Statement]:
         return self.clock.restarted(lambda step: self.event(step, ActionEvent.S1))
 
-    def _checked(self) -> list[Statement]:
-        """Checks behind the step change: what is left is forgotten before anything asks for it."""
+    def _add_checks_behind(self, alarms: str) -> None:
+        """Append the checks behind the step change: what is left is forgotten before anything asks for it."""
 
         def signal(step: int, event: ActionEvent) -> Callable[[], Expression]:
             return lambda: self.event(step, event)
 
-        found = [s for i, each in enumerate(self.checks) for s in each.forgotten(signal(i, ActionEvent.S0))]
-        for i, each in enumerate(self.checks):
-            found += each.behind(self.resolve, signal(i, ActionEvent.S1))
-        return found
+        forgotten = [each.forgotten(signal(i, ActionEvent.S0)) for i, each in enumerate(self.checks)]
+        behind = [each.behind(self.resolve, signal(i, ActionEvent.S1)) for i, each in enumerate(self.checks)]
+        self.add_checks_behind(self._of_steps(forgotten), self._of_steps(behind), alarms)
+
+    def _of_steps(self, statements: Iterable[list[Statement]]) -> list[StepCode]:
+        """The code of each step that has some."""
+        pairs = zip(self.net.steps, statements, strict=True)
+        return [StepCode(step, tuple(own)) for step, own in pairs if own]
+
+    # -- what belongs to one step each
+
+    def add_checks(self, cleared: list[Statement], checked: Sequence[StepCode], alarms: str) -> None:
+        """Append the checks of the active steps before the step change."""
+        self.code.add(self.own_texts.checks, [*cleared, *_all(checked)], alarms)
+
+    def add_checks_behind(self, forgotten: Sequence[StepCode], checked: Sequence[StepCode], alarms: str) -> None:
+        """Append the checks behind the step change, of steps that were left, then of the active ones."""
+        self.code.add(self.own_texts.checks_behind, [*_all(forgotten), *_all(checked)], alarms)
+
+    def add_leaving(self, parts: Sequence[StepCode]) -> None:
+        """Append what steps execute that were left."""
+        for part in parts:
+            self.code.add(self.own_texts.leaving(part.step.path), part.statements)
+
+    def add_acting(self, parts: Sequence[StepCode]) -> None:
+        """Append what steps execute that are active."""
+        for part in parts:
+            self.code.add(self.own_texts.acting(part.step.path), part.statements)
 
     @property
     def _checked_late(self) -> bool:
@@ -259,3 +286,7 @@ class Sequencer(ABC):
 
     def _released(self, step: int) -> Expression:
         return self.checks[step].value("LS")
+
+
+def _all(parts: Iterable[StepCode]) -> list[Statement]:
+    return [statement for part in parts for statement in part.statements]

@@ -35,6 +35,8 @@ class GraphTexts:
     shown_comment = "number of the step displayed"
     shown_active = "displayed_step_active"
     any_active = "any_step_active"
+    leaving_one = "Actions of the step that was left"
+    acting_one = "Actions of the active step"
     checks_of: Mapping[str, str] = {
         "LS": "the interlock is satisfied",
         "LA": "an error, the interlock is not satisfied",
@@ -100,6 +102,8 @@ class GermanGraphTexts(GraphTexts):
     shown_comment = "Nummer des angezeigten Schritts"
     shown_active = "angezeigter_schritt_aktiv"
     any_active = "ein_schritt_aktiv"
+    leaving_one = "Aktionen des verlassenen Schritts"
+    acting_one = "Aktionen des aktiven Schritts"
     checks_of: Mapping[str, str] = {
         "LS": "die Verriegelung ist erfüllt",
         "LA": "ein Fehler, die Verriegelung ist nicht erfüllt",
