@@ -107,6 +107,29 @@ def test_times_counters_timers_and_calls() -> None:
     proven(chart, outputs="Q P t n:INT")
 
 
+def test_what_steps_do_stands_in_the_branches_of_a_case_by_their_numbers() -> None:
+    chart = guarded(act("S"), act("CU", "n", "S1"), act("N", "P", "S0", value="TRUE"), act("R", "P", "V1"))
+    third = chart.step("S3")
+    third.supervision = m.Supervised(condition=m.Expression(text="#fault"))
+    third.actions = [act("R"), act("TF", "t", duration="T#20ms"), act("N", "P", "V1", value="FALSE")]
+    chart.steps.reverse()
+    chart.graph_settings = m.GraphSettings(acknowledge_errors_required=True)
+    project = block(chart, "ok fault ACK_EF", "Q P t n:INT")
+    assert verdict(project, construction=CASE, cap=500, runs=30).equal
+    made = text(project, CASE)
+    assert "IF #step_number <> #step_number_old THEN\n    CASE #step_number_old OF" in made
+    assert "// Actions of the step that was left" in made
+    acting = made.partition("// Actions of the active step\n")[2].partition("\n\n")[0]
+    assert acting.splitlines()[:5] == [
+        "CASE #step_number OF",
+        "    1: // Step 1 S3",
+        "        #Q := FALSE;",
+        "        #t_mode := 3;",
+        "        #t_time := T#20ms;",
+    ]
+    assert "        IF #step_number_old <> 2 THEN" in acting
+
+
 def counting(number: int) -> m.BodyCondition:
     """A condition that counts whenever it is evaluated."""
     return m.BodyCondition(
