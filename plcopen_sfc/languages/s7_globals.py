@@ -57,6 +57,24 @@ def tag_tables_of(project: Project) -> list[TagTable]:
     return [table] if table.tags or table.constants else []
 
 
+def left_out(project: Project) -> Iterator[tuple[str, str]]:
+    """The global variables of which blocks, tags and constants do not say all, each with what they leave out."""
+    blocks = {pou.name.casefold() for pou in project.pous}
+    tables = [*project.tag_tables, *tag_tables_of(project)]
+    known = {thing.name.casefold() for table in tables for things in (table.tags, table.constants) for thing in things}
+    for section in _lists(project):
+        for variable in section.variables:
+            if section.name and _is_instance(variable, blocks):
+                yield f"{section.name}.{variable.name}", "a global data block has no instances of function blocks"
+            elif section.name and variable.address:
+                yield f"{section.name}.{variable.name}", f"in a data block it has no address: {variable.address}"
+            elif not section.name and variable.name.casefold() not in known:
+                yield (
+                    variable.name,
+                    "S7 keeps data in blocks: without a list, an address or a constant value it has no place",
+                )
+
+
 def _lists(project: Project) -> Iterator[VariableSection]:
     yield from project.global_variables
     for configuration in project.configurations:

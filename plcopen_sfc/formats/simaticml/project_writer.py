@@ -19,7 +19,7 @@ from plcopen_sfc.formats.simaticml.objects_writer import (
 from plcopen_sfc.formats.simaticml.project_reader import IDS, PRODUCT, SCHEMA
 from plcopen_sfc.formats.simaticml.versions import TiaVersion
 from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, keep_added, sub
-from plcopen_sfc.languages.s7_globals import data_blocks_of, tag_tables_of
+from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
 from plcopen_sfc.model.types import DataTypeDeclaration
@@ -79,6 +79,8 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
             keep_added(root[-1])
             why = "a data block" if isinstance(thing, DataBlock) else "tags and constants"
             ctx.note(Fate.TRANSLATED, "global variables", thing.name, why)
+    for name, why in left_out(project):
+        ctx.note(Fate.APPROXIMATED, "global variable", name, why)
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE)

@@ -64,7 +64,8 @@ def test_lists_of_global_variables_are_data_blocks(target: str) -> None:
 
 def test_others_are_tags_and_constants() -> None:
     project = with_globals()
-    content = sfc.dumps(project, format="simaticml")
+    content, report = sfc.convert(project, "simaticml")
+    assert [(item.fate.value, item.path) for item in report.losses] == [("approximated", "Loose")]
     seen = sfc.loads(content, as_tool=True)
     (table,) = seen.tag_tables
     assert [(tag.name, tag.type, tag.address) for tag in table.tags] == [("Start", "Bool", "%I0.3")]
@@ -72,6 +73,20 @@ def test_others_are_tags_and_constants() -> None:
     assert value(seen) == value(project) == 42
     back = sfc.loads(content)
     assert (back.tag_tables, back.configurations) == ([], project.configurations)
+
+
+def test_what_a_data_block_cannot_hold_is_told() -> None:
+    project = with_lists()
+    block = m.Pou(name="Axis", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=";")])
+    project.pous.append(block)
+    motor = m.Variable(name="motor", type=m.DerivedType(name="Axis"))
+    project.applications[0].global_variables[0].variables += [motor, variable("Lamp", BOOL, address="%QX0.0")]
+    content, report = sfc.convert(project, "simaticml")
+    losses = [(item.what, item.path) for item in report.losses]
+    assert losses == [("global variable", "Plant.motor"), ("global variable", "Plant.Lamp")]
+    (data,) = sfc.loads(content, as_tool=True).data_blocks
+    assert data.interface is not None
+    assert [v.name for v in data.interface.variables()] == ["Level", "Open", "Lamp"]
 
 
 def test_a_block_that_has_the_name_stays() -> None:
