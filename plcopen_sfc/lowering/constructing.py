@@ -106,7 +106,7 @@ def construct(
         kinds = _CHAINS if plain.grafcet is None else _CHAINS | _GRAFCET_CHAINS
         maker = kinds[chosen](plain, code, _memory(code, language), rules, surroundings)
         if plain.grafcet is not None:
-            add_grafcet(maker, drawn=code.drawn)
+            add_grafcet(maker)
         else:
             _fill(maker, chosen, style)
     # most of a sequencer would be the text of boxes in CODESYS

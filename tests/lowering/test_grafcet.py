@@ -44,11 +44,11 @@ def check(chart: m.SfcNetwork, inputs: str, outputs: str) -> LoweredPou:
     return compare(pou_with(chart, inputs, outputs))
 
 
-REFUSALS = ("is a loop", "one CASE cannot hold", "transitions are still cleared")
+REFUSALS = ("one CASE cannot hold", "transitions are still cleared")
 
 
 def lowered_if_possible(pou: m.Pou, construction: str, language: str, profile: Profile) -> LoweredPou | None:
-    """None where a loop would have to be drawn, one CASE cannot hold the chart, or it never becomes stable."""
+    """None where one CASE cannot hold the chart, or it never becomes stable."""
     try:
         return lower(pou, construction, language=language, profile=profile)
     except LoweringError as refused:
@@ -240,28 +240,64 @@ def test_qualifiers_of_iec_also_in_steps_that_are_only_passed(qualifier: str) ->
     check(chart, "c1 c2", "Q R")
 
 
-@pytest.mark.parametrize(
-    ("chart", "why"),
-    [
-        (seed_chain(), "transition 2 -> 3 may follow 1 -> 2 with the same inputs"),
-        (emergency_stop("INIT"), "charts that are ruled by others"),
-        (chain("1", "2", conditions="NOT ↑a;↑a"), "transition 1 -> 2 may be cleared in each"),
-    ],
-)
-def test_a_search_for_stability_that_is_a_loop_cannot_be_drawn(chart: m.SfcNetwork, why: str) -> None:
-    pou = pou_with(chart, "a B1 B2 B3 B4 B5 c1 c2 c3 stop", "Q Q1 Q2 Q3 n")
-    with pytest.raises(LoweringError, match="is a loop") as raised:
-        lower(pou, "flipflop", profile="grafcet")
-    assert why in raised.value.message
-    assert "one evolution" in raised.value.hint
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+@pytest.mark.parametrize("target", [None, "plcopen-2.01", "codesys", "simaticml"])
+def test_a_search_for_stability_is_a_jump_back_where_it_is_drawn(target: str | None, language: str) -> None:
+    pou = pou_with(seed_chain(), "B1 B2 B3 B4 B5", "Q1 Q2 Q3")
+    lowered = lower(pou, "flipflop", language=language, profile=SHORT, target=target, lang="de", verify=target is None)
+    body = lowered.pou.body
+    assert isinstance(body, m.FbdBody | m.LdBody)
+    nodes = [node for network in body.networks for node in network.nodes]
+    assert [node.label for node in nodes if isinstance(node, m.Label)] == ["NaechsterLauf"]
+    assert [node.label for node in nodes if isinstance(node, m.Jump)] == ["NaechsterLauf"]
+    if target is None:
+        assert lowered.proof is not None
+        assert lowered.proof.outcome is Outcome.PROVEN
+        return
+    again = sfc.loads(sfc.dumps(lowered.project, format=target))
+    found = equivalent(pou, again, SHORT, left_out=lowered.left_out, step_flags=lowered.step_flags)
+    assert found.outcome is Outcome.PROVEN, str(found)
 
 
-@pytest.mark.parametrize(("kind", "why"), [("conditional", "asks for an edge"), ("onEvent", "an event can happen")])
-def test_actions_that_need_several_evolutions_cannot_be_drawn(kind: str, why: str) -> None:
+def test_the_label_stands_in_the_first_network_of_an_evolution() -> None:
+    pou = pou_with(chain("1", "2", "3", conditions="↑a;b;↑a"), "a b", "Q")
+    lowered = lower(pou, "flipflop", language="LD", profile="grafcet", target="simaticml", verify=False)
+    assert lowered.pou.interface is not None
+    assert "unstable" not in [v.name for v in lowered.pou.variables()]  # it ends by itself
+    body = lowered.pou.body
+    assert isinstance(body, m.LdBody)
+    (labelled,) = [network for network in body.networks if any(isinstance(node, m.Label) for node in network.nodes)]
+    assert any(isinstance(node, m.Coil) for node in labelled.nodes)
+
+
+@pytest.mark.parametrize("situation", ["INIT", "*"])
+def test_charts_that_are_held_and_set_free_are_drawn(situation: str) -> None:
+    chart = emergency_stop(situation)
+    chart.partial_charts[1].network.step("1").actions = [action("onActivation", "n", value="NOT n")]
+    lowered = lower(pou_with(chart, "c1 c2 c3 stop", "Q n"), "flipflop", profile=SHORT)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+
+
+@pytest.mark.parametrize("kind", ["conditional", "onEvent"])
+def test_actions_that_need_several_evolutions_are_drawn(kind: str) -> None:
     chart = chain("1", "2", conditions="↑a;↓a")
     chart.step("1").actions = [action(kind, condition="↑b" if kind == "conditional" else "NOT ↑b")]
-    with pytest.raises(LoweringError, match=why):
-        lower(pou_with(chart, "a b", "Q"), "flipflop", profile="grafcet")
+    lowered = lower(pou_with(chart, "a b", "Q"), "flipflop", profile=SHORT)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+
+
+@pytest.mark.parametrize(("construction", "language"), [("bits", "ST"), ("flipflop", "ST"), ("flipflop", "FBD")])
+def test_an_event_in_the_second_evolution_of_the_first_scan(construction: str, language: str) -> None:
+    """The initial step was activated before the first evolution; in the second one it is there already."""
+    waiting, moving = chain("1", "2", conditions="c;c"), chain("11", "12", conditions="a;b")
+    waiting.step("1").actions = [action("onEvent", "Q", condition="↑X12")]
+    charts = [m.PartialChart(name="G1", network=waiting), m.PartialChart(name="G2", network=moving)]
+    pou = pou_with(m.SfcNetwork(partial_charts=charts), "a b c", "Q")
+    lowered = lower(pou, construction, language=language, profile=SHORT)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
 
 
 @pytest.mark.parametrize("seed", range(6))

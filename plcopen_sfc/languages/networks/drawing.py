@@ -12,7 +12,7 @@ from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.model.body import FbdBody, LdBody
-from plcopen_sfc.model.network import Connection, LogicNetwork, Node
+from plcopen_sfc.model.network import Connection, Label, LogicNetwork, Node
 
 _MARGIN = 20
 _RUNG_GAP = 20
@@ -105,7 +105,17 @@ def draw_ld_expression(
 
 
 def _sheets(rungs: list[Rung], *, divided: bool) -> list[list[Rung]]:
-    return [[rung] for rung in rungs] if divided else [rungs]
+    """The rungs of each network: a label stands in that of the rung behind it, to which jumps lead."""
+    if not divided:
+        return [rungs]
+    found: list[list[Rung]] = []
+    labels: list[Rung] = []
+    for rung in rungs:
+        labels.append(rung)
+        if not all(isinstance(node, Label) for node in rung.nodes):
+            found.append(labels)
+            labels = []
+    return [*found, labels] if labels else found
 
 
 def _stack(rungs: list[Rung], left: float) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import ClassVar
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
@@ -22,6 +23,9 @@ class Memory(ABC):
     `ends`: what makes all of them what they were at the start, but for those with a `flag` and edges that are `kept`.
     `texts`: what variables are called.
     """
+
+    has_instances: ClassVar[bool] = False
+    """Whether flip-flops keep a value of their own besides their `flag`, which is FALSE at the start."""
 
     def __init__(self, code: Code) -> None:
         self.ends: list[Statement] = []
@@ -82,6 +86,8 @@ class Memory(ABC):
 
 class BlockMemory(Memory):
     """Instances of RS, R_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
+
+    has_instances = True
 
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None

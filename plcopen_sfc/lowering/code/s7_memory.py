@@ -14,6 +14,8 @@ from plcopen_sfc.lowering.code.memory import BlockMemory
 class OperandMemory(BlockMemory):
     """Boxes with an operand. In the statements the operand is called, as if it were an instance."""
 
+    has_instances = False
+
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:

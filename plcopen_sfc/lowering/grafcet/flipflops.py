@@ -18,10 +18,14 @@ from plcopen_sfc.semantics.net import NetStep
 
 
 class GrafcetFlipFlops(FlipFlopChain):
-    """Lowers one chart into `code`. `ruled` are the charts that others rule, those above first."""
+    """Lowers one chart into `code`. `ruled` are the charts that others rule, those above first.
+
+    `first`: TRUE in the first evolution only, where a scan can have several of them.
+    """
 
     ruled: Sequence[Ruling] = ()
     concurrency: Concurrency
+    first: Expression | None = None
 
     def move(self) -> None:
         """Append a network for each step, those of ruled charts behind those of the charts that rule them."""
@@ -45,7 +49,7 @@ class GrafcetFlipFlops(FlipFlopChain):
         if ruling is not None:
             set_, reset = self._ruled(step.index, ruling, set_, reset)
         if self.net.initial & step.bit:
-            set_.insert(0, self.memory.starting())
+            set_.insert(0, self.first if self.first is not None else self.memory.starting())
         self._add_step(step, set_, reset)
 
     def _ruled(

@@ -71,15 +71,11 @@ class GrafcetScan:
         before = self._evolving.before
         sights = StepSights(chain.active, before, self._fresh)
         bits = _bits(chain.source) if self._code.drawn else ()
+        self._first: n.Name | None = None
         self._drive, self._drive_of_stored = self._drive_blocks()
         memory = self._drive_of_stored.memory if self._drive_of_stored is not None else chain.memory
         self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
         self._ruled = [Ruling(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
-
-    @property
-    def repeats(self) -> bool:
-        """Whether there is a loop."""
-        return self._stable
 
     def append(self) -> None:
         """Append all networks."""
@@ -93,7 +89,9 @@ class GrafcetScan:
         self._start()
         unseen = [(flag, self._starting() if self._net.initial >> i & 1 else FALSE) for i, flag in self._passed.items()]
         code.add(texts.passed, [assignment(flag, value) for flag, value in unseen])
-        if self._stable:
+        if self._stable and code.drawn:
+            self._jump(evolution, moves)
+        elif self._stable:
             self._loop(evolution, moves)
         else:
             code.networks += evolution
@@ -171,10 +169,11 @@ class GrafcetScan:
 
     def _fresh(self, step: int) -> Expression:
         """Whether the evolution before has activated a step; at the start that of the initial steps counts."""
-        starting = self._starting() if self._net.initial >> step & 1 else FALSE
+        initial = self._net.initial >> step & 1
         if self._stable:
+            starting = self._in_first_evolution() if initial else FALSE
             return disjunction([negation(self._evolving.before(step)), self._reentered(step), starting])
-        return starting
+        return self._starting() if initial else FALSE
 
     def _reentered(self, step: int) -> Expression:
         """Whether a transition has entered a step that was active before."""
@@ -192,6 +191,12 @@ class GrafcetScan:
     def _starting(self) -> Expression:
         """Whether it is the first scan."""
         return self._code.first_scan_pulse()
+
+    def _in_first_evolution(self) -> n.Name:
+        """A variable that is TRUE in the first evolution of the first scan only."""
+        if self._first is None:
+            self._first = self._code.declare(self._texts.first_evolution, initial="TRUE")
+        return self._first
 
     # -- evolutions
 
@@ -225,6 +230,8 @@ class GrafcetScan:
         forcing: list[Statement] = []
         if isinstance(chain, GrafcetFlipFlops):
             chain.ruled, chain.concurrency = self._ruled, self._concurrency
+            if self._stable and chain.memory.has_instances:
+                chain.first = self._in_first_evolution()
         elif isinstance(chain, StepFlags):
             forcing = [imposed(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
@@ -240,6 +247,7 @@ class GrafcetScan:
         seen = [assignment(flag, disjunction([flag, chain.active(i)])) for i, flag in self._passed.items()]
         code.add(texts.passed, seen)
         code.add(texts.before, self._evolving.remembered(), place=place)  # known now
+        code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
 
     def _restarts(self, continuous: ContinuousControl) -> list[Statement]:
         """Let the times of steps begin anew that are left and entered again before the scan ends."""
@@ -283,6 +291,36 @@ class GrafcetScan:
         made, self._code.networks = self._code.networks, kept
         return made
 
+    def _jump(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
+        """Repeat an evolution by a jump back to its first network: networks have no other loops."""
+        code, texts = self._code, self._texts
+        moving = code.declare(texts.moving, comment=texts.moving_comment)
+        label = n.Name(code.naming.fresh(texts.next_evolution))
+        last: list[Statement] = [assignment(moving, moves)]
+        again: Expression = moving
+        if self.stability.most is None:
+            number, unstable, counted = self._counted()
+            code.add(texts.stability, [assignment(number, n.Literal("0"))])
+            again = conjunction([moving, n.Operation(n.Operator.LESS, (number, self._most))])
+            last.append(counted)
+        first, *others = evolution
+        assert isinstance(first, CodeNetwork)  # noqa: S101  # text stands in text only
+        code.networks += [replace(first, statements=(n.Label(label), *first.statements)), *others]
+        code.add(texts.stability, last)
+        code.add(texts.next_evolution_title, [when(again, n.Goto(label, "GOTO"))])
+        if self.stability.most is None:
+            code.add(texts.stability, [assignment(unstable, moving)])
+
+    def _counted(self) -> tuple[n.Name, n.Name, Statement]:
+        """The number of evolutions, what tells that they are too many, and what counts them."""
+        number = self._code.declare(self._texts.evolutions, INT)
+        unstable = self._code.declare_output(self._texts.unstable, self._texts.unstable_comment)
+        return number, unstable, assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
+
+    @property
+    def _most(self) -> Expression:
+        return n.Literal(str(self._chain.profile.max_evolutions))
+
     def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
         """Repeat an evolution until no transition is cleared any more."""
         texts, dialect = self._texts, self._chain.source.dialect
@@ -293,12 +331,9 @@ class GrafcetScan:
         ahead: list[Statement] = []
         behind: list[Statement] = []
         if self.stability.most is None:
-            number = self._code.declare(texts.evolutions, INT)
-            unstable = self._code.declare_output(texts.unstable, texts.unstable_comment)
-            most = n.Literal(str(self._chain.profile.max_evolutions))
-            counted = assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
+            number, unstable, counted = self._counted()
             inside.insert(0, CodeNetwork("", (counted,)))
-            ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, most))])
+            ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, self._most))])
             ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
         lines = [print_node(statement, dialect) for statement in ahead] + ["REPEAT"]
         texts_inside = "\n\n".join(paragraph(network, dialect) for network in inside)
@@ -318,19 +353,11 @@ def _outputs(profile: Profile) -> Profile:
     return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, alphabetic_actions=False)
 
 
-def add_grafcet(chain: Chain, *, drawn: bool) -> None:
-    """Lower a GRAFCET with a construction. `drawn`: as networks. Raises `LoweringError` for what cannot be said so."""
+def add_grafcet(chain: Chain) -> None:
+    """Lower a GRAFCET with a construction. Raises `LoweringError` for what cannot be said so."""
     path = Location(path=chain.source.pou.name)
     if not isinstance(chain, StepFlags | GrafcetCase):
         raise LoweringError(
             "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
         )
-    scan = GrafcetScan(chain)
-    if drawn and scan.repeats:
-        raise LoweringError(
-            f"the search for a stable situation is a loop, which networks do not have: {scan.stability.several}",
-            location=path,
-            hint="Lower it to structured text, or with a profile of one evolution (iec); or let the conditions of"
-            " neighbours exclude each other, by edges or times.",
-        )
-    scan.append()
+    GrafcetScan(chain).append()
