@@ -82,6 +82,22 @@ def test_all_charts_of_a_project_are_lowered(cli: Cli, tmp_path: Path, fixtures:
     assert [chart.name for chart in sfc.load(tmp_path / "one.xml").charts()] == ["PLC_PRG", "PLC_PRG.ACT_Home"]
 
 
+def test_a_sequencer_becomes_a_case_where_nobody_switches_steps_by_hand(
+    cli: Cli, tmp_path: Path, fixtures: Path
+) -> None:
+    chain, code = fixtures / "simaticml-training-chain" / "Ablauf.xml", tmp_path / "chain.scl"
+    done = cli("lower", chain, code, "--to", "scl", "--as", "case")
+    assert (done.code, code.exists()) == (2, False)
+    assert "S_ON can switch on a step while another one is active" in done.err
+    assert "--at-rest" in done.err
+    done = cli("lower", chain, code, "--to", "scl", "--as", "case", "--at-rest", "all", "--json")
+    (pou,) = json.loads(done.out)["pous"]
+    assert (done.code, pou["proof"]["outcome"], pou["at_rest"]["S_ON"]) == (0, "equal (proof)", False)
+    assert "CASE #step_number OF" in code.read_text(encoding="utf-8-sig")
+    done = cli("lower", chain, code, "--to", "scl", "--at-rest", "B1")
+    assert (done.code, "B1 does not operate sequencers" in done.err) == (2, True)
+
+
 def test_the_report_has_the_faults_and_what_the_format_cannot_say(cli: Cli, plant: Path) -> None:
     done = cli(
         "lower", "plant.xml", "out.xml", "--to", "simaticml", "--tia", "V16", "--as", "case", "--report", "r.json"
@@ -225,9 +241,9 @@ def test_all_refusals_are_listed_and_nothing_is_written(cli: Cli, line: Path) ->
     done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--report", "r.json")
     assert (done.code, done.out) == (2, "")
     errors = [text for text in done.err.splitlines() if text.startswith("error: ")]
-    assert errors[0].startswith("error: POU Presse / step S2 / action Q2: D needs a time")
-    assert errors[1].startswith("error: POU Zange / transition S1 -> ")
-    assert errors[2].startswith("error: POU Band: the code cannot be compared with the chart: ")
+    assert re.fullmatch(r"error: line\.xml:\d+ \(POU Presse / step S2 / action Q2\): D needs a time", errors[0])
+    assert " (POU Zange / transition S1 -> " in errors[1]
+    assert " (POU Band): the code cannot be compared with the chart: " in errors[2]
     assert errors[3:] == ["error: nothing is written: 3 of 4 charts are refused"]
     assert "  It can be lowered without the proof: verify=False, --no-verify." in done.err.splitlines()
     assert "--skip-refused" in done.err.splitlines()[-1]
@@ -249,7 +265,7 @@ def test_refused_charts_can_be_left_as_they_are(cli: Cli, line: Path) -> None:
         "under the profile iec: equal (proof: 5 states, all inputs)",
         "written: out.xml",
     ]
-    assert "error: POU Presse / step S2 / action Q2: D needs a time" in done.err
+    assert "(POU Presse / step S2 / action Q2): D needs a time" in done.err
     assert done.err.splitlines()[-1] == "3 of 4 charts are refused, and left as they are"
     written, before = sfc.load("out.xml"), sfc.load("line.xml")
     assert [chart.name for chart in written.charts()] == ["Presse", "Zange", "Band"]
@@ -276,7 +292,7 @@ def test_what_a_refused_chart_calls_is_lowered_for_itself(cli: Cli, plant: Path)
     sfc.save(m.Project(name="Anlage", pous=[outer], dialect=m.Dialect.CODESYS), "both.xml", format="codesys")
     done = cli("lower", "both.xml", "out.xml", "--to", "codesys", "--skip-refused")
     assert (done.code, done.out.splitlines()[0].split(":")[0]) == (1, "Ablauf.Inner")
-    assert "error: POU Ablauf / transition S1 -> S2: " in done.err
+    assert "(POU Ablauf / transition S1 -> S2): " in done.err
     assert [each.name for each in sfc.load("out.xml").charts()] == ["Ablauf"]
 
 
@@ -284,7 +300,10 @@ def test_where_all_charts_are_refused_nothing_is_written(cli: Cli, line: Path) -
     done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--flags", "nowhere!", "--skip-refused")
     assert (done.code, "nothing is written: 4 of 4 charts are refused" in done.err) == (2, True)
     one = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--pou", "Presse", "--skip-refused")
-    assert (one.code, one.err.splitlines()[0]) == (2, "error: POU Presse / step S2 / action Q2: D needs a time")
+    assert (one.code, one.err.splitlines()[0].partition("(")[2]) == (
+        2,
+        "POU Presse / step S2 / action Q2): D needs a time",
+    )
     assert "nothing is written" not in one.err
     assert not (line / "out.xml").exists()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.lowering.code.logic import TRUE, assignment
@@ -58,7 +58,6 @@ def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
     if unknown:
         raise LoweringError(
             f"{unknown[0]} does not operate sequencers, so it cannot be at rest",
-            location=Location(path=source.pou.name),
             hint=f"These do: {', '.join(OPERATING)}.",
         )
     resting = {
