@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.errors import FormatError, Location
-from plcopen_sfc.folders.parts import documents_of
-from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Origin, Project, projects_with
+from plcopen_sfc.model.project import Project, projects_with
 from plcopen_sfc.model.sfc import SfcNetwork
 
 if TYPE_CHECKING:
@@ -54,38 +51,6 @@ def _located(found: list[Diagnostic], project: Project) -> list[Diagnostic]:
     """The findings with their places in the file, by file and line."""
     if project._origin is None:
         return found
-    documents = {pou.name: document for document in documents_of(project) for pou in document.pous}
-    places: dict[int, tuple[str | None, Mapping[str, int]]] = {}
-    placed: list[Diagnostic] = []
-    for each in found:
-        path = each.location.path or ""
-        document = documents.get(path.partition(" / ")[0].removeprefix("POU "))
-        if document is None:
-            placed.append(each)
-            continue
-        if id(document) not in places:
-            places[id(document)] = _lines(document)
-        file, lines = places[id(document)]
-        placed.append(replace(each, location=Location(file, _line(path, lines), None, path)))
+    places = project.locations_of(each.location.path or "" for each in found)
+    placed = [replace(each, location=place) for each, place in zip(found, places, strict=True)]
     return sorted(placed, key=lambda each: (each.location.file or "", each.location.line or 0))
-
-
-def _lines(document: Project) -> tuple[str | None, Mapping[str, int]]:
-    """The name of the file that a document was read from, and the lines of its objects by their paths."""
-    origin = document._origin
-    if not isinstance(origin, Origin):
-        return None, {}
-    lines_of = getattr(format_named(origin.format)[0].codec(), "lines", None)
-    try:
-        return origin.path, lines_of(origin.content, document) if lines_of is not None else {}
-    except FormatError:  # the project was read with another format than its content has
-        return origin.path, {}
-
-
-def _line(path: str | None, lines: Mapping[str, int]) -> int | None:
-    """The line of an object, or of what is around it."""
-    while path:
-        if path in lines:
-            return lines[path]
-        path = path.rpartition(" / ")[0]
-    return None

@@ -29,7 +29,7 @@ class Fate(StrEnum):
 class Item:
     """One item of the source: what kind of thing, where, what became of it and why.
 
-    `line` is that in the source, `file` the document that it is in where the source was a folder.
+    `line` is that in the source, `file` the document that it is in, where the source may have several.
     """
 
     fate: Fate

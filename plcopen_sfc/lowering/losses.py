@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from plcopen_sfc.lowering.code.surroundings import names_of
 from plcopen_sfc.lowering.remarks import Remark, Said, remarks, texts_of
@@ -39,7 +40,8 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
         if variable.name.casefold() not in kept:
             path = f"{own.report_path_of(own.name)} / variable {variable.name}"
             found.append(Item(Fate.DROPPED, "variable", path, "only a chart can have one of this type"))
-    return tuple(found)
+    places = subject.project.locations_of(item.path for item in found)
+    return tuple(replace(item, line=at.line, file=at.file) for item, at in zip(found, places, strict=True))
 
 
 def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:

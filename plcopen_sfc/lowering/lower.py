@@ -174,7 +174,7 @@ def lower(
         without_version(target) if target is not None else None,
         frozenset([at_rest] if isinstance(at_rest, str) else at_rest),
     )
-    with collector_paused(), errors_of(found.pou, found.name):
+    with collector_paused(), errors_of(found.project, found.pou, found.name):
         made = construct(
             found.pou,
             chart,
@@ -218,7 +218,7 @@ def lower(
 
 def _proof(chart: Subject, code: Subject, made: Constructed, profile: Profile, style: Style) -> Verdict:
     """What comparing `code` with `chart` comes to. Raises `LoweringError` where exact code is different."""
-    with errors_of(chart.pou, chart.name):
+    with errors_of(chart.project, chart.pou, chart.name):
         found = prove(
             chart, code, profile, fixed=made.at_rest, left_out=made.left_out, step_flags=made.step_flags or None
         )

@@ -39,7 +39,7 @@ def with_actions(
             if isinstance(action.body, SfcBody):
                 alone = pou.model_copy(update={"bodies": [action.body]})  # as if it were the body
                 chart = action.body.chart
-                with errors_of(pou, f"{pou.name}.{action.name}"):
+                with errors_of(project, pou, f"{pou.name}.{action.name}"):
                     found = construct(
                         alone, chart, dialect, inner, construction=construction, language=language, project=project
                     )

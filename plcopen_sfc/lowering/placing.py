@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 
 
 @contextmanager
-def errors_of(pou: Pou, name: str) -> Iterator[None]:
-    """Errors of lowering the chart called `name`, that of the POU or of an action, get the path of that chart.
+def errors_of(project: Project, pou: Pou, name: str) -> Iterator[None]:
+    """Errors of lowering the chart called `name`, that of the POU or of an action, get the place of that chart.
 
-    Whoever raises them sees a POU with a chart, and knows nothing of actions.
+    Whoever raises them sees a POU with a chart, and knows nothing of actions and files.
     """
     try:
         yield
@@ -23,5 +23,5 @@ def errors_of(pou: Pou, name: str) -> Iterator[None]:
         if not path.startswith("POU "):  # else it is the error of a chart that this one brings along
             inside = "" if path in (pou.name, name) else path.removeprefix(f"{pou.name} / ")
             path = " / ".join(filter(None, [pou.report_path_of(name), inside]))
-            error.location = replace(error.location, path=path)
+            (error.location,) = project.locations_of([path])
         raise

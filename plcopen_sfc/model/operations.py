@@ -10,6 +10,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from plcopen_sfc.errors import Location
     from plcopen_sfc.model.project import Project
     from plcopen_sfc.model.sfc import SfcNetwork
     from plcopen_sfc.refactor.rename import RenameResult
@@ -25,3 +28,9 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
     """`plcopen_sfc.refactor.rename.rename_step`."""
     result: RenameResult = import_module("plcopen_sfc.refactor.rename").rename_step(chart, old, new)
     return result
+
+
+def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
+    """`plcopen_sfc.locating.locations_of`."""
+    places: list[Location] = import_module("plcopen_sfc.locating").locations_of(project, paths)
+    return places

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
@@ -11,7 +11,7 @@ from weakref import WeakValueDictionary
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.errors import ModelError, SfcError
+from plcopen_sfc.errors import Location, ModelError, SfcError
 from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
@@ -315,6 +315,14 @@ class Project(Element):
         `plcopen_sfc.refactor.rename`.
         """
         return operations.rename(self, path, new)
+
+    def locations_of(self, paths: Iterable[str]) -> list[Location]:
+        """Where objects stand in the files of the project, by their paths: ``POU Main / step S3``.
+
+        Each place has the path, and the file and line as far as they are known: those of what is around the object
+        where the format tells no more.
+        """
+        return operations.locations_of(self, paths)
 
     def objects(self) -> Iterator[ProjectObject]:
         """The objects that have files of their own in some tools; what others need comes first."""

@@ -126,7 +126,7 @@ def _made(project: Project, how: How, folder: Path, name: str) -> _Made:
         for number, each in enumerate(lowered):
             chart = resolve(project, each.name)
             try:
-                with errors_of(chart.pou, chart.name):
+                with errors_of(chart.project, chart.pou, chart.name):
                     refuse_comments(report, [each])
                     if seen is not None:
                         proof = prove_written(chart, each, seen, partial(load, draft, format=how.to))

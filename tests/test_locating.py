@@ -1,0 +1,39 @@
+"""Objects are found in the files that they stand in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import Location, LoweringError
+
+FIXTURES = Path(__file__).parents[1] / "fixtures"
+BROKEN = FIXTURES / "broken" / "transition_without_condition.xml"
+
+
+def test_objects_have_the_line_that_the_file_has_them_in() -> None:
+    project = sfc.load(BROKEN)
+    lines = BROKEN.read_text(encoding="utf-8").splitlines()
+    (step,) = project.locations_of(["POU StirTank / step Stir"])
+    assert step.file == str(BROKEN)
+    assert step.line is not None
+    assert 'name="Stir"' in lines[step.line - 1]
+
+
+def test_what_is_unknown_has_the_line_of_what_is_around_it_or_none() -> None:
+    project = sfc.load(BROKEN)
+    around, inside, nowhere = project.locations_of(
+        ["POU StirTank / step Stir", "POU StirTank / step Stir / whatever", "POU Nobody"]
+    )
+    assert inside.line == around.line
+    assert nowhere == Location(path="POU Nobody")
+    assert sfc.Project().locations_of(["POU StirTank"]) == [Location(path="POU StirTank")]
+
+
+def test_an_error_of_lowering_has_file_and_line() -> None:
+    with pytest.raises(LoweringError) as refused:
+        sfc.lower(sfc.load(BROKEN), verify=False)
+    assert refused.value.location.file == str(BROKEN)
+    assert refused.value.location.line
