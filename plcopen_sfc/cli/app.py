@@ -151,6 +151,9 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     normalize: Annotated[
         bool, typer.Option("--normalize", help="Leave out what TIA Portal ignores, such as the time of an export.")
     ] = False,
+    as_tool: Annotated[
+        bool, typer.Option("--as-tool", help="Read as the tool of the file does, without what only this package reads.")
+    ] = False,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.json", help="Write what became of every item.")
     ] = None,
@@ -163,7 +166,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
         how = convert.How(to, flavour=flavour, tia=tia, strict=strict, fresh=fresh, normalize=normalize)
-        screen.exit_code = convert.run(screen, source, target, how, report_to=report)
+        screen.exit_code = convert.run(screen, source, target, how, as_tool=as_tool, report_to=report)
 
 
 def _rename(  # noqa: PLR0917  # typer calls it by name

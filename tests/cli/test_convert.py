@@ -171,3 +171,15 @@ def test_wrong_usage(cli, fixtures, arguments, message):
     assert outcome.code == 2
     assert outcome.err.startswith(f"error: {message}")
     assert outcome.out == ""
+
+
+def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
+    source = tmp_path / "conveyor.scl"
+    assert cli("convert", fixtures / "codesys" / "sorting_conveyor.xml", source, "--to", "scl").code == 0
+    assert cli("convert", source, tmp_path / "whole.json", "--to", "json").code == 0
+    assert cli("convert", source, tmp_path / "seen.json", "--to", "json", "--as-tool").code == 0
+    actions = [len(sfc.load(tmp_path / name).pous[0].actions) for name in ("whole.json", "seen.json")]
+    assert actions == [20, 0]
+    assert cli("convert", source, tmp_path / "plain.scl", "--to", "scl", "--as-tool").code == 0
+    assert b"{plcopen_sfc " in source.read_bytes()
+    assert b"{plcopen_sfc " not in (tmp_path / "plain.scl").read_bytes()

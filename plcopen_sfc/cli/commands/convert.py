@@ -42,8 +42,8 @@ class How:
     normalize: bool = False
 
 
-def run(screen: Screen, source: str, target: str | None, how: How, *, report_to: Path | None) -> int:
-    """Convert `source` to `target` (None: next to it, ``-``: standard output)."""
+def run(screen: Screen, source: str, target: str | None, how: How, *, as_tool: bool, report_to: Path | None) -> int:
+    """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`."""
     extension = format_named(how.format)[0].extensions[0]
     to_stdout = target == "-"
     if to_stdout and screen.as_json:
@@ -51,7 +51,7 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     refuse_empty(source)
     target = target if target is not None else _beside(Path(source), how.format, extension)
     screen.results_to_stderr = to_stdout
-    project = load(source, progress=lambda files: screen.progress(files, "Loading"))
+    project = load(source, progress=lambda files: screen.progress(files, "Loading"), as_tool=as_tool)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
     try:
