@@ -101,7 +101,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         screen.error(error)
     if not written:
         screen.complain(f"nothing is written: {len(made.refused)} of {made.charts} charts are refused")
-        screen.advise("--skip-refused leaves them as they are and lowers the others.")
+        if made.lowered:
+            screen.advise("--skip-refused leaves them as they are and lowers the others.")
         return UNREADABLE
     if made.refused:
         screen.note(f"{len(made.refused)} of {made.charts} charts are refused, and left as they are")
