@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-__all__ = ["Domain", "NotProvableError", "Probe", "frozen", "plain"]
+__all__ = ["Domain", "NotProvableError", "Probe", "Symbolic", "frozen", "plain"]
 
 GREATEST_REAL = 3.4028234663852886e38
 _MOST_CUTS = 24
@@ -89,7 +89,17 @@ def number_of(domain: Domain, constant: object) -> int | float:
     return constant
 
 
-class Probe:
+class Symbolic:
+    """What stands for a value in a search. `key`: what stands for it in a state that can be hashed."""
+
+    __slots__ = ()
+
+    def key(self) -> Any:
+        """Equal keys stand for equal values."""
+        raise NotImplementedError
+
+
+class Probe(Symbolic):
     """A number of a free input that may only be compared with constants, stored, and put out."""
 
     __slots__ = ("domain", "value")
@@ -126,7 +136,7 @@ class Probe:
         raise self._misuse()
 
     def __repr__(self) -> str:
-        return f"<{self.domain.name}: {self.value}>"
+        raise self._misuse()  # a text of it must not be taken for that of a number
 
     def key(self) -> Any:
         """What stands for it in a state that can be hashed."""
@@ -143,7 +153,7 @@ class Probe:
     __radd__ = __rsub__ = __rmul__ = __rtruediv__ = __rfloordiv__ = __rmod__ = __rpow__ = __rdivmod__ = _escape
     __and__ = __or__ = __xor__ = __lshift__ = __rshift__ = _escape
     __rand__ = __ror__ = __rxor__ = __rlshift__ = __rrshift__ = _escape
-    __neg__ = __pos__ = __abs__ = __invert__ = _escape
+    __neg__ = __pos__ = __abs__ = __invert__ = __str__ = __format__ = _escape
 
 
 class _Text(Probe):
@@ -165,7 +175,7 @@ def plain(value: Any) -> Value:
 
 
 def frozen(state: Any) -> Any:
-    """A state that can be hashed: the probes that were stored in it are named."""
-    if isinstance(state, Probe):
+    """A state that can be hashed: what stands for values in it is named."""
+    if isinstance(state, Symbolic):
         return state.key()
     return tuple(map(frozen, state)) if isinstance(state, tuple) else state

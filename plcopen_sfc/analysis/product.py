@@ -9,11 +9,11 @@ is one with the fewest scans.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, Symbolic, frozen, plain
 from plcopen_sfc.analysis.intervals import KeptError, Split
 from plcopen_sfc.errors import (
     ForcingConflictError,
@@ -27,6 +27,7 @@ from plcopen_sfc.semantics.signals import Value
 __all__ = [
     "Branching",
     "Explored",
+    "InputReader",
     "LeftOutError",
     "Progress",
     "Search",
@@ -82,6 +83,8 @@ class Branching:
         self._path: list[tuple[Sequence[Any], int]] = []
         self._cursor = 0
         self.values: dict[str, Any] = {}
+        self.answers: dict[Hashable, bool] = {}
+        """What came out of questions in this scan that nothing decides."""
 
     def combinations(self) -> Iterator[dict[str, Any]]:
         """Run the body of the loop once for each combination; it reads its inputs with `read`."""
@@ -89,6 +92,7 @@ class Branching:
         while True:
             self._cursor = 0
             self.values = {}
+            self.answers = {}
             yield self.values
             while self._path and self._path[-1][1] + 1 == len(self._path[-1][0]):
                 self._path.pop()
@@ -104,6 +108,12 @@ class Branching:
         domain = self._domains[name]
         value = self.values[name] = Split(domain, self._choose) if name in self._split else self._choose(domain.options)
         return value
+
+    def answer(self, question: Hashable) -> bool:
+        """TRUE and FALSE are tried; within a scan the answer stays."""
+        if question not in self.answers:
+            self.answers[question] = self._choose((False, True))
+        return self.answers[question]
 
     def _choose(self, options: Sequence[Any]) -> Any:
         if self._cursor == len(self._path):
@@ -163,13 +173,22 @@ def ended(searching: Search) -> Explored:
             return found
 
 
-def search(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Search:
-    """What `explore` does, state by state. Meanwhile nothing else may use the systems."""
+def search(
+    left: System,
+    right: System,
+    domains: Mapping[str, Domain],
+    cap: int,
+    follow: Callable[[Branching], None] | None = None,
+) -> Search:
+    """What `explore` does, state by state. Meanwhile nothing else may use the systems.
+
+    `follow` is told what tries the inputs of all scans, where something else must be tried too.
+    """
     split = {name for name, domain in domains.items() if domain.is_number}
     try:
         while True:
             try:
-                return (yield from _search(left, right, domains, split, cap))
+                return (yield from _search(left, right, domains, split, cap, follow=follow))
             except KeptError as kept:
                 split.remove(kept.name)
             except _Regrown:
@@ -179,9 +198,17 @@ def search(left: System, right: System, domains: Mapping[str, Domain], cap: int)
         return Explored(0, 0, complete=False, reason=str(reason))
 
 
-def _search(left: System, right: System, domains: Mapping[str, Domain], split: Collection[str], cap: int) -> Search:
+def _search(
+    left: System,
+    right: System,
+    domains: Mapping[str, Domain],
+    split: Collection[str],
+    cap: int,
+    *,
+    follow: Callable[[Branching], None] | None,
+) -> Search:
     tried = [domain for name, domain in domains.items() if name not in split]
-    probing = any(isinstance(option, Probe) for domain in tried for option in domain.options)
+    probing = follow is not None or any(isinstance(o, Symbolic) for domain in tried for o in domain.options)
     key: Callable[[Any], Any] = frozen if probing else _itself
     left.reset()
     right.reset()
@@ -190,6 +217,8 @@ def _search(left: System, right: System, domains: Mapping[str, Domain], split: C
     depths = [0]
     seen: set[Any] = set()
     branching = Branching(domains, split)
+    if follow is not None:
+        follow(branching)
     waiting = deque([0])
     runs = 0
     notes: dict[str, SfcError] = {}

@@ -426,6 +426,12 @@ def test_numbers_that_are_calculated_with_are_tried() -> None:
     assert_different(numeric("n > m", "n >= m"))
 
 
+def test_texts_of_numbers_are_not_taken_for_known() -> None:
+    for text in ("INT_TO_STRING(n) = '5'", "REAL_TO_STRING(INT_TO_REAL(n)) = '5.0'", "LEN(INT_TO_STRING(n)) = 6"):
+        verdict = numeric(text, "FALSE")
+        assert not verdict.proven, text
+
+
 # -- the verdict
 
 

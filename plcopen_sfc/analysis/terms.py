@@ -1,0 +1,256 @@
+"""Numbers as terms: what is calculated, without knowing any value.
+
+A counter (``n := n + 1``) takes thousands of values, and an input that is calculated with has too many to try. Where
+two programs do the same with such a number it need not be known: both sides then have the same term. A comparison of
+terms may come out either way, but the same way wherever the same terms are compared in a scan. After the scan every
+term that is kept gets a name of its own, equal ones the same: from then on it may be any number. So there are a few
+states, in which more can happen than really does. What is proven there is proven; a difference may be none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from typing import Any, NoReturn
+
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic
+from plcopen_sfc.analysis.product import Branching, Explored, InputReader, ended, search
+from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.semantics.signals import Signal, SignalKind
+
+__all__ = ["NUMBERS", "Term", "TermDomain", "explore_terms", "same_numbers"]
+
+NUMBERS = frozenset({SignalKind.INTEGER, SignalKind.REAL, SignalKind.DURATION})
+_MOST_ANSWERS = 60
+"""Comparisons of terms in a scan; a loop whose end is a term asks without end."""
+
+_LARGEST_TERM = 200
+_MOST_STATES = 2_000
+Key = tuple[Hashable, ...]
+
+
+class Answers:
+    """How the comparisons of terms come out in the scan that is run."""
+
+    def __init__(self) -> None:
+        self.branching: Branching | None = None
+
+    def of(self, question: Key) -> bool:
+        """The answer to a question, the same one in the whole scan."""
+        if self.branching is None:
+            raise NotProvableError("terms are compared outside of a scan")
+        if len(self.branching.answers) > _MOST_ANSWERS:
+            raise NotProvableError("too many terms are compared in a scan")
+        return self.branching.answer(question)
+
+
+class Term(Symbolic):
+    """A number of which is known how it was calculated. What cannot be said of it ends the proof."""
+
+    __slots__ = ("_answers", "_key", "_size")
+
+    def __init__(self, key: Key, answers: Answers, size: int = 1) -> None:
+        self._key = key
+        self._answers = answers
+        self._size = size
+
+    def key(self) -> Key:
+        """How it was calculated: equal keys are equal numbers."""
+        return self._key
+
+    def _asked(self, question: str, *operands: object) -> bool:
+        return self._answers.of((question, *map(_key_of, operands)))
+
+    def __lt__(self, other: object) -> bool:
+        return self._asked("<", self, other)
+
+    def __gt__(self, other: object) -> bool:
+        return self._asked("<", other, self)
+
+    def __le__(self, other: object) -> bool:
+        return self._asked("<=", self, other)
+
+    def __ge__(self, other: object) -> bool:
+        return self._asked("<=", other, self)
+
+    def __eq__(self, other: object) -> bool:
+        first, second = sorted((_key_of(self), _key_of(other)), key=repr)
+        return self._answers.of(("=", first, second))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def _made(self, operation: str, *operands: object) -> Term:
+        size = 1 + sum(each._size if isinstance(each, Term) else 1 for each in operands)
+        if size > _LARGEST_TERM:
+            raise NotProvableError("too much is calculated in a scan")
+        return Term((operation, *map(_key_of, operands)), self._answers, size)
+
+    def __add__(self, other: object) -> Term:
+        return self._made("+", self, other)
+
+    def __radd__(self, other: object) -> Term:
+        return self._made("+", other, self)
+
+    def __sub__(self, other: object) -> Term:
+        return self._made("-", self, other)
+
+    def __rsub__(self, other: object) -> Term:
+        return self._made("-", other, self)
+
+    def __mul__(self, other: object) -> Term:
+        return self._made("*", self, other)
+
+    def __rmul__(self, other: object) -> Term:
+        return self._made("*", other, self)
+
+    def __and__(self, other: object) -> Term:
+        return self._made("&", self, other)
+
+    def __rand__(self, other: object) -> Term:
+        return self._made("&", other, self)
+
+    def __or__(self, other: object) -> Term:
+        return self._made("|", self, other)
+
+    def __ror__(self, other: object) -> Term:
+        return self._made("|", other, self)
+
+    def __xor__(self, other: object) -> Term:
+        return self._made("^", self, other)
+
+    def __rxor__(self, other: object) -> Term:
+        return self._made("^", other, self)
+
+    def __neg__(self) -> Term:
+        return self._made("neg", self)
+
+    def __abs__(self) -> Term:
+        return self._made("abs", self)
+
+    def _unknown(self, *_: object) -> NoReturn:
+        raise NotProvableError("a number that is calculated must be known")
+
+    # what depends on the value in another way, or may fail
+    __bool__ = __int__ = __float__ = __index__ = __round__ = __trunc__ = __floor__ = __ceil__ = _unknown
+    __truediv__ = __floordiv__ = __mod__ = __pow__ = __divmod__ = __lshift__ = __rshift__ = _unknown
+    __rtruediv__ = __rfloordiv__ = __rmod__ = __rpow__ = __rdivmod__ = __rlshift__ = __rrshift__ = _unknown
+    __invert__ = __pos__ = __str__ = __format__ = _unknown
+
+    def __repr__(self) -> str:
+        raise NotProvableError("a number that is calculated must be known")
+
+    def __hash__(self) -> int:
+        raise NotProvableError("a number that is calculated must be known")
+
+
+def _key_of(value: object) -> Hashable:
+    if isinstance(value, Term):
+        return value.key()
+    if isinstance(value, bool | int | float):
+        return type(value).__name__, repr(value)  # 1 and 1.0 are calculated with in different ways, 0.0 and -0.0 too
+    raise NotProvableError("a number is used together with what is none")
+
+
+class TermDomain(Domain):
+    """An input that is any number, the same on both sides."""
+
+    def __init__(self, name: str, signal: Signal, answers: Answers) -> None:
+        super().__init__(name, signal)
+        self.options = (Term(("input", name), answers),)
+
+    @property
+    def is_number(self) -> bool:
+        """It has no values to be tried."""
+        return False
+
+
+class _Names:
+    """New names for what is kept after a scan, the same for equal numbers of both sides."""
+
+    def __init__(self, answers: Answers) -> None:
+        self._answers = answers
+        self._known: dict[Hashable, Term] = {}
+
+    def clear(self) -> None:
+        self._known = {}
+
+    def of(self, value: object) -> Term:
+        key = _key_of(value)
+        if key not in self._known:
+            self._known[key] = Term(("kept", len(self._known)), self._answers)
+        return self._known[key]
+
+    def in_all(self, state: Any) -> Any:
+        """A state with the terms in it named."""
+        if isinstance(state, Term):
+            return self.of(state)
+        return tuple(map(self.in_all, state)) if isinstance(state, tuple) else state
+
+
+class _Abstract:
+    """A system in which some variables may have any value at the beginning of each scan."""
+
+    def __init__(self, system: ProgramSystem, numbers: Iterable[str], names: _Names, *, first: bool) -> None:
+        self._system = system
+        self._cells = [system.instance.cell(name) for name in numbers]
+        self._names = names
+        self._first = first
+        self.reset = system.reset
+        self.restore = system.restore
+
+    def scan(self, read: InputReader, *, first: bool) -> None:
+        """Run one scan."""
+        self._system.scan(read, first=first)
+
+    def observed(self) -> tuple[Any, ...]:
+        """What is compared: of terms how they were calculated."""
+        return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed()])
+
+    def snapshot(self) -> Any:
+        """The state; both sides are asked one after the other."""
+        if self._first:
+            self._names.clear()
+        for cells, slot in self._cells:
+            if isinstance(cells[slot], Term | int | float):  # else nobody uses it
+                cells[slot] = self._names.of(cells[slot])
+        return self._names.in_all(self._system.snapshot())
+
+
+def same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
+    """The numbers that both have under the same name and of the same type, and that are no inputs."""
+    others = {name.casefold(): each for name, each in right.variables.items()}
+    return [
+        name
+        for name, each in left.variables.items()
+        if each.signal.kind in NUMBERS
+        and not each.is_input
+        and (other := others.get(name.casefold())) is not None
+        and not other.is_input
+        and other.signal == each.signal
+    ]
+
+
+def explore_terms(
+    left: ProgramSystem,
+    right: ProgramSystem,
+    signals: Mapping[str, Signal],
+    kept: Sequence[str],
+    cap: int,
+) -> Explored | None:
+    """Prove two systems equal whatever the numbers of their inputs, and those that they keep in `kept`, are.
+
+    None where that is not possible: a difference that is found, and an error that both end with, may be none.
+    """
+    answers = Answers()
+    names = _Names(answers)
+    sides = [_Abstract(each, kept, names, first=each is left) for each in (left, right)]
+    domains = {
+        name: TermDomain(name, signal, answers) if signal.kind in NUMBERS else Domain(name, signal)
+        for name, signal in signals.items()
+    }
+
+    def follow(branching: Branching) -> None:
+        answers.branching = branching
+
+    found = ended(search(sides[0], sides[1], domains, min(cap, _MOST_STATES), follow))
+    return found if found.complete and not found.notes else None
