@@ -81,6 +81,26 @@ class StoredActions:
                     found += self._executed(conjunction([one, *none]), action)
         return found
 
+    def ended(self, restart: Expression, initial: Iterable[int], booleans: Collection[str]) -> list[Statement]:
+        """What makes the stored Boolean variables what they are at the start: FALSE, or what `initial` steps store.
+
+        `booleans` are names of variables in lower case; others are known by what they get.
+        """
+        started = set(initial)
+        values: dict[Expression, Expression] = {}
+        for action in self._actions:
+            starts = action.kind is ActionKind.ON_ACTIVATION and started.intersection(action.steps)
+            for statement in action.statements:
+                if not isinstance(statement, n.Assignment):
+                    continue
+                target, sets = statement.target, is_constant(statement.value, TRUE)
+                named = isinstance(target, n.Name) and target.identifier.casefold() in booleans
+                if named or sets or is_constant(statement.value, FALSE):
+                    values.setdefault(target, FALSE)
+                    values[target] = TRUE if starts and sets else values[target]
+        done = [assignment(target, value) for target, value in values.items()]
+        return self._memory.conditional("", restart, done)
+
     def at_the_start(self, initial: Iterable[int], starting: Expression) -> list[Statement]:
         """What the activation of the initial steps executes, in the scan that is `starting`."""
         started = set(initial)

@@ -225,8 +225,8 @@ class GrafcetScan:
             events = [event.named(chain.memory, texts.event, happening) for event in events]
             drive.code.add(texts.start, self._at_the_start() if drive is self._drive else [])
             drive.code.add(texts.events, self._stored.on_events(events))
-            drive.code.add(texts.stored, self._stored.on_changes())
-        changes = self._stored.on_changes() if drive is None else []
+            drive.code.add(texts.stored, [*self._stored.on_changes(), *self._ended()])
+        changes = [*self._stored.on_changes(), *self._ended()] if drive is None else []
         forcing: list[Statement] = []
         if isinstance(chain, GrafcetFlipFlops):
             chain.ruled, chain.concurrency = self._ruled, self._concurrency
@@ -248,6 +248,13 @@ class GrafcetScan:
         code.add(texts.passed, seen)
         code.add(texts.before, self._evolving.remembered(), place=place)  # known now
         code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
+
+    def _ended(self) -> list[Statement]:
+        """What starting the chain anew does to what is stored."""
+        chain = self._chain
+        if chain.init is None or not chain.rules.reset_actions:
+            return []
+        return self._stored.ended(chain.init, indexes(self._net.initial), _bits(chain.source))
 
     def _restarts(self, continuous: ContinuousControl) -> list[Statement]:
         """Let the times of steps begin anew that are left and entered again before the scan ends."""
