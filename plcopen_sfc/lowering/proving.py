@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.analysis.equivalence import Verdict, equivalent
 from plcopen_sfc.errors import Location, LoweringError, SfcError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
 from plcopen_sfc.lowering.code.program import BOOL
 from plcopen_sfc.lowering.code.surroundings import names_of
 from plcopen_sfc.lowering.operating import compared_while_operated, operating_inputs
@@ -16,6 +19,7 @@ from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.semantics.charts.flags import COMMANDS, flags_in_use
 from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import Subject
 
 _STATES = 20_000
@@ -43,7 +47,10 @@ def prove(
     """
     chart, code = compared_subjects(chart, code, profile)
     try:
-        compared = partial(equivalent, chart, code, profile, left_out=left_out, step_flags=step_flags, scans=scans)
+        inputs = _renamed_inputs(chart, code, profile)
+        compared = partial(
+            equivalent, chart, code, profile, inputs=inputs, left_out=left_out, step_flags=step_flags, scans=scans
+        )
         operating = operating_inputs(chart, profile)
         found = compared_while_operated(compared, operating, fixed, cap, runs)
     except SfcError as error:
@@ -64,6 +71,30 @@ def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[
     if not commands:
         return chart, code
     return _with_inputs(chart, commands), _with_inputs(code, commands)
+
+
+def _renamed_inputs(chart: Subject, code: Subject, profile: Profile) -> dict[str, str]:
+    """What variables that nobody declares are called in the code, if its dialect does not take their names."""
+    target = code.project.dialect
+    if target in (chart.project.dialect, Dialect.SCL):
+        return {}
+    mine, theirs = (
+        {name.casefold(): name for name in Simulation(each, profile=profile).undeclared} for each in (chart, code)
+    )
+    found: dict[str, str] = {}
+    for old in mine.keys() - theirs.keys():
+        like = re.compile(r"\.".join(_renamed(part, target) for part in mine[old].split(".")), re.IGNORECASE)
+        new = [name for key, name in theirs.items() if key not in mine and like.fullmatch(name)]
+        if len(new) == 1:
+            found[new[0]] = mine[old]
+    return found
+
+
+def _renamed(name: str, target: Dialect) -> str:
+    """A pattern of what a name is called in a dialect."""
+    if is_identifier(name) and not is_reserved(name, target):
+        return re.escape(name)
+    return re.escape(identifier(name)) + "(_[0-9]+)?"
 
 
 def _incomparable(chart: Subject, why: str) -> LoweringError:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import training_chain
 
 
@@ -34,3 +37,30 @@ def test_functions_that_nobody_knows_prevent_the_proof_only() -> None:
     body = lower(pou, "case", profile="iec", verify=False).pou.body
     assert isinstance(body, m.StBody)
     assert "Weigh(B1) > 3" in body.text
+
+
+@pytest.mark.parametrize("target", ["plcopen", "codesys"])
+@pytest.mark.parametrize(("asked", "equal"), [("On", True), ("Off", False)])
+def test_what_nobody_declares_may_have_another_name_in_the_dialect_of_the_code(
+    target: str, asked: str, equal: bool
+) -> None:
+    """IEC 61131-3 takes neither umlauts and blanks nor its own words as names, and the data block is elsewhere."""
+    chart = sfc.SfcNetwork()
+    first, second = (chart.add_step(name, initial=name == "A") for name in ("A", "B"))
+    chart.add_transition(first, second, '"DB_Füllung".Module.On OR "DB_Füllung"."Stufe 1"')
+    back_again = chart.add_transition(second, first, 'NOT "DB_Füllung".Module.On')
+    pou = m.Pou(name="Fill", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
+    project = m.Project(dialect=m.Dialect.SCL, pous=[pou])
+    lowered = lower(project, "bits", target=target, profile="iec", verify=False)
+    written = sfc.loads(sfc.dumps(lowered.project, format=target), format=target, as_tool=True)
+    back_again.condition = m.Expression(text=f'NOT "DB_Füllung".Module.{asked}')
+    found = prove(
+        resolve(project, "Fill"),
+        resolve(written, "Fill"),
+        lowered.profile,
+        fixed={},
+        left_out=None,
+        step_flags=lowered.step_flags,
+    )
+    assert found.proven == equal
+    assert found.equal == equal
