@@ -16,6 +16,7 @@ from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.product import Explored, Progress, Search, search
 from plcopen_sfc.analysis.slicing import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
+from plcopen_sfc.analysis.terms import explore_terms
 from plcopen_sfc.model.pou import Pou
 
 __all__ = ["Division", "divide", "race"]
@@ -66,9 +67,9 @@ class Division:
         failed: list[Explored] = []
         for share in self._shares:
             left, right = (pou(kept) for pou, kept in zip(self._pous, (share.left, share.right), strict=True))
-            systems = build(left, right, share.pairs)
-            scans += _BUILDING * sum(system.size for system in systems[:2])
-            searching = search(*systems, cap)
+            first, second, domains = build(left, right, share.pairs)
+            scans += _BUILDING * (first.size + second.size)
+            searching = search(first, second, domains, cap)
             found = None
             progress = Progress(0, 0)
             while found is None and (inputs is None or progress.depth + 1 < len(inputs)):
@@ -81,6 +82,9 @@ class Division:
             scans += progress.scans
             if found is None:
                 continue  # it has no shorter difference
+            if not found.complete and found.inputs is None and inputs is None:
+                signals = {name: domain.signal for name, domain in domains.items()}
+                found = explore_terms(first, second, signals, cap) or found
             states += found.states
             depth = max(depth, found.depth)
             notes |= dict.fromkeys(found.notes)
@@ -88,6 +92,8 @@ class Division:
                 inputs = found.inputs
             elif not found.complete:
                 failed.append(found)
+                if not found.capped:
+                    break
         parts = len(self._shares)
         if inputs is not None:
             shortest = all(each.depth + 1 >= len(inputs) for each in failed)
@@ -160,7 +166,7 @@ def race(
     undivided = _Running(whole)
     head_start = _HEAD_START + _HEAD_START_FOR_A_VARIABLE * size
     found = undivided.advance(head_start)
-    if found is not None and not found.capped:
+    if found is not None and (found.complete or found.inputs is not None):
         return found
     searching = divided()
     if searching is None:
@@ -171,7 +177,7 @@ def race(
         if by_parts is not None and (by_parts.complete or (by_parts.inputs is not None and accepted(by_parts))):
             return by_parts
         found = undivided.advance(2 * limit if by_parts is None else None)
-        if found is not None and (by_parts is not None or not found.capped):
+        if found is not None and (by_parts is not None or found.complete or found.inputs is not None):
             return found
     return _never()
 

@@ -18,7 +18,7 @@ from plcopen_sfc.analysis.domains import Domain, plain
 from plcopen_sfc.analysis.product import Explored, Search, compare, end_of, failure_of, search
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem, connect, step_observations
-from plcopen_sfc.analysis.terms import NUMBERS, explore_terms, same_numbers
+from plcopen_sfc.analysis.terms import explore_terms
 from plcopen_sfc.errors import ModelError, SfcError
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.model.pou import Pou
@@ -247,7 +247,7 @@ def equivalent(
     if not clock.reason:
         found = race(search(left, right, domains, cap), left.size + right.size, divided, accepted)
     if not clock.reason and not found.complete and found.inputs is None:
-        found = _whatever_numbers(left, right, signals, cap) or found
+        found = explore_terms(left, right, signals, cap) or found
     counterexample = None
     runs_made = 0
     if found.inputs is not None:
@@ -281,16 +281,6 @@ def equivalent(
         found.notes,
         found.parts,
     )
-
-
-def _whatever_numbers(
-    left: ProgramSystem, right: ProgramSystem, signals: Mapping[str, Signal], cap: int
-) -> Explored | None:
-    """Try to prove that two systems do the same whatever their numbers are."""
-    kept = same_numbers(left, right)
-    if not kept and not any(signal.kind in NUMBERS for signal in signals.values()):
-        return None
-    return explore_terms(left, right, signals, kept, cap)
 
 
 class _Comparison:

@@ -9,7 +9,7 @@ states, in which more can happen than really does. What is proven there is prove
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping
 from typing import Any, NoReturn
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic
@@ -17,9 +17,9 @@ from plcopen_sfc.analysis.product import Branching, Explored, InputReader, ended
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
-__all__ = ["NUMBERS", "Term", "TermDomain", "explore_terms", "same_numbers"]
+__all__ = ["Term", "explore_terms"]
 
-NUMBERS = frozenset({SignalKind.INTEGER, SignalKind.REAL, SignalKind.DURATION})
+_NUMBERS = frozenset({SignalKind.INTEGER, SignalKind.REAL, SignalKind.DURATION})
 _MOST_ANSWERS = 60
 """Comparisons of terms in a scan; a loop whose end is a term asks without end."""
 
@@ -216,13 +216,13 @@ class _Abstract:
         return self._names.in_all(self._system.snapshot())
 
 
-def same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
+def _same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
     """The numbers that both have under the same name and of the same type, and that are no inputs."""
     others = {name.casefold(): each for name, each in right.variables.items()}
     return [
         name
         for name, each in left.variables.items()
-        if each.signal.kind in NUMBERS
+        if each.signal.kind in _NUMBERS
         and not each.is_input
         and (other := others.get(name.casefold())) is not None
         and not other.is_input
@@ -231,21 +231,21 @@ def same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
 
 
 def explore_terms(
-    left: ProgramSystem,
-    right: ProgramSystem,
-    signals: Mapping[str, Signal],
-    kept: Sequence[str],
-    cap: int,
+    left: ProgramSystem, right: ProgramSystem, signals: Mapping[str, Signal], cap: int
 ) -> Explored | None:
-    """Prove two systems equal whatever the numbers of their inputs, and those that they keep in `kept`, are.
+    """Prove two systems equal whatever the numbers of their inputs, and those that they keep, are.
 
-    None where that is not possible: a difference that is found, and an error that both end with, may be none.
+    None where that is not possible, or there are no numbers: a difference that is found, and an error that both end
+    with, may be none.
     """
+    kept = _same_numbers(left, right)
+    if not kept and not any(signal.kind in _NUMBERS for signal in signals.values()):
+        return None
     answers = Answers()
     names = _Names(answers)
     sides = [_Abstract(each, kept, names, first=each is left) for each in (left, right)]
     domains = {
-        name: TermDomain(name, signal, answers) if signal.kind in NUMBERS else Domain(name, signal)
+        name: TermDomain(name, signal, answers) if signal.kind in _NUMBERS else Domain(name, signal)
         for name, signal in signals.items()
     }
 

@@ -103,6 +103,18 @@ def test_random_charts_and_programs_with_mistakes(name: str, monkeypatch: pytest
     assert outcomes[Outcome.PROVEN, True] >= 4, outcomes
 
 
+def test_a_part_that_counts_is_proven_whatever_the_number_is() -> None:
+    """The counter has too many values, what stands beside it too many states for terms alone."""
+    waits = "t(IN := c0, PT := T#3s); IF c1 THEN n := n + m; END_IF; late := n > 7; Q := t.Q; R_ := c1 AND t.Q;"
+    variables = ["t : TON; n, m : INT; Q, R_, late : BOOL"]
+    sides = [program(f"{waits} n := n + {step}; m := 1;", ["c0", "c1"], variables) for step in ("1", "1", "2")]
+    names = ["Q", "R_", "late", "n"]
+    found = equivalent(sides[0], sides[1], "iec", outputs=names, scan_time="100ms", cap=200, runs=0)
+    assert found.proven, str(found)
+    assert found.parts > 1
+    assert equivalent(sides[0], sides[2], "iec", outputs=names, cap=200, runs=0).outcome is Outcome.DIFFERENT
+
+
 # -- rings that do not know of each other
 
 
