@@ -54,7 +54,7 @@ def programs(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("empty") / "environment"
     venv.create(folder, with_pip=True)
     programs = folder / ("Scripts" if os.name == "nt" else "bin")
-    install(programs / "python", "-m", "pip", "install", "--quiet", wheel, cwd=folder.parent)
+    install(programs / "python", "-m", "pip", "install", "--quiet", "--no-compile", wheel, cwd=folder.parent)
     return programs
 
 
