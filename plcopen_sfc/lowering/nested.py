@@ -39,9 +39,11 @@ def with_actions(
             if isinstance(action.body, SfcBody):
                 alone = pou.model_copy(update={"bodies": [action.body]})  # as if it were the body
                 chart = action.body.chart
+                # types that are new have their names already
+                around = project.model_copy(update={"data_types": [*project.data_types, *data_types]})
                 with errors_of(project, pou, f"{pou.name}.{action.name}"):
                     found = construct(
-                        alone, chart, dialect, inner, construction=construction, language=language, project=project
+                        alone, chart, dialect, inner, construction=construction, language=language, project=around
                     )
                 data_types += found.data_types
                 pou = found.pou.model_copy(update={"bodies": pou.bodies})

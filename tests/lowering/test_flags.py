@@ -172,10 +172,53 @@ def test_flags_that_are_local_are_tried_in_the_proof(declared: bool) -> None:
     assert "SFCInit" not in [v.name for v in lowered.pou.interface.variables(m.SectionKind.INPUT)]
 
 
-def test_what_a_library_of_codesys_declares_is_refused() -> None:
-    pou = chain_with(outputs=("SFCError", "SFCErrorAnalyzationTable"))
-    with pytest.raises(LoweringError, match="SFCErrorAnalyzationTable"):
-        lowered_text(pou)
+def with_table(*, declared: bool) -> m.Pou:
+    """A chart that uses the table of the analysis, and shows what stands in it."""
+    outputs = ("SFCError", "First", "Second", "Value", "Empty")
+    pou = chain_with("SFCQuitError", "SFCInit", outputs=outputs)
+    chart = pou.sfc
+    assert chart is not None
+    assert pou.interface is not None
+    chart.steps[1].max_time = "T#10ms"
+    chart.transitions[1].condition = m.Expression(text="B2 AND (B3 OR NOT B4)")
+    table = m.SfcFlag.ERROR_ANALYZATION_TABLE
+    shown = [
+        f"First := {table.variable}[0].name = 'B2';",
+        f"Second := {table.variable}[1].name = 'B4';",
+        f"Value := {table.variable}[1].value;",
+        f"Empty := {table.variable}[2].name = '';",
+    ]
+    for step in chart.steps:
+        step.main_action = m.StBody(text=" ".join(shown))
+    if declared:
+        kind = m.ArrayType(dimensions=[m.Dimension(lower="0", upper="15")], base=m.DerivedType(name="ExpressionResult"))
+        local = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[m.Variable(name=table.variable, type=kind)])
+        pou.interface.sections.append(local)
+    else:
+        flags = (table, m.SfcFlag.ERROR, m.SfcFlag.QUIT_ERROR, m.SfcFlag.INIT)
+        chart.settings = m.SfcSettings(flags={flag: m.FlagUse(use=True) for flag in flags})
+    return pou
+
+
+@pytest.mark.parametrize("declared", [True, False])
+@pytest.mark.parametrize("construction", ["bits", "case", "flipflop"])
+def test_the_table_of_the_analysis(construction: str, declared: bool) -> None:
+    """The project gets the type of its rows, which is part of a library of CODESYS."""
+    lowered = lower(m.Project(pous=[with_table(declared=declared)]), construction, language="ST", profile="codesys")
+    assert lowered.proof is not None
+    assert lowered.proof.equal, str(lowered.proof)
+    assert {"First", "Second", "Value", "Empty"} <= set(lowered.proof.compared)
+    assert [kind.name for kind in lowered.project.data_types] == ["ExpressionResult"]
+    body = lowered.pou.body
+    assert isinstance(body, m.StBody)
+    assert "SFCErrorAnalyzationTable[table_row].name := 'B2';" in body.text
+
+
+def test_the_table_is_no_other_variable_and_is_not_drawn() -> None:
+    with pytest.raises(LoweringError, match="declared with another type"):
+        lowered_text(chain_with(outputs=("SFCError", "SFCErrorAnalyzationTable")))
+    with pytest.raises(LoweringError, match="cannot be drawn"):
+        lower(m.Project(pous=[with_table(declared=False)]), "flipflop", profile="codesys")
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -15,7 +15,7 @@ from plcopen_sfc.lowering.chains.states import step_numbers
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.semantics.net import Net
 from tests.analysis.nets import chart_of
-from tests.lowering.charts import boolean, pou_with, training_chain
+from tests.lowering.charts import act, boolean, pou_with, training_chain
 from tests.lowering.test_regions import PARALLEL, chain
 
 DIALECTS = {
@@ -166,3 +166,19 @@ def test_variables_of_these_names_are_not_hidden() -> None:
         lowered = lower(project(pou), states=states)
         assert lowered.proof is not None
         assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+
+
+def test_the_chart_of_an_action_has_an_enumeration_of_its_own() -> None:
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    inner = m.SfcNetwork()
+    first, second = inner.add_step("A", initial=True), inner.add_step("B")
+    inner.add_transition(first, second, "B5")
+    inner.add_transition(second, first, "B1")
+    pou.actions.append(m.Action(name="Inner", body=m.SfcBody(chart=inner)))
+    act(chart, chart.steps[1], "Inner")
+    lowered = lower(project(pou), "case", pou="Ablauf", states="enumeration")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert [kind.name for kind in lowered.project.data_types] == ["Ablauf_Step", "Ablauf_Step_2"]

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import string_literal
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.chains.error_table import ErrorTable
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import BOOL, Code, StepValue
@@ -33,16 +33,15 @@ class FlagCode:
     """
 
     def __init__(self, source: ChartSource, code: Code, memory: Memory, texts: Texts, init: Expression | None) -> None:
-        if SfcFlag.ERROR_ANALYZATION_TABLE in source.flags:
-            raise LoweringError(
-                "SFCErrorAnalyzationTable is not lowered: its type is part of a library of CODESYS",
-                location=Location(path=source.pou.name),
-            )
         self._source, self._code, self._memory, self._texts = source, code, memory, texts
         self._init = init
-        for flag in sorted(source.undeclared_flags):
+        self._table: ErrorTable | None = None
+        if SfcFlag.ERROR_ANALYZATION_TABLE in source.flags:
+            self._table = ErrorTable(source, code, texts)
+        for flag in sorted(source.undeclared_flags - {SfcFlag.ERROR_ANALYZATION_TABLE}):
             code.declare_as(flag.variable, _STRING if flag in _TEXTS else BOOL)
-        self._flags = {flag: code.naming.local(flag.variable) for flag in source.flags}
+        flags = source.flags - {SfcFlag.ERROR_ANALYZATION_TABLE}
+        self._flags = {flag: code.naming.local(flag.variable) for flag in flags}
         self._edges: list[Statement] = []
         self._back = self._going_back()
         self._tip = self._pushed()
@@ -187,6 +186,7 @@ class FlagCode:
                 *self._assigned(SfcFlag.ERROR_STEP, self._text(step.step.name)),
                 *self._assigned(SfcFlag.ERROR_POU, self._text(self._source.pou.name)),
                 *self._analysis(watch),
+                *(self._table.filled(watch.reasons) if self._table is not None else []),
             ]
             statements = self._memory.conditional(
                 self._texts.with_suffix(self._texts.flag_name(step.step), "late"), late, report
@@ -215,7 +215,7 @@ class FlagCode:
         found = self._assigned(SfcFlag.ERROR, FALSE)
         for flag in (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION):
             found += self._assigned(flag, _EMPTY)
-        return found
+        return [*found, *(self._table.emptied() if self._table is not None else [])]
 
     def _assigned(self, flag: SfcFlag, value: Expression) -> list[Statement]:
         name = self._flags.get(flag)

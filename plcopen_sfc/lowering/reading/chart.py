@@ -266,7 +266,7 @@ class _Reader(TextReader):
             for step in self._net.steps:
                 if step.step.max_time:
                     time = self.expression(step.step.max_time, f"step {step.path}")
-                    reasons = tuple(self._reasons(step.index)) if SfcFlag.ERROR_ANALYZATION in self._flags else ()
+                    reasons = tuple(self._reasons(step.index)) if _ANALYSES & self._flags else ()
                     yield Watch(step.index, time, reasons)
 
     def _reasons(self, step: int) -> Iterator[Reason]:
@@ -309,9 +309,10 @@ def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Express
                 yield from _reasons(operand, text, wanted, given)
             return
     start, end = node.span or (0, len(text))
-    yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]))
+    yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]), not wanted)
 
 
+_ANALYSES = {SfcFlag.ERROR_ANALYZATION, SfcFlag.ERROR_ANALYZATION_TABLE}
 _WITH_CALLS = frozenset({Dialect.CODESYS, Dialect.TWINCAT})
 """The dialects in which an action can be called."""
 

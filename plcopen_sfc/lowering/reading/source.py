@@ -90,10 +90,14 @@ class StepCode:
 
 @dataclass(frozen=True)
 class Reason:
-    """An operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does."""
+    """An operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does.
+
+    `value` is that of the operand meanwhile.
+    """
 
     text: str
     stands: n.Expression
+    value: bool
 
 
 @dataclass(frozen=True)
