@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
@@ -11,6 +14,8 @@ from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.simulation import simulate
 from plcopen_sfc.semantics.subjects import resolve
+from tests.corpus import require_official_schema
+from tests.formats.simaticml.official import official, outer_parts, without_namespace
 from tests.lowering.grafcets import pou_with
 from tests.lowering.test_grafcet import ONCE, SHORT, emergency_stop_of_the_seed
 from tests.semantics.charts.rig import chain
@@ -119,3 +124,22 @@ def test_several_blocks_of_one_project(target: str, first: str) -> None:
             step_flags=made.step_flags,
         )
         assert found.outcome is Outcome.PROVEN, str(found)
+
+
+@pytest.mark.parametrize("language", ["FBD", "LD"])
+def test_networks_that_jump_back_are_valid_by_the_official_schemas(language: str, tmp_path: Path) -> None:
+    pou = emergency_stop_of_the_seed()
+    made = {
+        target: lower(pou, "flipflop", language=language, profile=SHORT, target=target, actions="block", verify=False)
+        for target in ("plcopen-2.01", "simaticml")
+    }
+    content = sfc.dumps(made["plcopen-2.01"].project, format="plcopen-2.01")
+    schema = etree.XMLSchema(etree.parse(require_official_schema("2.01")))
+    assert b"<jump " in content
+    assert schema.validate(etree.fromstring(content)), schema.error_log
+    sfc.save(made["simaticml"].project, f"{tmp_path}/", format="simaticml")
+    parts = [part for path in sorted(tmp_path.rglob("*.xml")) for part in outer_parts(etree.parse(path).getroot())]
+    assert any(element.find(".//{*}LabelDeclaration") is not None for _, _, element in parts)
+    for kind, number, element in parts:
+        schema = official(kind, number)
+        assert schema.validate(without_namespace(element)), schema.error_log
