@@ -27,6 +27,7 @@ SAME = {
     "init_input",
     "remark",
     "said",
+    "described_flag",
     "with_suffix",
     "step_numbers",
 }
