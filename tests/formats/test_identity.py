@@ -14,7 +14,7 @@ from plcopen_sfc.model.project import Project
 from tests.samples import ALL_PARAMS, NEW, assert_only_names_changed, charts_in, label, name_places, outline, variants
 from tests.sweeps import in_turn
 
-SMALL = 50_000
+SMALL = 30_000
 """Files up to this size, of which each format has some, are tried in every handwriting; bigger ones in two."""
 FILES = [param.values[0] for param in ALL_PARAMS]
 

@@ -59,9 +59,9 @@ def test_renames_in_real_files(path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", some_of(ALL_PARAMS, 6))
+@pytest.mark.parametrize("path", some_of(ALL_PARAMS, 10))
 def test_more_renames_in_real_files(path: Path) -> None:
-    """More names of every kind, in every sixth file."""
+    """More names of every kind, in every tenth file."""
     check_renames(path, max(2, min(6, 1_000_000 // path.stat().st_size)))
 
 
