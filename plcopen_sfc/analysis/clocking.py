@@ -20,6 +20,7 @@ __all__ = ["Clocking", "StepTimes", "clocking", "step_times"]
 _LITERAL = r"(?:TIME|LTIME|S5TIME|S5T|LT|T)\#[-+]?[0-9][0-9a-zA-Z_.]*"
 _DURATION = re.compile(rf"\b{_LITERAL}", re.IGNORECASE)
 _STEP_TIME = re.compile(r"""(?:\\?"[^"\\]+\\?"|(?<![\w.])[\w.\[\]]+)\s*\.\s*[TU]\b""", re.IGNORECASE)
+_MEMBER_TIME = re.compile(r"\.\s*[TU]\b", re.IGNORECASE)  # quick to look for, and most texts have none
 _COMPARED = re.compile(
     rf"""\s* (?:>=|<=|<>|>|<|=) \s* {_LITERAL} \s* (?:$ | [)"\\;,\]&] | (?:AND|OR|XOR|AND_THEN|OR_ELSE|THEN|DO)\b)""",
     re.IGNORECASE | re.VERBOSE,
@@ -90,7 +91,7 @@ def step_times(subject: Subject, scan_time: int) -> StepTimes:
     plain = all(
         _COMPARED.match(text, match.end()) and not _CALCULATED.search(text[: match.start()][-8:])
         for text in texts
-        for match in _STEP_TIME.finditer(text)
+        for match in _reads_of_times(text)
     )
     steps = [step for chart in charts for step in chart.steps]
     durations = [a.duration for step in steps for a in step.actions]
@@ -132,9 +133,13 @@ def _conditions(chart: SfcNetwork) -> Iterator[str]:
     return (each.text for each in conditions if isinstance(each, Expression))
 
 
+def _reads_of_times(text: str) -> Iterator[re.Match[str]]:
+    return _STEP_TIME.finditer(text) if _MEMBER_TIME.search(text) else iter(())
+
+
 def _times_read(text: str) -> list[str]:
     """The steps whose time a text reads, each as often as it does."""
-    paths = (match.group().rpartition(".")[0].strip() for match in _STEP_TIME.finditer(text))
+    paths = (match.group().rpartition(".")[0].strip() for match in _reads_of_times(text))
     return [path.rpartition(".")[2].strip('"\\').casefold() for path in paths]
 
 

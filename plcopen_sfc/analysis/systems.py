@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from plcopen_sfc.analysis.clocking import Clocking, step_times
+from plcopen_sfc.analysis.clocking import Clocking, StepTimes, step_times
 from plcopen_sfc.analysis.product import LeftOutError
 from plcopen_sfc.analysis.scratch import scratch_cells
 from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
@@ -31,6 +31,7 @@ from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, wat
 __all__ = ["Observation", "ProgramSystem", "connect", "step_observations"]
 
 InputReader = Callable[[str], Any]
+_NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class ProgramSystem:
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
         self.steps, self._marking = step_marking(self.instance)
-        self.times = step_times(subject, clock.scan_time)
+        self.times = step_times(subject, clock.scan_time) if self.instance.charts() else _NO_STEPS
         self._forget = self._forgetting()
         self._scratch: list[tuple[list[Any], int, Value | None]] = []
         self._timers: list[WaitingTimer] = []

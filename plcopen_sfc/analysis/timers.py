@@ -1,7 +1,9 @@
-"""Timers of which only the elapsed time counts, compared with constants: beyond the greatest it makes no difference.
+"""Timers whose elapsed time makes no difference beyond a limit.
 
 Lowered charts measure the time of a step with an on-delay that never ends (``Fill_time.ET >= T#5s``). Its elapsed time
-would go on growing for days while the step waits for something else, and every millisecond would be a state.
+would go on growing for days while the step waits for something else, and every millisecond would be a state: beyond the
+greatest constant that it is compared with that makes no difference. And a timer that an action started and nobody calls
+any more would go on growing forever: once its time is over it makes no difference when it was started.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.analysis.sole_bodies import path_names, sole_statements
+from plcopen_sfc.analysis.sole_bodies import all_nodes, path_names
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.walking import children
@@ -31,6 +33,7 @@ _COMPARING = frozenset(
         n.Operator.GREATER_OR_EQUAL,
     }
 )
+_OUTPUTS = ("q", "et")
 _ROUNDING = 1_000_000
 """Elapsed times are whole milliseconds at most."""
 
@@ -54,31 +57,33 @@ class WaitingTimer:
 
 
 def waiting_timers(instance: Instance, observed: Collection[str], scan_time: int) -> list[WaitingTimer]:
-    """The timers of a POU whose end (``Q``) nobody looks at, and whose elapsed time is only compared with constants.
+    """The on-delays of a POU whose times are constants, if all calls of them are known.
 
-    `observed` (paths) are variables that are looked at when a scan has ended. None where other bodies may see them.
+    `observed` (paths) are variables that are looked at when a scan has ended.
     """
     frames = {
         field.name.casefold(): frame
         for field in instance.frame.layout.fields
         if _is_on_delay(field.type, instance) and isinstance(frame := instance.frame.v[field.slot], Frame)
     }
-    statements = sole_statements(instance) if frames else None
-    if statements is None:
+    nodes = all_nodes(instance) if frames else None
+    if nodes is None:
         return []
     uses = _Uses(instance, frozenset(frames))
-    for statement in statements:
-        uses.look(statement)
+    for node in nodes:
+        uses.look(node)
     for path in observed:
-        uses.otherwise.update(part.strip('"#') for part in path.casefold().split("."))
+        uses.read.update(part.strip('"#') for part in path.casefold().split("."))
     found = []
     for name, frame in frames.items():
         presets = uses.presets.get(name)
         if name in uses.otherwise or not presets:
             continue
-        limit = max(uses.constants.get(name, ()), default=0) + scan_time + _ROUNDING
+        limit = max(presets) + scan_time + _ROUNDING
+        if name not in uses.read:
+            limit = min(limit, max(uses.constants.get(name, ()), default=0) + scan_time + _ROUNDING)
         start, elapsed = frame.layout.find("START"), frame.layout.find("ET")
-        if min(presets) > limit and start is not None and elapsed is not None:
+        if start is not None and elapsed is not None:
             found.append(WaitingTimer(frame.v, start.slot, elapsed.slot, limit))
     return found
 
@@ -93,8 +98,8 @@ def _is_on_delay(type_: object, instance: Instance) -> bool:
 class _Uses:
     """What is done with some timers.
 
-    `constants`: what their elapsed time is compared with; `presets`: their times; `otherwise`: names that are used in
-    any other way.
+    `constants`: what their elapsed time is compared with; `presets`: their times; `read`: those of which more is read;
+    `otherwise`: names that are used in any other way.
     """
 
     def __init__(self, instance: Instance, timers: frozenset[str]) -> None:
@@ -102,6 +107,7 @@ class _Uses:
         self._timers = timers
         self.constants: dict[str, list[int]] = {}
         self.presets: dict[str, list[int]] = {}
+        self.read: set[str] = set()
         self.otherwise: set[str] = set()
 
     def look(self, node: n.Node) -> None:
@@ -111,6 +117,10 @@ class _Uses:
             if self._compared(first, second) or self._compared(second, first):
                 return
         if isinstance(node, n.Call) and self._called(node):
+            return
+        path = path_names(node) if isinstance(node, n.Member) else None
+        if path is not None and len(path) == 2 and path[0] in self._timers and path[1] in _OUTPUTS:
+            self.read.add(path[0])
             return
         if isinstance(node, n.Name):
             self.otherwise.add(node.identifier.casefold())

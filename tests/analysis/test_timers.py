@@ -8,12 +8,13 @@ from plcopen_sfc.analysis.clocking import clocking
 from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.timers import waiting_timers
-from plcopen_sfc.model import SfcNetwork
+from plcopen_sfc.model import SfcBody, SfcNetwork, StBody
 from plcopen_sfc.semantics.profile import profile
 from plcopen_sfc.semantics.subjects import resolve
 from tests.analysis.schemes import program
 
 MS = 1_000_000
+DAY = 24 * 60 * 60 * 1000
 VARIABLES = ["t, u : TON", "a, b : BOOL", "e : TIME"]
 
 
@@ -30,15 +31,18 @@ def limits(text: str, *observed: str) -> list[int]:
         ("t(IN := i, PT := T#1d); a := T#70ms < (t.ET) AND k OR NOT (t.ET <> T#20ms);", [81]),
         ("IF k THEN t(IN := t.ET < T#3s, PT := T#1d); END_IF; a := t.ET >= T#50ms;", [3011]),
         ("t(IN := i, PT := T#1d);", [11]),
-        ("t(IN := i, PT := T#60ms); a := t.ET >= T#50ms;", []),  # it ends before
-        ("t(IN := i, PT := T#1d); a := t.ET >= T#50ms OR t.Q;", []),
-        ("t(IN := i, PT := T#1d); e := t.ET;", []),
+        ("t(IN := i, PT := T#60ms); a := t.ET >= T#50ms;", [61]),
+        ("t(IN := i, PT := T#1d); a := t.ET >= T#50ms OR t.Q;", [DAY + 11]),
+        ("IF k THEN t(IN := i, PT := T#2s); ELSE t(IN := i, PT := T#3s); END_IF; a := t.Q;", [3011]),
+        ("t(IN := i, PT := T#1d); e := t.ET;", [DAY + 11]),
         ("t(IN := i, PT := T#1d, ET => e); a := t.ET >= T#50ms;", []),
         ("t(IN := i, PT := e); a := t.ET >= T#50ms;", []),
         ("t(IN := i); a := t.ET >= T#50ms;", []),
         ("t(i, T#1d); a := t.ET >= T#50ms;", []),
-        ("t(IN := i, PT := T#1d); a := t.ET >= e;", []),
-        ("t(IN := i, PT := T#1d); a := t.ET + T#1s >= T#5s;", []),
+        ("t(IN := i, PT := T#1d); a := t.ET >= e;", [DAY + 11]),
+        ("t(IN := i, PT := T#1d); a := t.ET + T#1s >= T#5s;", [DAY + 11]),
+        ("t(IN := i, PT := T#1d); t(IN := k, PT := e); a := t.Q;", []),
+        ("t(IN := i, PT := T#1d); t.PT := e; a := t.Q;", []),
         ("t(IN := i, PT := T#1d); u := t; a := t.ET >= T#50ms;", []),
     ],
 )
@@ -49,7 +53,7 @@ def test_which_timers_only_wait(text: str, limit: list[int]) -> None:
 def test_what_is_looked_at_behind_a_scan_counts() -> None:
     text = "t(IN := i, PT := T#1d); a := t.ET >= T#50ms;"
     assert limits(text, "a") == [61]
-    assert limits(text, "t.Q") == []
+    assert limits(text, "t.Q") == [DAY + 11]
 
 
 def waiting(condition: str, tested: str) -> Verdict:
@@ -72,3 +76,26 @@ def test_a_step_that_waits_longer_than_its_time_is_proven() -> None:
     assert waiting("A.T >= T#50ms AND c0", "t.ET > T#50ms AND c0").outcome is Outcome.DIFFERENT
     assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#75ms AND c0").outcome is Outcome.DIFFERENT
     assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#50ms AND (t.ET < T#1s OR c1) AND c0").outcome is Outcome.DIFFERENT
+
+
+def test_a_timer_that_nobody_calls_any_more_does_not_go_on() -> None:
+    """A main action starts it, and does not see the end of its step."""
+    chart = SfcNetwork()
+    first, second = chart.add_step("A", initial=True), chart.add_step("B")
+    chart.add_transition(first, second, "c0")
+    chart.add_transition(second, first, "c1")
+    first.main_action = StBody(text="t(IN := TRUE, PT := T#50ms); Q := t.Q;")
+    code = program("", ["c0", "c1"], ["t : TON", "Q : BOOL"])
+    pou = code.model_copy(update={"bodies": [SfcBody(chart=chart)]})
+    text = """
+    {} t(IN := TRUE, PT := T#{}ms); Q := t.Q; END_IF;
+    IF x AND c0 THEN x := FALSE; ELSIF NOT x AND c1 THEN x := TRUE; END_IF;
+    """
+    right, wrong, always = (
+        program(text.format(when, time), ["c0", "c1"], ["x : BOOL := TRUE", "t : TON", "Q : BOOL"])
+        for when, time in (("IF x THEN", 50), ("IF x THEN", 60), ("IF TRUE THEN", 50))
+    )
+    assert equivalent(pou, right, "codesys", outputs=["Q"], scan_time="10ms", cap=100, runs=0).proven
+    for other in (wrong, always):
+        found = equivalent(pou, other, "codesys", outputs=["Q"], scan_time="10ms", cap=100)
+        assert found.outcome is Outcome.DIFFERENT
