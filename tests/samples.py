@@ -7,6 +7,7 @@ import difflib
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from xml.parsers import expat
 from xml.sax.saxutils import escape
@@ -161,8 +162,9 @@ class Span:
         return found
 
 
+@lru_cache(maxsize=2)
 def outline(data: bytes) -> Span:
-    """The elements of a file with their lines, as expat sees them."""
+    """The elements of a file with their lines, as expat sees them. Neighbouring tests ask for the same file."""
     root: list[Span] = []
     stack: list[Span] = []
     parser = expat.ParserCreate("utf-8")
