@@ -1,6 +1,8 @@
 """Global variables as S7 has them: a named list is a data block, others are tags and constants of a table.
 
-A global variable without a list, an address and a value that never changes has no counterpart: S7 keeps data in blocks.
+Named lists are those of CODESYS, whose variables texts name with their list: they stand in an application, or are
+objects of a project. In a configuration of IEC 61131-3 the names of lists say nothing. A global variable without a
+list, an address and a value that never changes has no counterpart: S7 keeps data in blocks.
 """
 
 from __future__ import annotations
@@ -27,10 +29,10 @@ def data_blocks_of(project: Project) -> list[DataBlock]:
     taken = {thing.name.casefold() for thing in things}
     blocks = {pou.name.casefold() for pou in project.pous}
     found: dict[str, list[Variable]] = {}
-    for section in _lists(project):
-        if section.name and section.name.casefold() not in taken:
+    for name, section in _lists(project):
+        if name and name.casefold() not in taken:
             variables = [v for v in section.variables if not _is_instance(v, blocks)]
-            found.setdefault(section.name, []).extend(v.model_copy(update={"address": None}) for v in variables)
+            found.setdefault(name, []).extend(v.model_copy(update={"address": None}) for v in variables)
     return [
         DataBlock(
             name=name,
@@ -46,7 +48,7 @@ def tag_tables_of(project: Project) -> list[TagTable]:
     known = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
     known |= {constant.name.casefold() for table in project.tag_tables for constant in table.constants}
     table = TagTable(name=TABLE)
-    for section in (section for section in _lists(project) if not section.name):
+    for section in (section for name, section in _lists(project) if not name):
         for variable in (v for v in section.variables if v.name.casefold() not in known):
             address = variable.address and translated_address(variable.address, Dialect.IEC, Dialect.SCL).text
             if address and "*" not in address:
@@ -62,27 +64,27 @@ def left_out(project: Project) -> Iterator[tuple[str, str]]:
     blocks = {pou.name.casefold() for pou in project.pous}
     tables = [*project.tag_tables, *tag_tables_of(project)]
     known = {thing.name.casefold() for table in tables for things in (table.tags, table.constants) for thing in things}
-    for section in _lists(project):
+    for name, section in _lists(project):
         for variable in section.variables:
-            if section.name and _is_instance(variable, blocks):
-                yield f"{section.name}.{variable.name}", "a global data block has no instances of function blocks"
-            elif section.name and variable.address:
-                yield f"{section.name}.{variable.name}", f"in a data block it has no address: {variable.address}"
-            elif not section.name and variable.name.casefold() not in known:
+            if name and _is_instance(variable, blocks):
+                yield f"{name}.{variable.name}", "a global data block has no instances of function blocks"
+            elif name and variable.address:
+                yield f"{name}.{variable.name}", f"in a data block it has no address: {variable.address}"
+            elif not name and variable.name.casefold() not in known:
                 yield (
                     variable.name,
                     "S7 keeps data in blocks: without a list, an address or a constant value it has no place",
                 )
 
 
-def _lists(project: Project) -> Iterator[VariableSection]:
-    yield from project.global_variables
-    for configuration in project.configurations:
-        yield from configuration.global_variables
-        for resource in configuration.resources:
-            yield from resource.global_variables
-    for application in project.applications:
-        yield from application.global_variables
+def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:
+    """All lists of global variables, each with the name that texts name its variables with."""
+    for section in (*project.global_variables, *(s for a in project.applications for s in a.global_variables)):
+        yield section.name or "", section
+    sections = [s for c in project.configurations for s in c.global_variables]
+    sections += [s for c in project.configurations for resource in c.resources for s in resource.global_variables]
+    for section in sections:
+        yield section.name if section.name and section.object_id is not None else "", section
 
 
 def _is_instance(variable: Variable, blocks: set[str]) -> bool:

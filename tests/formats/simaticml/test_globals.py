@@ -34,7 +34,7 @@ def with_lists() -> m.Project:
 def with_globals() -> m.Project:
     text = LOGIC.format("VAR_EXTERNAL Top : INT; Start : BOOL; END_VAR\nIF NOT Start THEN y := Top; END_IF;")
     project = sfc.loads(text.encode(), format="iec-text")
-    own = [section(variable("Top", INT, initial=m.SimpleValue(text="42")), constant=True)]
+    own = [section(variable("Top", INT, initial=m.SimpleValue(text="42")), constant=True, name="Limits")]
     inputs = [section(variable("Start", BOOL, address="%IX0.3"), variable("Loose", BOOL))]
     project.configurations = [m.Configuration(name="Plc", global_variables=[*own, *inputs])]
     return project
