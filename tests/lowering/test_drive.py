@@ -194,6 +194,18 @@ def test_flags_and_blocks_come_back_from_the_file(language: str, target: str) ->
     assert found.outcome is Outcome.PROVEN, str(found)
 
 
-def test_actions_that_steps_control_one_by_one_stay_inline() -> None:
-    with pytest.raises(LoweringError, match="control one by one"):
-        lower(project(), "bits", profile="matiec", actions="block")
+@pytest.mark.parametrize(("construction", "language"), FORMS)
+def test_actions_that_steps_control_one_by_one(construction: str, language: str) -> None:
+    """As matiec has them. The chain keeps the times of steps, and tells the block."""
+    lowered = lower(project(), construction, language=language, profile="matiec", actions="block")
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    original = project()
+    chart = original.pous[0].sfc
+    assert chart is not None
+    act(chart, chart.steps[2], "Q5", m.Qualifier.D, duration="T#20ms")
+    act(chart, chart.steps[1], "Q5", m.Qualifier.L, duration="T#20ms")
+    timed = lower(original, construction, language=language, profile="matiec", actions="block", verify=False)
+    found = equivalent(original, resolve(timed.project, "Ablauf"), "matiec", cap=500, runs=5)
+    assert found.equal, str(found)
+    assert {"X2_time_ET", "X3_time_ET"} <= set(sections(block_of(timed))["input"])

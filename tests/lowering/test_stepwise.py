@@ -103,8 +103,6 @@ def test_what_cannot_be_said_is_refused() -> None:
     with pytest.raises(LoweringError, match="initial situation is held"):
         lowered(pou, profile=replace(PROFILES["iec"], name="ours", initial_situation_held=True))
     chart(pou).step("S1").actions.clear()
-    with pytest.raises(LoweringError, match="block of their own"):
-        lowered(pou, actions=ActionPlace.BLOCK)
     chart(pou).step("S1").entry_action = m.StBody(text="q := TRUE;")
     with pytest.raises(LoweringError, match="entry action of an initial step"):
         lowered(pou)

@@ -158,10 +158,13 @@ class Chain(ABC):
         if self.rules.actions is ActionPlace.BLOCK:
             self._add_drive_block(ending)
             return
-        control: ActionControl | StepwiseControl = ActionControl(self.memory, self.active, ending)
+        add_actions(self.source, self.code, self._control(self.code, self.memory, ending), self.memory, self.rules)
+
+    def _control(self, code: Code, memory: Memory, ending: Expression) -> ActionControl | StepwiseControl:
+        """What drives actions that stand in `code`."""
         if self.profile.action_control is Control.PER_STEP:
-            control = StepwiseControl(self.net, self.code, self.memory, self.times, active=self.active, ending=ending)
-        add_actions(self.source, self.code, control, self.memory, self.rules)
+            return StepwiseControl(self.net, code, memory, self.times, active=self.active, ending=ending)
+        return ActionControl(memory, self.active, ending)
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
         """A block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
@@ -175,13 +178,8 @@ class Chain(ABC):
 
     def _add_drive_block(self, ending: Expression) -> None:
         """Append the call of a block with the actions."""
-        if self.profile.action_control is Control.PER_STEP:
-            raise LoweringError(
-                "actions that steps control one by one cannot stand in a block of their own",
-                location=Location(path=self.source.pou.name),
-            )
         drive = self.drive_block(self.texts.drive)
-        control = ActionControl(drive.memory, self.active, ending)
+        control = self._control(drive.code, drive.memory, ending)
         add_actions(without_texts(self.source), drive.code, control, drive.memory, self.rules)
         self.sfc_flags.end_in_block(drive.code, drive.memory)
         self.code.add(self.texts.drive_call, [self.call(drive)])
