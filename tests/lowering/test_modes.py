@@ -258,5 +258,7 @@ def test_what_cannot_be_stepped_by_hand_is_refused() -> None:
     regions = lower(parallel(), "regions", modes=["enable", "advance"])
     assert regions.proof is not None
     assert regions.proof.outcome is Outcome.PROVEN
+    with pytest.raises(LoweringError, match="no step that could be selected"):
+        lower(m.SfcNetwork(), "bits", modes=["select"])
     with pytest.raises(LoweringError, match="search for stability"):
         lower(project(), "bits", modes=["single-step"], profile="grafcet")
