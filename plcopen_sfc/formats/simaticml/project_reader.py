@@ -9,6 +9,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.base import TIA_PORTAL
+from plcopen_sfc.formats.simaticml.copies import Copy, copy_of
 from plcopen_sfc.formats.simaticml.late_reading import LateDocument
 from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE
 from plcopen_sfc.formats.simaticml.reading import (
@@ -18,7 +19,6 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_attribute,
     carry_element,
     children,
-    is_added,
     local,
     read_comments,
 )
@@ -92,9 +92,12 @@ def read_project(
             frame.add(kind)
         if kind == "DocumentInfo":
             _document_info(header, child)
-        elif (where := _list_for(kind)) is not None and is_added(child):
-            continue  # the project has the global variables that it says
-        elif where is not None:
+        elif (where := _list_for(kind)) is not None:
+            copied = copy_of(child)
+            if copied is Copy.UNCHANGED:
+                continue  # the project has the global variables that it says
+            if copied is Copy.EDITED:
+                ctx.warn("XML213", "a copy of global variables was edited: it is an object of its own now", child)
             look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))
         elif kind != "Engineering":

@@ -8,6 +8,7 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.simaticml.copies import mark_copy
 from plcopen_sfc.formats.simaticml.fitting import refuse_older
 from plcopen_sfc.formats.simaticml.numbering import number, number_like
 from plcopen_sfc.formats.simaticml.objects_writer import (
@@ -18,7 +19,7 @@ from plcopen_sfc.formats.simaticml.objects_writer import (
 )
 from plcopen_sfc.formats.simaticml.project_reader import IDS, PRODUCT, SCHEMA
 from plcopen_sfc.formats.simaticml.versions import TiaVersion
-from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, keep_added, sub
+from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, sub
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
@@ -76,7 +77,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
         else:
             write_tag_table(ctx, root, thing)
         if id(thing) in added:
-            keep_added(root[-1])
+            mark_copy(root[-1])
             why = "a data block" if isinstance(thing, DataBlock) else "tags and constants"
             ctx.note(Fate.TRANSLATED, "global variables", thing.name, why)
     for name, why in left_out(project):

@@ -102,3 +102,24 @@ def test_an_edit_of_a_global_variable_reaches_its_block() -> None:
     seen = sfc.loads(sfc.dumps(project), as_tool=True)
     assert seen.data_blocks[0].interface is not None
     assert [v.name for v in seen.data_blocks[0].interface.variables()] == ["Height", "Open"]
+
+
+@pytest.mark.parametrize(("old", "new"), [(b">41<", b">43<"), (b'Name="Open"', b'Name="Shut"')])
+def test_a_copy_that_somebody_edited_is_not_lost(old: bytes, new: bytes) -> None:
+    content = sfc.dumps(with_lists(), format="simaticml")
+    assert content.count(old) == 1
+    edited = sfc.loads(content.replace(old, new))
+    assert [finding.code for finding in edited.diagnostics] == ["XML213"]
+    (block,) = edited.data_blocks
+    seen = sfc.loads(sfc.dumps(edited, format="simaticml"), as_tool=True)
+    assert [each.name for each in seen.data_blocks] == [block.name]
+    assert seen.data_blocks[0].interface == block.interface
+    assert sfc.dumps(edited) == content.replace(old, new)
+
+
+def test_a_copy_stays_one_however_the_document_is_written() -> None:
+    content = sfc.dumps(with_lists(), format="simaticml")
+    squeezed = b">".join(part.strip() for part in content.split(b">")).replace(b'ID="', b'ID="7')
+    assert sfc.loads(squeezed).data_blocks == []
+    assert sfc.loads(sfc.dumps(with_lists(), format="simaticml", tia="V16")).data_blocks == []
+    assert sfc.loads(sfc.dumps(with_lists(), format="simaticml", normalize=True)).data_blocks == []
