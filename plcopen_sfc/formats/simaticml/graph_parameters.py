@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.reading import local
-from plcopen_sfc.formats.simaticml.writing import WriteContext, keep_added, sub
+from plcopen_sfc.formats.simaticml.writing import WriteContext, sub
 from plcopen_sfc.report import Fate
 
 _PARAMETERS = {

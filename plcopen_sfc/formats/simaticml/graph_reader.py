@@ -9,7 +9,6 @@ from lxml import etree
 from plcopen_sfc.formats.simaticml.actions_reader import read_action
 from plcopen_sfc.formats.simaticml.networks import read_flgnet_body
 from plcopen_sfc.formats.simaticml.reading import (
-    ADDED,
     TRUTHS,
     Fields,
     NotUnderstoodError,
@@ -219,7 +218,6 @@ class _ChartReader:
         for name, value in left.items():
             carry_attribute(fields, name, value)
         read_comments(self.ctx, element, fields)
-        fields.pop(ADDED, None)
         self.chart["steps"].append(fields)
         sequence["steps"].append(fields["id"])
         if number is None:
@@ -296,7 +294,6 @@ class _ChartReader:
         for name, value in left.items():
             carry_attribute(fields, name, value)
         _replace_condition(self.ctx, element, fields)
-        fields.pop(ADDED, None)
         self.chart["transitions"].append(fields)
         if number is None:
             self.ctx.error("SFC107", "a transition has no usable number", element)

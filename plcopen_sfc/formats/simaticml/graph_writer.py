@@ -9,6 +9,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.actions_reader import row_fields
 from plcopen_sfc.formats.simaticml.actions_writer import AS_EVENTS, SAYABLE, write_row
+from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.conditions import condition_body
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
@@ -28,7 +29,6 @@ from plcopen_sfc.formats.simaticml.writing import (
     add_element,
     finish,
     flag,
-    keep_added,
     keep_fields,
     sub,
     verbatim,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.added import is_added
 from plcopen_sfc.formats.simaticml.reading import (
-    ADDED,
     Fields,
     ReadContext,
     attributes,
@@ -13,7 +13,6 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_attribute,
     carry_element,
     children,
-    is_added,
     local,
     read_comments,
     read_languages,
@@ -83,7 +82,6 @@ def _section(ctx: ReadContext, element: etree._Element, kind: SectionKind) -> Fi
         else:
             carry_element(fields, child)
     read_comments(ctx, element, fields)
-    fields.pop(ADDED, None)
     return fields
 
 

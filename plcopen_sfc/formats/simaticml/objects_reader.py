@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.added import is_added
 from plcopen_sfc.formats.simaticml.bodies_reader import read_units
 from plcopen_sfc.formats.simaticml.interface_reader import read_interface, read_members, spelled_as
 from plcopen_sfc.formats.simaticml.reading import (
@@ -16,7 +17,6 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_rest,
     child_named,
     children,
-    is_added,
     local,
     plain_text,
     read_comments,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.bodies_reader import block_language
 from plcopen_sfc.formats.simaticml.bodies_writer import language_of, write_units
 from plcopen_sfc.formats.simaticml.coils import types_of
@@ -25,7 +26,6 @@ from plcopen_sfc.formats.simaticml.writing import (
     add_element,
     finish,
     flag,
-    keep_added,
     sub,
     write_object_text,
 )

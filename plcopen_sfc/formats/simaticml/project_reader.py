@@ -9,7 +9,7 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.base import TIA_PORTAL
-from plcopen_sfc.formats.simaticml.copies import Copy, copy_of
+from plcopen_sfc.formats.simaticml.added import Added, added, forget_mark
 from plcopen_sfc.formats.simaticml.late_reading import LateDocument
 from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE
 from plcopen_sfc.formats.simaticml.reading import (
@@ -93,10 +93,11 @@ def read_project(
         if kind == "DocumentInfo":
             _document_info(header, child)
         elif (where := _list_for(kind)) is not None:
-            copied = copy_of(child)
-            if copied is Copy.UNCHANGED:
+            copied = added(child)
+            if copied is Added.UNCHANGED:
                 continue  # the project has the global variables that it says
-            if copied is Copy.EDITED:
+            if copied is Added.EDITED:
+                forget_mark(child)
                 ctx.warn("XML213", "a copy of global variables was edited: it is an object of its own now", child)
             look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.simaticml.copies import mark_copy
+from plcopen_sfc.formats.simaticml.added import keep_added, seal
 from plcopen_sfc.formats.simaticml.fitting import refuse_older
 from plcopen_sfc.formats.simaticml.numbering import number, number_like
 from plcopen_sfc.formats.simaticml.objects_writer import (
@@ -77,7 +77,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
         else:
             write_tag_table(ctx, root, thing)
         if id(thing) in added:
-            mark_copy(root[-1])
+            keep_added(root[-1])
             why = "a data block" if isinstance(thing, DataBlock) else "tags and constants"
             ctx.note(Fate.TRANSLATED, "global variables", thing.name, why)
     for name, why in left_out(project):
@@ -85,6 +85,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE)
+    seal(root)
     return root
 
 

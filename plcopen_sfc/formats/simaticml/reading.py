@@ -36,9 +36,6 @@ VERBATIM = "urn:plcopen-sfc:simaticml"
 It is written as long as it says what the model says. See docs/formats/simaticml.md.
 """
 
-ADDED = "added"
-"""The mark of what only S7-GRAPH wants: it is not in the model."""
-
 
 class NotUnderstoodError(Exception):
     """An element holds something that the model cannot say: it is kept whole."""
@@ -87,6 +84,10 @@ class ReadContext:
 
 
 _LOCAL: dict[str, str] = {}
+
+
+ADDED = "added"
+"""The field in our comments that says that an element is not part of the project."""
 
 
 def local(element: XmlNode) -> str:
@@ -221,12 +222,6 @@ def read_object_text(element: etree._Element) -> Fields | None:
     return {"texts": texts}
 
 
-def is_added(element: etree._Element) -> bool:
-    """Whether a comment marks an element as added by us."""
-    marked = f'{COMMENT_MARK}{{"{ADDED}": true}}'
-    return any(comment.text == marked for comment in element.iterchildren(etree.Comment))
-
-
 def read_comments(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
     """Put fields back that stand in XML comments of ours at `element`."""
     for comment in element.iterchildren(etree.Comment) if ctx.trusting else ():
@@ -241,6 +236,7 @@ def read_comments(ctx: ReadContext, element: etree._Element, fields: Fields) -> 
                 ctx.warn("XML208", f"carried fields are damaged: {first_line(error)}", comment)
                 continue
             if isinstance(found, dict):
+                found.pop(ADDED, None)
                 merge(fields, found)
 
 

@@ -11,9 +11,10 @@ from typing import Any
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.reading import Fields
 from plcopen_sfc.formats.simaticml.types import write_type
-from plcopen_sfc.formats.simaticml.writing import keep_added, sub
+from plcopen_sfc.formats.simaticml.writing import sub
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st.lexer import tokenize

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
+from plcopen_sfc.formats.simaticml.added import is_added
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
     ReadContext,
     carry_attribute,
     children,
-    is_added,
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, read_link

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.simaticml.reading import ADDED, VERBATIM, N
+from plcopen_sfc.formats.simaticml.reading import VERBATIM, N
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
 from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
 from plcopen_sfc.model.base import Carried, Model
@@ -138,11 +138,6 @@ def keep_fields(element: etree._Element, fields: dict[str, Any]) -> None:
     """Write fields that have no place in SimaticML as an XML comment."""
     text = COMMENT_MARK + json.dumps(fields, ensure_ascii=True).replace("--", "-\\u002d")
     element.append(etree.Comment(text))
-
-
-def keep_added(element: etree._Element) -> None:
-    """Mark an element that only S7-GRAPH wants: it is gone again when the file is read."""
-    keep_fields(element, {ADDED: True})
 
 
 def finish(
