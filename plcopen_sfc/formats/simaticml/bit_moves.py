@@ -26,6 +26,8 @@ BOOLEAN = frozenset({"AND", "OR", "XOR", "NOT", "EQ", "NE", "GT", "GE", "LT", "L
 """Operators whose result is of type BOOL; AND, OR, XOR and NOT of words are other boxes in TIA Portal."""
 
 
+_OF_WORDS = frozenset({"And", "Or", "Xor"})
+"""What TIA Portal calls its boxes for words, which have EN."""
 _COMPARISONS = frozenset({"EQ", "NE", "GT", "GE", "LT", "LE"})
 _CONSTANTS = {"TRUE": True, "1": True, "FALSE": False, "0": False}
 
@@ -73,9 +75,10 @@ def writes_bits_on_a_condition(network: LogicNetwork) -> bool:
     """Whether boxes with EN write bits in a ladder: TIA Portal has no such boxes."""
     moves = {node.id for node in network.nodes if isinstance(node, Block) and node.type_name.upper() == "MOVE"}
     for node in network.nodes:
-        is_logic = isinstance(node, Block) and node.type_name.upper() in BOOLEAN - _COMPARISONS
-        if isinstance(node, Block) and is_logic and any(pin.name.upper() == "EN" for pin in node.parameters.inputs):
-            return True
+        if isinstance(node, Block) and node.type_name not in _OF_WORDS:
+            is_logic = node.type_name.upper() in BOOLEAN - _COMPARISONS
+            if is_logic and any(pin.name.upper() == "EN" for pin in node.parameters.inputs):
+                return True
         if isinstance(node, Coil | Contact) and node.input is not None:
             wires = node.input.connections
             if any(wire.source in moves and (wire.pin or "").upper() != "ENO" for wire in wires):

@@ -10,6 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import Outcome, equivalent
 from plcopen_sfc.api import convert
+from plcopen_sfc.formats.simaticml.bit_moves import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.flip_flops import put_operands
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, declared_rules, draw_fbd, draw_ld
@@ -129,3 +130,10 @@ def test_a_ladder_of_boxes_with_en_that_contacts_cannot_say_is_reported() -> Non
     pou = m.Pou(name="F", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=[body])
     _, report = convert(m.Project(name="Anlage", pous=[pou]), "simaticml")
     assert [item.why for item in report.with_fate(Fate.CARRIED) if item.what == "network"]
+
+
+@pytest.mark.parametrize(("name", "writes_a_bit"), [("AND", True), ("And", False), ("Xor", False), ("XOR", True)])
+def test_boxes_for_words_have_en_in_tia_portal(name: str, writes_a_bit: bool) -> None:
+    pins = [m.BlockVariable(name=pin) for pin in ("EN", "in1", "in2")]
+    box = m.Block(id=1, type_name=name, parameters=m.BlockParameters(inputs=pins))
+    assert writes_bits_on_a_condition(m.LogicNetwork(nodes=[box])) is writes_a_bit
