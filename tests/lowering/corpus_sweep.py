@@ -60,14 +60,7 @@ LARGE = (
     "Scenario_1.xml",
     "ppu.xml",
 )
-"""Files whose charts take minutes each in all forms for all targets, and are much alike."""
-FEW = (
-    (("bits", "ST"), "codesys"),
-    (("auto", "ST"), "plcopen-2.01"),
-    (("flipflop", "FBD"), "codesys"),
-    (("flipflop", "LD"), "plcopen-2.0"),
-)
-"""What the charts of `LARGE` files are lowered to, one after the other to the next of these."""
+"""Files whose charts take minutes each in all forms for all targets, and are much alike: no part of a sample."""
 REASONS = {
     "cannot hold the chart": "several steps at a time",
     "not built of parts": "no regions",
@@ -182,16 +175,6 @@ class Sweep:
                         outcome, why = found[name]
                         place = (self.charts.family, self.charts.file, name, f"{construction} {language}", target)
                         yield Result(*place, outcome, why)
-
-    def whole(self) -> Iterator[Result]:
-        """All forms and targets; of `LARGE` files one for each chart."""
-        if self.charts.file not in LARGE:
-            yield from self.results()
-            return
-        for number, (form, target) in enumerate(FEW):
-            names = self.charts.names[number :: len(FEW)]
-            if names:
-                yield from self.results([form], [target], names)
 
     def _lowered(
         self, names: Sequence[str], construction: str, language: str, tool: str
