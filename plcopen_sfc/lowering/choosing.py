@@ -14,7 +14,6 @@ from plcopen_sfc.lowering.graph.sequences import ON_BY_HAND, on_by_hand, one_seq
 from plcopen_sfc.lowering.graph.source import GraphSource
 from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, States
-from plcopen_sfc.semantics.profile import Profile
 
 
 def choose(
@@ -36,7 +35,7 @@ def choose(
     elif rules.at_rest:
         raise LoweringError("only blocks of S7-GRAPH have parameters that could be at rest", location=place)
     elif source.grafcet is not None:
-        chosen, why = _choice_for_grafcet(source, wanted, rules.profile)
+        chosen, why = _choice_for_grafcet(source, wanted, rules)
     else:
         chosen, why = _choice(source, wanted, rules, style=style, language=language)
     if language is None:
@@ -89,10 +88,12 @@ def _choice(
     return Construction.BITS, f"no CASE can hold the chart: {objection}"
 
 
-def _choice_for_grafcet(source: ChartSource, wanted: Construction, profile: Profile) -> tuple[Construction, str]:
+def _choice_for_grafcet(source: ChartSource, wanted: Construction, rules: LoweringRules) -> tuple[Construction, str]:
     if wanted is not Construction.AUTO:
         return wanted, "asked for"
-    objection = no_case(source, profile)
+    if rules.flags != LOCAL:
+        return Construction.BITS, f"there are to be step flags at {rules.flags}"
+    objection = no_case(source, rules.profile)
     if objection:
         return Construction.BITS, f"no CASE can hold the chart: {objection}"
     return Construction.CASE, "one step is active at a time"
@@ -105,6 +106,8 @@ def _choice_for_sequencer(
         return wanted, "asked for"
     if language not in (None, Language.ST):
         return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
+    if rules.flags != LOCAL:
+        return Construction.BITS, f"there are to be step flags at {rules.flags}"
     several = one_sequence(source, rules.profile)
     if not isinstance(several, str):
         return Construction.CASE, "at most one step is active at a time"
@@ -125,8 +128,6 @@ def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
         hint = "Declare SW_AUTO, SW_MAN, SW_TAP, SW_TOP, T_PUSH, S_SEL, S_ON or S_OFF in the block instead."
     elif rules.actions is not ActionPlace.INLINE:
         objection = "actions of a sequencer of S7-GRAPH cannot stand in a block of their own"
-    elif rules.flags != LOCAL:
-        objection = "the step flags of a sequencer of S7-GRAPH are local variables"
     elif rules.reset_actions:
         objection = "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it"
     else:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import print_node, transform
-from plcopen_sfc.languages.st.nodes import Expression, Name, Node, Quoting
+from plcopen_sfc.languages.st.nodes import Expression, Name, Node
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.assembling import assemble, drive_block
 from plcopen_sfc.lowering.chains.bits import StepBits
@@ -192,6 +192,6 @@ def _told(expression: Expression, dialect: Dialect) -> str:
     """What tells of a step, by bare names of variables, which are the same in files of other dialects."""
 
     def bare(node: Node) -> Node:
-        return Name(node.identifier) if isinstance(node, Name) and node.quoting is Quoting.LOCAL else node
+        return Name(node.identifier) if isinstance(node, Name) else node
 
     return print_node(transform(expression, bare), dialect)

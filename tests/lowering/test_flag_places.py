@@ -170,3 +170,21 @@ def test_a_list_of_flags_is_not_there_twice() -> None:
     first = lower(plant, "bits", pou="Ablauf", flags="Bits", target="codesys", verify=False)
     with pytest.raises(LoweringError, match="there is something called Bits already"):
         lower(first.project, "bits", pou="Presse", flags="Bits", target="codesys", verify=False)
+
+
+@pytest.mark.parametrize("flags", ["M20.6", "Steps"])
+@pytest.mark.parametrize(
+    ("construction", "language", "target"),
+    [("auto", "ST", "scl"), ("flipflop", "FBD", "simaticml"), ("flipflop", "LD", "codesys"), ("bits", "ST", "codesys")],
+)
+def test_flags_of_sequencers_stand_there_too(construction: str, language: str, target: str, flags: str) -> None:
+    sequencer = sfc.load("fixtures/simaticml-training-chain/Ablauf.xml")
+    lowered = lower(sequencer, construction, language=language, flags=flags, target=target, at_rest=["all"])
+    assert lowered.construction in (Construction.BITS, Construction.FLIPFLOP)
+    assert lowered.proof is not None
+    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert not {variable.name for variable in lowered.pou.variables()} & {"X1", "X2", "X3", "X4"}
+    again = sfc.loads(sfc.dumps(lowered.project, format=target), format=target)
+    fixed = lowered.at_rest
+    found = equivalent(sequencer, again, "s7graph", step_flags=lowered.step_flags, fixed=fixed)
+    assert found.outcome is Outcome.PROVEN, str(found)

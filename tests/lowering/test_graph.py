@@ -355,7 +355,6 @@ def test_networks_have_no_loops() -> None:
     [
         ({"modes": ("enable",)}, "operating modes of their own"),
         ({"actions": "block"}, "cannot stand in a block of their own"),
-        ({"flags": "M20.0"}, "are local variables"),
         ({"reset_actions": True}, "only R of the chart ends it"),
         ({"style": "classic"}, "no classic style"),
     ],

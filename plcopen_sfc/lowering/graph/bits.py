@@ -33,8 +33,10 @@ class BitSequencer(Sequencer):
         """The flags of steps, the bits of transitions, and what actions want of the steps that they switch."""
         code, texts = self.code, self.texts
         self.flags = [
-            code.declare(texts.flag_name(step.step), comment=self.flag_comment(step)) for step in self.net.steps
+            code.declare_flag(texts.flag_name(step.step), initial=False, comment=self.flag_comment(step))
+            for step in self.net.steps
         ]
+        names = [_name_of(flag) for flag in self.flags]
         self.fired = [
             code.declare(texts.transition_name(self.net, t), comment=texts.transition_of(t.path))
             for t in self.net.transitions
@@ -45,12 +47,12 @@ class BitSequencer(Sequencer):
         switched = {i for rows in self.source.rows for row in rows for i in row.switched}
         self.wanted = {
             i: code.declare(
-                texts.with_suffix(self.flags[i].identifier, "next"),
+                texts.with_suffix(names[i], "next"),
                 comment=self.own_texts.wanted_of(self.net.steps[i].path),
             )
             for i in sorted(switched)
         }
-        return [flag.identifier for flag in self.flags]
+        return names
 
     def flag_comment(self, step: NetStep) -> str:
         """What is said of the flag of a step, which has no network of its own, where it is declared."""
@@ -74,7 +76,7 @@ class BitSequencer(Sequencer):
     def changed(self, step: int, event: ActionEvent) -> Expression:
         """A bit for each event that anything asks for."""
         if (step, event) not in self._events:
-            flag = self.flags[step].identifier
+            flag = self.signs[step].name
             self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
             if step not in self._old:
                 self._old[step] = self.code.declare(self.texts.with_suffix(flag, "old"))
@@ -88,7 +90,7 @@ class BitSequencer(Sequencer):
         """A bit that keeps the event of the last cycle."""
         left = self.changed(step, ActionEvent.S0)
         if step not in self._left_before:
-            name = self.texts.with_suffix(f"{self.flags[step].identifier}_S0", "old")
+            name = self.texts.with_suffix(f"{self.signs[step].name}_S0", "old")
             self._left_before[step] = self.code.declare(name), left
         return self._left_before[step][0]
 
@@ -192,3 +194,11 @@ class BitSequencer(Sequencer):
             for number, index in numbers.items()
         )
         return [when(conjunction([by_hand, edge]), n.Case(selection, branches))] if branches else []
+
+
+def _name_of(flag: Expression) -> str:
+    """The name of a flag, also of one that is a member of a data block."""
+    if isinstance(flag, n.Member):
+        flag = flag.name
+    assert isinstance(flag, n.Name)  # noqa: S101  # so flags are declared
+    return flag.identifier

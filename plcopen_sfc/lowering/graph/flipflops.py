@@ -60,7 +60,7 @@ class FlipFlopSequencer(BitSequencer):
         resets = [reset, off_by_hand, *([] if initial else [start]), self.commands.edge("OFF_SQ")]
         set_.append(self._by_hand("S_ON", step))
         statements: list[Statement] = []
-        name = f"FF_{self.flags[step.index].identifier}"
+        name = f"FF_{self.signs[step.index].name}"
         self.memory.latch(name, disjunction(set_), disjunction(resets), statements, self.flags[step.index])
         title = self.texts.step(step.step, step.path, initial=initial)
         self.code.add(title, statements, self.texts.remark(step.step))

@@ -17,13 +17,13 @@ def add_skips(sequencer: BitSequencer) -> list[Statement]:
     """Append what finds out which steps become active; gives what activates them. Conditions see the old situation."""
     net, code = sequencer.net, sequencer.code
     entering = {step.index: net.entering[step.index] for step in net.steps if net.entering[step.index]}
-    entered = {i: code.declare(sequencer.texts.with_suffix(sequencer.flags[i].identifier, "entered")) for i in entering}
+    entered = {i: code.declare(sequencer.texts.with_suffix(sequencer.signs[i].name, "entered")) for i in entering}
     statements: list[Statement] = [
         assignment(entered[i], conjunction([disjunction(sequencer.fired[t] for t in found), sequencer.evolves()]))
         for i, found in entering.items()
     ]
     passed = {
-        i: code.declare(sequencer.texts.with_suffix(sequencer.flags[i].identifier, "seen"))
+        i: code.declare(sequencer.texts.with_suffix(sequencer.signs[i].name, "seen"))
         for i in entering
         if _onward(sequencer, i)
     }
