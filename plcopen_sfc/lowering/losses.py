@@ -36,10 +36,10 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
         for remark in remarks(part, path, subject.project.dialect):
             found += _unsaid(remark, said, language)
     kept = {variable.name.casefold() for variable in pou.variables()}
-    for variable in own.variables():
-        if variable.name.casefold() not in kept:
-            path = f"{own.report_path_of(own.name)} / variable {variable.name}"
-            found.append(Item(Fate.DROPPED, "variable", path, "only a chart can have one of this type"))
+    gone = [variable.name for variable in own.variables() if variable.name.casefold() not in kept]
+    if gone:
+        why = f"only a chart can have variables of their types: {', '.join(gone)}"
+        found.append(Item(Fate.DROPPED, "variables", own.report_path_of(own.name), why))
     places = subject.project.locations_of(item.path for item in found)
     return tuple(replace(item, line=at.line, file=at.file) for item, at in zip(found, places, strict=True))
 

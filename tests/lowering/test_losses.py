@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
@@ -111,3 +112,14 @@ def test_an_error_names_the_action_whose_chart_it_is_in() -> None:
         with pytest.raises(LoweringError) as refused:
             lower(project, "bits", pou=name, profile="iec", verify=False)
         assert refused.value.location.path == f"POU {outer.name} / action Fill / transition S2 -> S3"
+
+
+def test_variables_that_only_a_chart_can_have_are_one_loss() -> None:
+    project = sfc.load("fixtures/simaticml-training-chain/Ablauf.xml")
+    pou = project.pou("Ablauf")
+    assert pou.interface is not None
+    data = [m.Variable(name=name, type=m.DerivedType(name="G7_StepPlus_V6")) for name in ("S1", "S2")]
+    pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=data))
+    item = lower(project, "bits", verify=False).losses[-1]
+    assert (item.what, item.path) == ("variables", f"POU {pou.name}")
+    assert item.why.endswith(": S1, S2")
