@@ -77,6 +77,7 @@ REASONS = {
     "a CASE holds one active step": "several steps at a time",
     "is not known to the simulator": "calls what the simulator does not know",
     "only the first fails": "chart that fails when it runs",
+    "RETURN and jumps are not lowered": "RETURN in an action",
 }
 """What messages contain, and what that is called here."""
 
