@@ -26,7 +26,9 @@ OPERATORS = JUMPS | frozenset(
 )
 """The operators of IEC 61131-3 (table 68) and CODESYS. Any other word at their place is the name of a function."""
 
-_CALLS = frozenset({"CAL", "CALC", "CALCN"})
+CALLS = frozenset({"CAL", "CALC", "CALCN"})
+"""Operators that call a function block."""
+
 _SYMBOLS = frozenset({"OPERATOR", "NOT", "RPAR"})
 
 
@@ -80,7 +82,7 @@ def _lines(text: str, tokens: list[Token]) -> Iterator[list[Token]]:
 
 def _is_call(line: list[Token]) -> bool:
     words = [token.value.upper() for token in line[:3]]
-    return words[0] in _CALLS or (len(words) == 3 and words[1] == ":" and words[2] in _CALLS)
+    return words[0] in CALLS or (len(words) == 3 and words[1] == ":" and words[2] in CALLS)
 
 
 def _instruction(text: str, line: list[Token], dialect: Dialect) -> Instruction:

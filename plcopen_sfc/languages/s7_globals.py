@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.languages.translation.addresses import translated_address
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Project, Tag, TagTable
@@ -47,12 +48,12 @@ def tag_tables_of(project: Project) -> list[TagTable]:
     """A table of the global variables that stand in no list: tags of those with an address, and constants."""
     known = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}
     known |= {constant.name.casefold() for table in project.tag_tables for constant in table.constants}
-    table = TagTable(name=TABLE)
+    table, types = TagTable(name=TABLE), s7_types(project)
     for section in (section for name, section in _lists(project) if not name):
         for variable in (v for v in section.variables if v.name.casefold() not in known):
             address = variable.address and translated_address(variable.address, Dialect.IEC, Dialect.SCL).text
             if address and "*" not in address:
-                type_ = write_type(variable.type, Dialect.SCL)
+                type_ = write_type(types.type(variable.type), Dialect.SCL)
                 table.tags.append(Tag(name=variable.name, type=type_, address=address, comment=variable.comment))
             elif section.constant and variable.initial is not None:
                 table.constants.append(variable.model_copy(update={"address": None}))
@@ -69,12 +70,33 @@ def left_out(project: Project) -> Iterator[tuple[str, str]]:
             if name and _is_instance(variable, blocks):
                 yield f"{name}.{variable.name}", "a global data block has no instances of function blocks"
             elif name and variable.address:
-                yield f"{name}.{variable.name}", f"in a data block it has no address: {variable.address}"
+                yield (
+                    f"{name}.{variable.name}",
+                    f"in a data block it has no address: it is not connected to {variable.address}",
+                )
             elif not name and variable.name.casefold() not in known:
                 yield (
                     variable.name,
                     "S7 keeps data in blocks: without a list, an address or a constant value it has no place",
                 )
+
+
+def uncalled(project: Project) -> Iterator[tuple[str, str, str]]:
+    """What calls programs and connects variables in other tools, and is not written: kind, name, consequence."""
+    for resource in (*project.applications, *(r for c in project.configurations for r in c.resources)):
+        for task in resource.tasks:
+            every = f" every {task.interval}" if task.interval else ""
+            called = ", ".join(instance.type_name or instance.name for instance in task.instances) or "nothing"
+            yield "task", f"task {task.name}", f"it calls {called}{every}; no organization block is written that does"
+        for instance in resource.instances:
+            why = f"it is an instance of {instance.type_name}; no organization block calls it"
+            yield "program instance", instance.name, why
+    for configuration in project.configurations:
+        why = "S7 has no such section: its variables have no addresses and values by it"
+        if configuration.access_variables is not None and configuration.access_variables.variables:
+            yield "access variables", configuration.name, why
+        if configuration.config_variables is not None and configuration.config_variables.variables:
+            yield "config variables", configuration.name, why
 
 
 def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:

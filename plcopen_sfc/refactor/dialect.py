@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
 from plcopen_sfc.languages.translation import (
     NameScope,
     Note,
+    Rename,
     Renames,
     StepNotation,
     StepReferences,
@@ -20,7 +22,18 @@ from plcopen_sfc.languages.translation import (
     TranslationContext,
     translate,
 )
-from plcopen_sfc.model import ActionAssociation, Interface, Project, Qualifier, Variable
+from plcopen_sfc.languages.translation.kept import keep_names, kept_names
+from plcopen_sfc.model import (
+    ActionAssociation,
+    Interface,
+    Pou,
+    PouKind,
+    Project,
+    Qualifier,
+    SfcBody,
+    SfcNetwork,
+    Variable,
+)
 from plcopen_sfc.model.types import DerivedType, ElementaryType, EnumType, StringType, StructType
 from plcopen_sfc.model.variables import SectionKind, VariableSection
 
@@ -50,11 +63,17 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
     variables.
     """
     source, target = project.dialect, Dialect(target)
+    functions = {
+        pou.name.casefold(): [v.name for kind in _ARGUMENTS for v in pou.variables(kind)]
+        for pou in project.pous
+        if pou.kind is PouKind.FUNCTION
+    }
+    globals_ = _Globals(s7_types(project), frozenset(_global_names(project)), functions)
     texts = [piece for piece in pieces(project) if piece.is_program_text and not _names_a_step(piece)]
-    renames = Renames()
+    renames = kept_names(project) if target is Dialect.SCL else _names_of_results(project, source, target)
     while True:  # a later text may need a name that an earlier one has used
         known = len(renames)
-        results = [_translated(piece, source, target, renames, project) for piece in texts]
+        results = [_translated(piece, target, renames, project, globals_) for piece in texts]
         if len(renames) == known:
             break
     found: list[TranslatedText] = []
@@ -66,11 +85,27 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
     for piece in pieces(project):
         if piece.reading is Reading.DECLARATIONS and not isinstance(piece.key, int):
             setattr(piece.holder, piece.key, None)
-    found += _rename_steps(project, renames)
-    _rename_declarations(project, renames)
+    found += _rename_steps(project, renames, target)
+    _rename_declarations(project, renames, target)
+    if Dialect.SCL in (source, target) and source is not target:
+        keep_names(project, renames if source is Dialect.SCL else Renames())
     _rename_instances(project, source, target)
     project.dialect = target
     return found
+
+
+_ARGUMENTS = (SectionKind.INPUT, SectionKind.IN_OUT)
+
+
+def _names_of_results(project: Project, source: Dialect, target: Dialect) -> Renames:
+    """The new names of functions that cannot keep theirs: their results have the same."""
+    renames = Renames()
+    if source is not Dialect.SCL:
+        return renames
+    functions = [p.name for p in project.pous if p.interface is not None and p.interface.return_type is not None]
+    new = {name: renames.legal_name(NameScope.GLOBAL, name, (), target) for name in functions}
+    results = [Rename(NameScope.LOCAL, name, other) for name, other in new.items() if name != other]
+    return Renames([*renames, *results])
 
 
 def _names_a_step(piece: Piece) -> bool:
@@ -80,7 +115,27 @@ def _names_a_step(piece: Piece) -> bool:
     return is_target and holder.qualifier in (Qualifier.ON, Qualifier.OFF)
 
 
-def _translated(piece: Piece, source: Dialect, target: Dialect, renames: Renames, project: Project) -> Translated:
+def _global_names(project: Project) -> set[str]:
+    """What the project declares globally."""
+    sections = [*project.global_variables, *(s for c in project.configurations for s in c.global_variables)]
+    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+    sections += [section for resource in resources for section in resource.global_variables]
+    names = {variable.name for section in sections for variable in section.variables}
+    names |= {section.name for section in sections if section.name}
+    return names | {thing.name for thing in project.objects()}
+
+
+@dataclass(frozen=True, slots=True)
+class _Globals:
+    """The types of a project as S7 has them, the names that are declared globally, and the inputs of functions."""
+
+    types: S7Types
+    names: frozenset[str]
+    functions: dict[str, list[str]]
+
+
+def _translated(piece: Piece, target: Dialect, renames: Renames, project: Project, known: _Globals) -> Translated:
+    source = project.dialect
     names = _locals(piece.site)
     context = TranslationContext(
         locals=names,
@@ -88,13 +143,29 @@ def _translated(piece: Piece, source: Dialect, target: Dialect, renames: Renames
         enumerations=[d.name for d in project.data_types if isinstance(d.type, EnumType)],
         renames=renames,
         steps=_steps(piece.site, source, target, renames, names),
+        s7_types=known.types,
+        hidden=known.names,
+        actions=_parts_of(piece.site.pou),
+        functions=known.functions,
     )
+    if piece.site.transition is not None and (body := piece.text.rstrip()).endswith(";"):
+        expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements
+        if not expression.problems:
+            found = translate(expression, target, context)
+            return replace(found, text=f"{found.text};")
     if piece.reading is Reading.STATEMENTS:
         statements = parse_statements(piece.text, source)
         # the body of a transition may be a condition
         condition = parse_condition(piece.text, source) if statements.problems else None
         return translate(statements if condition is None or condition.problems else condition, target, context)
     return translate(parse_condition(piece.text, source), target, context)
+
+
+def _parts_of(pou: Pou | None) -> list[str]:
+    """The names of the actions and methods of a POU."""
+    if pou is None:
+        return []
+    return [*(action.name for action in pou.actions), *(method.name for method in pou.methods)]
 
 
 def _interfaces(site: Site) -> Iterator[Interface]:
@@ -115,8 +186,17 @@ def _locals(site: Site) -> list[str]:
     names = [v.name for section in sections if section.kind is not SectionKind.EXTERNAL for v in section.variables]
     if site.pou.interface is not None and site.pou.interface.return_type is not None:
         names.append(site.pou.name)
-    names += [step.name for chart in site.charts for step in chart.steps]
+    names += [step.name for chart in _charts(site) for step in chart.steps]
     return [*names, *(action.name for action in site.pou.actions)]
+
+
+def _charts(site: Site) -> Iterator[SfcNetwork]:
+    """The charts whose steps a text can name: those around it, and those of its POU and of the actions of that."""
+    yield from site.charts
+    if site.pou is not None and not site.charts and site.transition is None:
+        for body in (*site.pou.bodies, *(action.body for action in site.pou.actions)):
+            if isinstance(body, SfcBody):
+                yield body.chart
 
 
 def _types(site: Site) -> dict[str, str]:
@@ -138,29 +218,35 @@ def _types(site: Site) -> dict[str, str]:
 def _steps(
     site: Site, source: Dialect, target: Dialect, renames: Renames, declared: list[str]
 ) -> StepReferences | None:
-    names = {step.name: step.name for chart in site.charts for step in chart.steps}
+    names = {step.name: step.name for chart in _charts(site) for step in chart.steps}
     if source is Dialect.SCL and target is not Dialect.SCL:
         taken = {name.casefold() for name in declared}
         names = {name: renames.legal_name(NameScope.LOCAL, name, taken, target) for name in names}
+    elif target is Dialect.SCL:
+        names = {name: renames.old_name(NameScope.LOCAL, name) or name for name in names}
     return StepReferences(names, _NOTATIONS[source], _NOTATIONS[target]) if names else None
 
 
-def _rename_steps(project: Project, renames: Renames) -> list[TranslatedText]:
+def _renaming(renames: Renames, target: Dialect) -> Callable[[NameScope, str], str | None]:
+    return renames.old_name if target is Dialect.SCL else renames.new_name
+
+
+def _rename_steps(project: Project, renames: Renames, target: Dialect) -> list[TranslatedText]:
     """Give steps the names that the texts use now; says which have another."""
     found: list[TranslatedText] = []
+    renamed = _renaming(renames, target)
     for chart in project.charts():
         for step in chart.network.steps:
-            new = renames.new_name(NameScope.LOCAL, step.name)
-            if new is not None:
-                note = Note(
-                    Severity.INFO, f"the step is called {new}: the name that it has is none there", (0, 0), 1, 1
-                )
+            new = renamed(NameScope.LOCAL, step.name)
+            if new is not None and new != step.name:
+                why = "it was called so before" if target is Dialect.SCL else "the name that it has is none there"
+                note = Note(Severity.INFO, f"the step is called {new}: {why}", (0, 0), 1, 1)
                 found.append(TranslatedText(f"{chart.report_path} / step {step.name}", True, (note,)))
                 step.name = new
         for _, association in chart.network.associations():
             if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target is not None:
                 name = association.target
-                association.target = renames.new_name(NameScope.LOCAL, name) or name
+                association.target = renamed(NameScope.LOCAL, name) or name
     return found
 
 
@@ -183,14 +269,15 @@ def _rename_instances(project: Project, source: Dialect, target: Dialect) -> Non
                 variable.attributes = {key: text for key, text in variable.attributes.items() if key != "Version"}
 
 
-def _rename_declarations(project: Project, renames: Renames) -> None:
+def _rename_declarations(project: Project, renames: Renames, target: Dialect) -> None:
     """Give what is declared the names that the texts use now."""
     if not len(renames):
         return
+    renamed = _renaming(renames, target)
 
     def rename(variables: list[Variable], scope: NameScope) -> None:
         for variable in variables:
-            variable.name = renames.new_name(scope, variable.name) or variable.name
+            variable.name = renamed(scope, variable.name) or variable.name
             if isinstance(variable.type, StructType):
                 rename(variable.type.members, NameScope.MEMBER)
 
@@ -199,7 +286,7 @@ def _rename_declarations(project: Project, renames: Renames) -> None:
             rename(section.variables, scope)
 
     for pou in project.pous:
-        pou.name = renames.new_name(NameScope.GLOBAL, pou.name) or pou.name
+        pou.name = renamed(NameScope.GLOBAL, pou.name) or pou.name
         for interface in (pou.interface, *(method.interface for method in pou.methods)):
             if interface is not None:
                 rename_sections(interface.sections, NameScope.LOCAL)

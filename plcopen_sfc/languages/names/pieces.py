@@ -206,7 +206,7 @@ NAMELESS: dict[str, frozenset[str]] = {
         DataBlock.title DataTypeDeclaration.title
         """.split()
     ),
-    "the same text with its markup": frozenset({"StBody.markup", "IlBody.markup"}),
+    "the same text with its markup": frozenset({"StBody.markup", "Expression.markup", "IlBody.markup"}),
     "about the file and the tool": frozenset(
         """
         BodyBase.worksheet StBody.worksheet IlBody.worksheet FbdBody.worksheet LdBody.worksheet SfcBody.worksheet

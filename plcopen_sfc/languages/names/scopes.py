@@ -28,6 +28,18 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
+_EXTENDS = re.compile(r"\bEXTENDS\s+(\w+)", re.IGNORECASE)
+
+
+def _extended(pou: Pou) -> list[str]:
+    """The name behind EXTENDS: in the text of the declaration, or in what a textual file keeps of the head."""
+    text = (pou.interface.declaration if pou.interface is not None else None) or ""
+    if "extends" in text.casefold():
+        heads = [item for item in parse_declarations(text, Dialect.CODESYS).tree.items if isinstance(item, PouHead)]
+        return [base.identifier for head in heads[:1] for base in head.extends if isinstance(base, Name)]
+    kept = pou.carried.data if pou.carried is not None else []
+    return [found[1] for data in kept if (found := _EXTENDS.search(data.content)) is not None][:1]
+
 
 class Scopes:
     """The scopes of a project, each made when it is first asked for. Edits of the project make them wrong."""
@@ -109,11 +121,7 @@ class Scopes:
 
     def base(self, pou: Pou) -> Pou | None:
         """The POU that this one extends, as the text of its declaration says."""
-        text = (pou.interface.declaration if pou.interface is not None else None) or ""
-        if "extends" not in text.casefold():
-            return None
-        heads = [item for item in parse_declarations(text, Dialect.CODESYS).tree.items if isinstance(item, PouHead)]
-        names = [base.identifier for head in heads[:1] for base in head.extends if isinstance(base, Name)]
+        names = _extended(pou)
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
 

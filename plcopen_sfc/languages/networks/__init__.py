@@ -5,7 +5,12 @@ a transition and `chart_statements` the rest of the logic drawn in a chart. `dra
 `draw_fbd_expression` and `draw_ld_expression` an expression. `normal_form` is what stays the same there and back.
 """
 
-from plcopen_sfc.languages.networks.conditions import chart_statements, condition_expression, condition_reader
+from plcopen_sfc.languages.networks.conditions import (
+    chart_statements,
+    condition_expression,
+    condition_reader,
+    kept_conditions,
+)
 from plcopen_sfc.languages.networks.drawing import (
     DrawnExpression,
     DrawnFbd,
@@ -45,6 +50,7 @@ __all__ = [
     "draw_fbd_expression",
     "draw_ld",
     "draw_ld_expression",
+    "kept_conditions",
     "network_expression",
     "network_statements",
     "normal_form",

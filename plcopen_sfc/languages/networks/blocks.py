@@ -9,7 +9,16 @@ from itertools import pairwise
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.effects import is_variable
-from plcopen_sfc.languages.networks.graph import EDGES, Graph, Source, block_inputs, is_enable, is_memory_pin
+from plcopen_sfc.languages.networks.graph import (
+    EDGE_COILS,
+    EDGE_CONTACTS,
+    EDGES,
+    Graph,
+    Source,
+    block_inputs,
+    is_enable,
+    is_memory_pin,
+)
 from plcopen_sfc.languages.networks.values import (
     TRUE,
     Factor,
@@ -100,6 +109,15 @@ class BlockReader:
         outputs = [variable for variable in block.parameters.outputs if not _is(variable, "ENO")]
         if block.code is not None or block.call is BlockCall.EXECUTE:
             self._wires.execute_all(self._guarded(guard, self._wires.code(block.code or "", block.id)))
+            return
+        if block.type_name.upper() in EDGE_CONTACTS | EDGE_COILS and not block.instance:
+            self._edge_element(block, arguments, outputs)
+            return
+        counted = next((a.value for a in arguments if _is(a.variable, "operand")), None)
+        step = _COUNTING.get(block.type_name.upper())
+        if counted is not None and step is not None and not block.instance:
+            more = n.Assignment(counted, n.Operation(step, (counted, n.Literal("1"))))
+            self._wires.execute_all(self._guarded(guard, (more,)))
             return
         standard = standard_block(block.type_name)
         self._check_known(block, standard)
@@ -241,11 +259,7 @@ class BlockReader:
         result = memory
         if block.type_name.upper() in EDGES:
             clock = inputs.get("CLK") or n.Literal("FALSE")
-            clock = clock if is_variable(clock) else self._kept(block, clock, "BOOL")
-            rising = block.type_name.upper() == "R_TRIG"
-            now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
-            result = self._kept(block, n.Operation(Operator.AND, (now, before)), "BOOL")
-            self._wires.execute(n.Assignment(memory, clock))
+            result = self._edge(block, clock, memory, rising=block.type_name.upper() == "R_TRIG")
         else:
             sets, resets = inputs.get("S"), inputs.get("R")
             stays = [inverted(resets)] if resets is not None else []
@@ -258,6 +272,45 @@ class BlockReader:
             self._wires.execute(n.Assignment(memory, value))
         for variable in outputs:
             self._give(block, variable, result)
+
+    def _edge(self, block: Block, clock: Expression, memory: Expression, *, rising: bool) -> Expression:
+        """Whether a value has an edge since the last cycle, from which `memory` has it."""
+        clock = clock if is_variable(clock) else self._kept(block, clock, "BOOL")
+        now, before = (clock, inverted(memory)) if rising else (inverted(clock), memory)
+        result = self._kept(block, n.Operation(Operator.AND, (now, before)), "BOOL")
+        self._wires.execute(n.Assignment(memory, clock))
+        return result
+
+    def _edge_element(self, block: Block, arguments: list[_Argument], outputs: list[BlockVariable]) -> None:
+        """An edge contact or coil of S7 (TIA Portal help: scan operand, set operand on positive signal edge).
+
+        The operand of a contact is watched in every cycle, whether power reaches the contact or not. Behind a coil
+        goes on what came to it.
+        """
+        given = {a.variable.name.casefold(): a for a in arguments}
+        unknown = given.keys() - {"pre", "in", "operand", "bit"}
+        for name in sorted(unknown):
+            self._wires.problem(f"{block.type_name} has no input {name!r}", block.id)
+        operand, memory = (given[name].value if name in given else None for name in ("operand", "bit"))
+        if operand is None or memory is None:
+            self._wires.problem(f"{block.type_name} has no operand, or none for its edge", block.id)
+            return
+        power = given.get("in") or given.get("pre")
+        flow = power.value if power is not None and power.value is not None else TRUE
+        name = block.type_name.upper()
+        if name in EDGE_CONTACTS:
+            edge = self._edge(block, operand, memory, rising=EDGE_CONTACTS[name])
+            products = (
+                [power.product or (Factor((block.id, "pre"), flow),)] if power is not None and flow != TRUE else []
+            )
+            for variable in outputs:
+                self._give_product(block, variable, product_of([*products, (Factor((block.id, "edge"), edge),)]))
+            return
+        flow = flow if is_variable(flow) else self._kept(block, flow, "BOOL")
+        edge = self._edge(block, flow, memory, rising=EDGE_COILS[name])
+        self._wires.execute(n.Assignment(operand, edge))
+        for variable in outputs:
+            self._give(block, variable, flow)
 
     def _function(
         self,
@@ -381,6 +434,8 @@ class BlockReader:
 _ACTING = frozenset(
     {BlockCall.FUNCTION_BLOCK, BlockCall.PROGRAM, BlockCall.ACTION, BlockCall.METHOD, BlockCall.EXECUTE}
 )
+_COUNTING = {"INC": Operator.ADD, "DEC": Operator.SUBTRACT}
+"""Boxes of S7 that change their operand (TIA Portal help: INC, DEC)."""
 _COMPARISONS = frozenset(
     {
         Operator.EQUAL,

@@ -73,6 +73,63 @@ def chart_statements(
     return reader.result()
 
 
+def kept_conditions(
+    chart: SfcNetwork,
+    dialect: Dialect = Dialect.IEC,
+    *,
+    transitions: Iterable[NamedTransition] = (),
+    taken: Iterable[str],
+) -> tuple[NetworkStatements, dict[int, n.Expression]]:
+    """The boxes that are drawn before conditions as statements, and each such condition by the id of its transition.
+
+    What boxes give is kept in variables, so that the statements can be executed at another time than the conditions
+    are evaluated; contacts and variables that are wired directly stand in the conditions. A box that feeds several
+    conditions is executed once. Conditions that cannot be read completely are left out.
+    """
+    names = {each.name.casefold(): each for each in transitions}
+    known = set(taken)
+    found: dict[int, n.Expression] = {}
+    parts: list[NetworkStatements] = []
+    wired = [(t, t.condition) for t in chart.transitions if isinstance(t.condition, WiredCondition)]
+    wired = [(t, condition) for t, condition in wired if condition.input.connections]
+    pins = [condition.input for _, condition in wired]
+    whole = reader_of_chart(chart, chart.logic, dialect)
+    needed = _feeding(whole, [whole.graph.resolve(None, pin) for pin in pins])
+    nodes = [node for node in chart.logic if node.id in needed]
+    reader = reader_of_chart(chart, nodes, dialect, taken=known, also_used=pins, keeps=True)
+    reader.run()
+    values = reader.outer_values()
+    if reader.result().complete:
+        parts.append(reader.result())
+        for (transition, wire), tree in zip(wired, values, strict=True):
+            if tree is not None:
+                found[transition.id] = inverted(tree) if wire.negated else tree
+    bodies: dict[int, n.Expression | None] = {}
+    for transition in chart.transitions:
+        condition = transition.condition
+        name, body = "", None
+        if isinstance(condition, NamedCondition) and condition.name.casefold() in names:
+            name, body = condition.name, names[condition.name.casefold()].body
+        elif isinstance(condition, BodyCondition):
+            name, body = condition.name, condition.body
+        if not isinstance(body, FbdBody | LdBody) or condition is None:
+            continue
+        if id(body) not in bodies:
+            known.update(helper.name for part in parts for helper in part.helpers)
+            read = body_statements(body, dialect, taken=known, keeps=True)
+            result = _result_of(read, name)
+            bodies[id(body)] = result.tree if result.complete else None
+            if result.tree is not None and result.complete:
+                parts.append(replace(read, tree=n.Statements(result.before)))
+        tree = bodies[id(body)]
+        if tree is not None:
+            found[transition.id] = inverted(tree) if condition.negated else tree
+    statements = tuple(statement for part in parts for statement in part.tree.statements)
+    helpers = tuple(helper for part in parts for helper in part.helpers)
+    instances = {name: type_ for part in parts for name, type_ in part.instances.items()}
+    return NetworkStatements(helpers, instances, tree=n.Statements(statements)), found
+
+
 def _feeding(reader: NetworkReader, pins: Iterable[Iterable[tuple[int, str | None]]]) -> set[int]:
     """The elements that something depends on."""
     found: set[int] = set()

@@ -61,7 +61,7 @@ def is_harmless(expression: Expression) -> bool:
     elif isinstance(inner, n.Call) and not is_variable(inner):
         operands = inner.arguments
     return not any(
-        isinstance(node, n.Call | n.Index | n.Dereference | n.Unreadable | n.AssignmentExpression)
+        isinstance(node, n.Call | n.Index | n.Dereference | n.EmbeddedCode | n.Unreadable | n.AssignmentExpression)
         or (isinstance(node, n.Operation) and node.operator in _RISKY)
         for operand in operands
         for node in walk(operand)

@@ -73,7 +73,7 @@ def reads(expression: Expression | Statement) -> frozenset[Path]:
 def is_impure(expression: Expression) -> bool:
     """Whether evaluating it twice may differ from once: it calls what is no standard function, or assigns."""
     return any(
-        isinstance(node, n.AssignmentExpression | n.Unreadable)
+        isinstance(node, n.AssignmentExpression | n.EmbeddedCode | n.Unreadable)
         or (isinstance(node, n.Call) and not is_standard_call(node))
         for node in walk(expression)
     )

@@ -191,6 +191,13 @@ class Graph:
             for node in network:
                 yield from self._with_feeding(node, done)
 
+    def execution_for(self, sources: Iterable[Source]) -> Iterator[Node]:
+        """The elements that these outputs need, once each: what feeds an element comes before it, but for feedback."""
+        done: set[int] = set()
+        for number, _ in sources:
+            if number in self.nodes:
+                yield from self._with_feeding(self.nodes[number], done)
+
     def _is_root(self, node: Node) -> bool:
         """Whether it is executed when its turn comes, not only when something needs its value."""
         if (node.execution_order or 0) > 0:
@@ -223,6 +230,8 @@ class Graph:
 def _pin_type(block: Block, pin: str | None) -> str | None:
     if pin is not None and pin.casefold() == "eno":
         return "BOOL"
+    if block.type_name.upper() in EDGE_CONTACTS | EDGE_COILS:
+        return "BOOL"
     standard = standard_block(block.type_name)
     name = standard.output_name(pin) if standard is not None and pin else None
     # SEL and MUX give one of several values, so what feeds them first need not be of their type
@@ -232,7 +241,11 @@ def _pin_type(block: Block, pin: str | None) -> str | None:
 
 
 EDGES = frozenset({"R_TRIG", "F_TRIG"})
-MEMORY_PINS = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys(EDGES, "bit")
+EDGE_CONTACTS = {"PCONTACT": True, "NCONTACT": False}
+"""Contacts of S7 that conduct while their operand has an edge, by their names in capitals; True: a rising one."""
+EDGE_COILS = {"PCOIL": True, "NCOIL": False}
+"""Coils of S7 that are TRUE while the value before them has an edge."""
+MEMORY_PINS = dict.fromkeys(("RS", "SR"), "operand") | dict.fromkeys((*EDGES, *EDGE_CONTACTS, *EDGE_COILS), "bit")
 """The pin of a block of S7 at which the variable stands that it keeps its state in."""
 
 

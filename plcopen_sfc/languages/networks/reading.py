@@ -53,13 +53,15 @@ def body_statements(
     *,
     taken: Iterable[str] = (),
     known: Container[str] | None = None,
+    keeps: bool = False,
 ) -> NetworkStatements:
     """An FBD or LD body as statements, in the order of execution.
 
     `taken` are names that helpers must not have. `known` are the names of functions and function blocks of the
     project, in lower case: a block that is neither among them nor a standard block is a problem; None: any may exist.
+    `keeps`: what boxes give is kept in variables, from one cycle to the next.
     """
-    return network_statements(body.networks, dialect, taken=taken, known=known)
+    return network_statements(body.networks, dialect, taken=taken, known=known, keeps=keeps)
 
 
 def network_statements(
@@ -68,10 +70,11 @@ def network_statements(
     *,
     taken: Iterable[str] = (),
     known: Container[str] | None = None,
+    keeps: bool = False,
 ) -> NetworkStatements:
     """Networks as statements; see `body_statements`."""
     networks, original = apart(list(networks))
-    reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, known=known)
+    reader = NetworkReader([network.nodes for network in networks], dialect, taken=taken, known=known, keeps=keeps)
     for network in networks:
         reader.comment(None, network.title, network.comment)
     reader.run()
@@ -121,10 +124,11 @@ def reader_of_chart(
     taken: Iterable[str] = (),
     known: Container[str] | None = None,
     also_used: Iterable[InputPin] = (),
+    keeps: bool = False,
 ) -> NetworkReader:
     """A reader of `nodes`, some of the elements drawn in a chart."""
     steps = {step.id: step.name for step in chart.steps}
-    return NetworkReader([nodes], dialect, steps=steps, taken=taken, known=known, also_used=also_used)
+    return NetworkReader([nodes], dialect, steps=steps, taken=taken, known=known, also_used=also_used, keeps=keeps)
 
 
 class NetworkReader:
@@ -139,7 +143,9 @@ class NetworkReader:
         taken: Iterable[str] = (),
         known: Container[str] | None = None,
         also_used: Iterable[InputPin] = (),
+        keeps: bool = False,
     ) -> None:
+        self._keeps = keeps
         self.graph = Graph(networks, steps)
         self._outer = [self.graph.resolve(None, pin) for pin in also_used]
         self.graph.uses.update(source for sources in self._outer for source in sources)
@@ -151,9 +157,10 @@ class NetworkReader:
         self._step_flag = "X" if dialect in (Dialect.IEC, Dialect.SCL) else "x"
 
     def run(self) -> None:
-        """Execute every element."""
+        """Execute every element; if values are kept, in the order in which the pins `also_used` need them."""
         with collector_paused():
-            for node in self.graph.execution():
+            pins = [source for sources in self._outer for source in sources]
+            for node in self.graph.execution_for(pins) if self._keeps and pins else self.graph.execution():
                 self._execute(node)
             self._find_open_ends()
 
@@ -186,6 +193,11 @@ class NetworkReader:
             tree=expression_of(product) if product is not None else None,
             before=read.tree.statements,
         )
+
+    def outer_values(self) -> list[Expression | None]:
+        """The values at the pins `also_used`, when every element was executed."""
+        products = [self._meet(sources) for sources in self._outer]
+        return [expression_of(product) if product is not None else None for product in products]
 
     def acts(self, node: Node) -> bool:
         """Whether executing an element does something, whoever uses its value."""
@@ -239,6 +251,8 @@ class NetworkReader:
             self.comment(node.id, *(variable.comment for variable in pins))
         if isinstance(node, Block):
             self._blocks.execute(node, self._value)
+            for variable in block_outputs(node) if self._keeps else ():
+                self.wires.keep((node.id, variable.name))
         elif isinstance(node, InputVariable):
             self._input(node)
         elif isinstance(node, Contact):

@@ -11,7 +11,16 @@ from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import Path, is_impure, is_repeatable, may_change, path_of, reads, writes
+from plcopen_sfc.languages.networks.effects import (
+    Path,
+    is_impure,
+    is_repeatable,
+    is_variable,
+    may_change,
+    path_of,
+    reads,
+    writes,
+)
 from plcopen_sfc.languages.networks.graph import Graph, Source
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
@@ -157,6 +166,14 @@ class Wires:
         """Whether the output has its value, or has none for good."""
         return source in self._values
 
+    def keep(self, source: Source) -> None:
+        """Let an output have its value in a variable from here on, also in the next cycle."""
+        product = self._values.get(source)
+        if product and not (len(product) == 1 and is_variable(n.bare(product[0].expression))):
+            left = self._left.pop(source, 0)
+            self.execute(self._kept(source, product, retained=True))
+            self._left |= {source: left} if left else {}
+
     def _of_last_cycle(self, source: Source) -> Product:
         """The value of an output that is evaluated later: feedback."""
         helper = self._feedback.get(source)
@@ -170,10 +187,10 @@ class Wires:
             )
         return (Factor(("last", source), n.Name(helper.name, self._quoting)),)
 
-    def _kept(self, source: Source, product: Product) -> Statement:
+    def _kept(self, source: Source, product: Product, *, retained: bool = False) -> Statement:
         """Let a value go through a variable from here on; the statement that gives it its value."""
         value = expression_of(product)
-        name = self.helper("value", source, self._graph.type_of(source) or _type_of(value), retained=False)
+        name = self.helper("value", source, self._graph.type_of(source) or _type_of(value), retained=retained)
         self._values[source] = (Factor(source, name),)
         return n.Assignment(name, value)
 

@@ -30,7 +30,6 @@ class NotationError(ValueError):
 
 
 _WORDS: dict[str, Any] = {"TRUE": True, "FALSE": False, "NULL": None, "DEFAULT": DEFAULT}
-_IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _ESCAPES = {"$": "$$", "'": "$'", "\n": "$N", "\r": "$R", "\t": "$T", "{": "$7B", "}": "$7D"}
 _MUST_ESCAPE = re.compile(r"[$'{}\x00-\x1f\x7f-\x9f\u2028\u2029\ufeff]|(?<=\()\*|\*(?=\))")
 _UNESCAPES = {"$": "$", "'": "'", '"': '"', "N": "\n", "L": "\n", "R": "\r", "T": "\t", "P": "\f"}
@@ -68,8 +67,9 @@ def _escape(found: re.Match[str]) -> str:
 
 
 def format_key(key: str) -> str:
-    """A key: a plain word, or a string."""
-    return key if _IDENTIFIER.fullmatch(key) else format_string(key)
+    """A key: a plain word where it is read as one (``nan`` is a number), or a string."""
+    found = _TOKEN.fullmatch(key)
+    return key if found is not None and found.group("word") == key else format_string(key)
 
 
 _TOKEN = re.compile(

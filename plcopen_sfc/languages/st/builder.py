@@ -203,6 +203,12 @@ class Builder(Transformer[Token, Any]):
     def positional(self, items: Items) -> Any:
         return n.Argument(items[0], span=items[0].span)
 
+    def reference_operand(self, items: Items) -> Any:
+        return n.TypeOperand(f"{items[0].value} {items[1].value}", (), items[2], span=over(items))
+
+    def array_operand(self, items: Items) -> Any:
+        return n.TypeOperand("ARRAY", tuple(items[2]), items[5], span=over(items))
+
     def input_argument(self, items: Items) -> Any:
         return n.Argument(items[2], name_of(items[0]), span=over(items))
 
@@ -233,6 +239,9 @@ class Builder(Transformer[Token, Any]):
     def empty(self, items: Items) -> Any:
         span: Span = items[0].span
         return n.Empty(span=span) if span[0] < span[1] else None  # no semicolon stands there: see `recovery`
+
+    def embedded_code(self, items: Items) -> Any:
+        return n.EmbeddedCode(items[0].value, span=items[0].span)
 
     def closed(self, items: Items) -> Any:
         # the semicolon after END_IF belongs to the statement

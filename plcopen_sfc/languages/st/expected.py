@@ -44,7 +44,7 @@ def expectation(found: Token, accepted: Iterable[str]) -> str:
     words: list[str] = []
     if left >= _STATEMENT_STARTS:
         words.append("a statement")
-        left -= _STATEMENT_STARTS | _EXPRESSION_STARTS | {"SEMICOLON", "GOTO", "JMP", "REGION", "TRY"}
+        left -= _STATEMENT_STARTS | _EXPRESSION_STARTS | {"SEMICOLON", "GOTO", "JMP", "REGION", "TRY", "CODE"}
     elif left >= _EXPRESSION_STARTS:
         words.append("an expression")
         left -= _EXPRESSION_STARTS

@@ -101,7 +101,7 @@ def _pattern(dialect: Dialect, comments: Dialect) -> re.Pattern[str]:
     groups = [
         # 1 COMMENT to the end of the line, 2 the start of a block, whose end `_Blocks` finds
         r"(//[^\r\n]*)",
-        r"(\(\*|/\*|\(/\*|\{)" if comments is Dialect.SCL else r"(\(\*|/\*|\{)",
+        r"(\(\*|/\*|\(/\*|\{)" if comments is Dialect.SCL else r"(\(\*|/\*|\{\{(?=[\s\S]*?\}\})|\{)",
         # 3 LITERAL
         r"((?i:(?:L?TIME|L?T|S5T|S5TIME)\#[-+]?(?:\w|\.(?=\d))+"
         r"|(?:L?DATE_AND_TIME|L?TIME_OF_DAY|DTL|L?DATE|L?TOD|L?DT|L?D)\#\d(?:[\d_-]|[:.](?=\d))*)"
@@ -152,10 +152,12 @@ def tokenize(
     keywords: frozenset[str] = frozenset(),
     *,
     comments_of: Dialect | None = None,
+    embedded_code: bool = False,
 ) -> Tokens:
     """The tokens of `text`. `keywords` are words that are no names here, beyond those of statements.
 
-    `comments_of`: the dialect of its comments where that is another one.
+    `comments_of`: the dialect of its comments where that is another one. `embedded_code`: ``{{ .. }}`` is a token, as
+    it is executed where it stands among statements; else it is a pragma.
     """
     words = _words(dialect, keywords)
     known = words.get
@@ -199,7 +201,11 @@ def tokenize(
             continue
         elif group == _BLOCK:
             position = blocks.end(value, start)
-            block = CommentKind.PRAGMA if value == "{" else CommentKind.BLOCK
+            if value == "{{" and embedded_code:
+                append(Token("CODE", text[start:position], (start, position)))
+                previous = "CODE"
+                continue
+            block = CommentKind.PRAGMA if value[0] == "{" else CommentKind.BLOCK
             if position < 0:
                 what = "pragma" if value == "{" else "comment"
                 problems.append(Problem(f"this {what} has no end: {_BLOCK_ENDS[value]} is missing", (start, end)))
@@ -236,7 +242,7 @@ def _line_end(text: str, position: int) -> int:
     return found.start() if found is not None else len(text)
 
 
-_BLOCK_ENDS = {"(*": "*)", "/*": "*/", "(/*": "*/)", "{": "}"}
+_BLOCK_ENDS = {"(*": "*)", "/*": "*/", "(/*": "*/)", "{": "}", "{{": "}}"}
 _COMMENT_MARK = re.compile(r"\(\*|\*\)")
 
 

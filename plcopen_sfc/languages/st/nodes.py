@@ -163,9 +163,21 @@ class Parenthesized(Node):
     inner: Expression
 
 
+@dataclass(frozen=True, slots=True)
+class TypeOperand(Node):
+    """A type as an operand of ``__NEW`` or ``SIZEOF`` (CODESYS): ``POINTER TO base``, ``ARRAY[bounds] OF base``.
+
+    `words` are ``POINTER TO``, ``REFERENCE TO`` or ``ARRAY``. A type that is a name alone is a `Name`.
+    """
+
+    words: str
+    bounds: tuple[Range, ...]
+    base: Expression
+
+
 Expression: TypeAlias = (
     "Name | Literal | Address | Member | Index | Dereference | Peripheral | Call | Unary | Operation"
-    " | Parenthesized | AssignmentExpression"
+    " | Parenthesized | AssignmentExpression | TypeOperand"
 )
 """Any expression."""
 
@@ -332,6 +344,13 @@ class Empty(Node):
 
 
 @dataclass(frozen=True, slots=True)
+class EmbeddedCode(Node):
+    """Code in C among statements, ``{{ .. }}`` with its braces (Beremiz, OpenPLC): the compiler passes it on."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class Unreadable(Node):
     """Text that does not parse, kept as it stands. A problem tells why."""
 
@@ -340,7 +359,7 @@ class Unreadable(Node):
 
 Statement: TypeAlias = (
     "Assignment | CallStatement | If | Case | For | While | Repeat | Region | Try | Exit | Continue | Return | Goto"
-    " | Label | Empty | Unreadable"
+    " | Label | Empty | EmbeddedCode | Unreadable"
 )
 """Any statement."""
 

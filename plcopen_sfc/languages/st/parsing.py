@@ -86,7 +86,7 @@ def _fresh_parse(text: str, dialect: Dialect, start: str) -> Parsed[Any]:
     # turning the collector on again makes it look through everything once, which is dear for a short text
     with collector_paused() if len(text) > _LONG else nullcontext():
         declares = start == "declarations"
-        found = tokenize_declarations(text, dialect) if declares else tokenize(text, dialect)
+        found = tokenize_declarations(text, dialect) if declares else tokenize(text, dialect, embedded_code=True)
         with _LOCK:
             lark, builder = _parser_for(dialect is Dialect.SCL, declares)
             tree = Reading(lark, builder, start, text, found).run()

@@ -100,6 +100,9 @@ class Printer:
                 return f"({self.text(inner)})"
             case n.AssignmentExpression(target, value):
                 return f"{self.text(target)} := {self.text(value)}"
+            case n.TypeOperand(words, bounds, base):
+                limits = f"[{self._listed(bounds)}] OF" if bounds else ""
+                return f"{words}{limits} {self.text(base)}"
             case _:
                 raise TypeError(f"{type(node).__name__} is no node that can be printed")
 
@@ -159,6 +162,8 @@ class Printer:
                 return f"{self.text(label)}:"
             case n.Empty():
                 return ";"
+            case n.EmbeddedCode(text):
+                return text
             case _:
                 return ""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
@@ -49,6 +49,12 @@ class CallTranslator:
     def call(self, node: n.Call) -> Expression:
         """A call in the target dialect; where that has an operator instead, an expression with it."""
         callee = node.callee
+        if self._target is Dialect.SCL and self._source is not Dialect.SCL and isinstance(callee, n.Name):
+            inputs = self._names.inputs_of(callee)
+            if inputs is not None:
+                return self._with(node, self._names.function(callee), self._by_name(node, inputs))
+            if self._names.is_action(callee):
+                self._notes.add(Severity.ERROR, f"S7 has no actions and methods to call: {callee.identifier}", callee)
         if isinstance(callee, n.Name) and self._is_function(callee):
             return self._function(node, callee)
         if isinstance(callee, n.Member) and self._names_timer(callee.name):
@@ -120,11 +126,24 @@ class CallTranslator:
         new = block.tool_pin(found, Tool.CODESYS) if self._target is Dialect.CODESYS else found
         return name if new.casefold() == name.identifier.casefold() else n.Name(new, span=name.span)
 
+    def _by_name(self, node: n.Call, inputs: Sequence[str]) -> tuple[Argument, ...]:
+        """The arguments of a function of the project with the names of its inputs, as S7 wants them."""
+        arguments = self._arguments(node.arguments, self._names.member)
+        if any(argument.name is not None for argument in arguments):
+            return arguments
+        if len(arguments) > len(inputs):
+            self._notes.add(Severity.ERROR, "there are more arguments than inputs; left as they stand", node)
+            return arguments
+        pairs = zip(arguments, inputs, strict=False)
+        return tuple(replace(argument, name=self._names.member(n.Name(name))) for argument, name in pairs)
+
     # -- functions ----------------------------------------------------------------------------------------------------
 
     def _is_function(self, callee: n.Name) -> bool:
         """Whether a name is that of a function which the language brings along."""
         if callee.quoting is not n.Quoting.NONE or self._names.is_local(callee) is True:
+            return False
+        if self._names.inputs_of(callee) is not None:
             return False
         block = standard_block(callee.identifier)
         if block is not None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from plcopen_sfc.languages.s7_types import S7Types
 from plcopen_sfc.languages.translation.renames import Renames
 
 
@@ -47,7 +48,11 @@ class TranslationContext:
     in SCL. `types`: types of variables and instances by name, by path for members (``station.timer``): needed for the
     pins of instances (``TON``, ``CTU``) and for conversions whose name tells the source type. `enumerations`: names of
     enumeration types: ``Color.red`` of CODESYS is ``Color#red`` in IEC 61131-3. `renames`: known ones, and the place of
-    new ones. `steps`: without, step variables are not told from others.
+    new ones. `steps`: without, step variables are not told from others. `s7_types`: the enumerations, whose values are
+    user constants in SCL; `hidden` are names that are no values of them, whatever these are called. `actions`: the
+    actions and methods of the POU, which S7 cannot call. `functions`: the inputs of the functions of the project by the
+    name of the function in lower case: they are called instead of standard functions of the same name, and S7 wants the
+    names of their inputs.
     """
 
     locals: Collection[str] | None = None
@@ -55,3 +60,7 @@ class TranslationContext:
     enumerations: Collection[str] = ()
     renames: Renames = field(default_factory=Renames)
     steps: StepReferences | None = None
+    s7_types: S7Types | None = None
+    hidden: Collection[str] = ()
+    actions: Collection[str] = ()
+    functions: Mapping[str, Sequence[str]] = field(default_factory=dict)

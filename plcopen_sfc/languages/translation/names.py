@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
@@ -55,6 +57,16 @@ class NameTranslator:
     def _local_name(self, name: str) -> str:
         return self._context.renames.legal_name(NameScope.LOCAL, name, self._local_names, self._target)
 
+    def inputs_of(self, name: n.Name) -> Sequence[str] | None:
+        """The inputs of a function of the project; None for any other name."""
+        if self.is_local(name) is True and name.identifier.casefold() not in self._context.functions:
+            return None
+        return self._context.functions.get(name.identifier.casefold())
+
+    def is_action(self, name: n.Name) -> bool:
+        """True for the name of an action or a method of the POU."""
+        return name.identifier.casefold() in {each.casefold() for each in self._context.actions}
+
     def is_local(self, name: n.Name) -> bool | None:
         """Whether the POU declares `name`; None: that is not known."""
         if name.quoting is not Quoting.NONE:
@@ -105,6 +117,10 @@ class NameTranslator:
             return name
         new = self._context.renames.legal_name(NameScope.MEMBER, name.identifier, self._members, self._target)
         return self._legal(name, new)
+
+    def function(self, name: n.Name) -> n.Name:
+        """The name of a function of the project where it is called."""
+        return self._global(name) if self._target is Dialect.SCL else self.variable(name)
 
     def block(self, name: n.Name) -> n.Name:
         """The name of what is called, if it is no standard function: an instance, a function or a function block."""

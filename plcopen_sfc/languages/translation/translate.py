@@ -8,8 +8,9 @@ from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.edits import apply_edits
+from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statements
 from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
@@ -91,6 +92,8 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
     if source is Dialect.SCL and into is not Dialect.SCL:
         edits += region_edits(parsed)
     text = apply_edits(parsed.text, edits)
+    if into is Dialect.SCL and source is not into and isinstance(parsed.tree, Statements):
+        text = _with_semicolons(text)
     regions = _regions_fit(parsed, text, source, into)
     for comment in parsed.comments:
         notes.take(translated_comment(comment.kind, comment.text, source, into, regions=regions), comment.span)
@@ -103,6 +106,17 @@ def translate(parsed: Parsed[Any], target: Dialect, context: TranslationContext 
         why = result.problems[0].message
         notes.add(Severity.ERROR, f"{TITLES[target]} does not read the translation: {why}", (0, len(parsed.text)))
     return Translated(text, result, notes.in_order())
+
+
+def _with_semicolons(text: str) -> str:
+    """A text of SCL in which a semicolon stands behind every END_IF and the like: CODESYS does without."""
+    tokens = tokenize(text, Dialect.SCL).tokens
+    pairs = zip(tokens, [*(token.value for token in tokens[1:]), ""], strict=False)
+    ends = [token.span[1] for token, after in pairs if token.value.upper() in _ENDS and after != ";"]
+    return apply_edits(text, [Edit(end, end, ";") for end in ends])
+
+
+_ENDS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT"})
 
 
 def _parse(like: Parsed[Any], text: str, dialect: Dialect) -> Parsed[Any]:

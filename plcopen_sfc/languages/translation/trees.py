@@ -45,6 +45,9 @@ class TreeTranslator:
         self._calls = CallTranslator(source, target, self._names, notes, self._expression)
         self._steps = StepTranslator(context.steps, notes) if context.steps is not None else None
         self._enumerations = {name.casefold() for name in context.enumerations}
+        self._s7_types = context.s7_types
+        alone = context.s7_types is not None and target is Dialect.SCL and source is not Dialect.SCL
+        self._alone = context.s7_types.alone(context.hidden) if alone and context.s7_types is not None else {}
 
     def translated(self) -> Node:
         """The whole tree."""
@@ -56,7 +59,7 @@ class TreeTranslator:
     def _node(self, node: Node) -> Node:
         match node:
             case n.Name():
-                return self._step(node) or self._names.variable(node)
+                return self._step(node) or self._enumerated(node) or self._names.variable(node)
             case n.Member():
                 return self._step(node) or self._member(node)
             case n.Literal():
@@ -71,6 +74,9 @@ class TreeTranslator:
                 return self._inside(node)
             case n.Call():
                 return self._calls.call(node)
+            case n.TypeOperand() if self._target is not self._source:
+                self._lacks("types as operands", node)
+                return node
             case n.Unary():
                 return self._unary(self._inside(node))
             case n.Operation():
@@ -96,6 +102,9 @@ class TreeTranslator:
             case n.Label() if changes:
                 if self._target not in _JUMPS:
                     self._lacks("labels to jump to", node)
+                return node
+            case n.EmbeddedCode() if changes:
+                self._lacks("code in C", node)
                 return node
             case n.Try() if changes:
                 self._lacks("__TRY", node)
@@ -131,6 +140,30 @@ class TreeTranslator:
     def _step(self, node: n.Name | n.Member) -> Expression | None:
         return None if self._steps is None else self._steps.translated(node)
 
+    def _enumerated(self, node: n.Name) -> Expression | None:
+        """A value of an enumeration: a user constant in SCL, a name with or without its type elsewhere."""
+        if self._source is self._target or self._s7_types is None:
+            return None
+        if self._target is Dialect.SCL:
+            value = self._alone.get(node.identifier.casefold())
+            if value is None or self._names.is_local(node) is not False:
+                return None
+            return n.Name(value.name, n.Quoting.GLOBAL, span=node.span)
+        value = self._s7_types.named(node.identifier) if node.quoting is n.Quoting.GLOBAL else None
+        if value is None:
+            return None
+        if self._target is Dialect.CODESYS:
+            return n.Member(n.Name(value.type), n.Name(value.value), span=node.span)
+        return n.Literal(f"{value.type}#{value.value}", span=node.span)
+
+    def _constant(self, text: str, node: Expression) -> Expression:
+        """The user constant for a value of an enumeration."""
+        value = self._s7_types.constant(text) if self._s7_types is not None else None
+        if value is not None:
+            return n.Name(value.name, n.Quoting.GLOBAL, span=node.span)
+        self._lacks("enumerations", node)
+        return node
+
     def _literal(self, node: n.Literal) -> Expression:
         if self._target is self._source:
             return node
@@ -139,7 +172,7 @@ class TreeTranslator:
             if self._target is Dialect.CODESYS:
                 return n.Member(n.Name(type), n.Name(value), span=node.span)
             if self._target is Dialect.SCL:
-                self._lacks("enumerations", node)
+                return self._constant(f"{type}.{value}", node)
             return node
         new = self._notes.take(translated_literal(node.text, self._source, self._target), node)
         return node if new == node.text else replace(node, text=new)
@@ -148,11 +181,12 @@ class TreeTranslator:
         if self._target is self._source:
             return self._inside(node)
         base = node.base
+        if self._target is Dialect.SCL and _is_this(base) and self._names.is_local(node.name):
+            return self._names.variable(node.name)
         if isinstance(base, n.Name) and base.identifier.casefold() in self._enumerations:
             if self._target is Dialect.IEC:
                 return n.Literal(f"{base.identifier}#{node.name.identifier}", span=node.span)
-            self._lacks("enumerations", node)
-            return node
+            return self._constant(f"{base.identifier}.{node.name.identifier}", node)
         if self._source is Dialect.IEC and self._target is Dialect.CODESYS and _is_object(base):
             new_base: Expression = n.Dereference(base, span=base.span)
         else:
@@ -259,6 +293,12 @@ def _is_enumerated(node: n.Literal, source: Dialect) -> bool:
 
 def _is_object(node: Expression) -> bool:
     return isinstance(node, n.Name) and node.identifier.upper() in ("THIS", "SUPER")
+
+
+def _is_this(node: Expression) -> bool:
+    """True for ``THIS^`` and ``THIS``: the instance that executes the text."""
+    base = node.base if isinstance(node, n.Dereference) else node
+    return isinstance(base, n.Name) and base.identifier.upper() == "THIS"
 
 
 def _is_power(node: Expression) -> bool:

@@ -72,4 +72,4 @@ def test_reports_of_conversions_tell_logic_from_drawing(language: str) -> None:
     pou = m.Pou(name="Logic", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=bodies)
     for target in ("simaticml", "codesys", "plcopen-2.01", "iec-text"):
         _, report = sfc.convert(m.Project(name="p", pous=[pou]), target)
-        assert [item for item in report.items if item.fate is sfc.Fate.DROPPED] == [], target
+        assert [item for item in report.items if item.outcome is sfc.Outcome.DROPPED] == [], target

@@ -157,7 +157,6 @@ def test_how_many_networks_of_the_corpus_are_said_completely() -> None:
         "chart logic": (5, 6),
         "condition (wired)": (9, 9),
         "condition (named)": (7, 7),
-        "condition (body)": (6, 6),
     }
 
 

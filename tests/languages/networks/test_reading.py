@@ -532,6 +532,42 @@ def test_edges_of_s7_keep_their_state_in_a_variable() -> None:
     assert lines(falling) == ["value_4 := NOT a AND m;", "m := a;", "y := value_4;"]
 
 
+def test_edge_contacts_of_s7_watch_their_operand_whether_power_reaches_them_or_not() -> None:
+    parts = [rail(), contact(1, "go", 0), variable(2, "a"), variable(3, "m"), coil(9, "y", (4, "out"))]
+    pins = {"pre": 1, "operand": 2, "bit": 3}
+    rising = read(*parts, block(4, "PContact", pins, "out"))
+    assert lines(rising) == ["value_4 := a AND NOT m;", "m := a;", "y := go AND value_4;"]
+    falling = read(*parts, block(4, "NContact", pins, "out"))
+    assert lines(falling) == ["value_4 := NOT a AND m;", "m := a;", "y := go AND value_4;"]
+    at_rail = read(*parts, block(4, "PContact", {**pins, "pre": 0}, "out"))
+    assert lines(at_rail)[-1] == "y := value_4;"
+    assert said(rising) == said(falling) == []
+
+
+def test_edge_coils_of_s7_pass_on_what_comes_to_them() -> None:
+    parts = [rail(), contact(1, "go", 0), variable(2, "pulse"), variable(3, "m"), coil(9, "y", (4, "out"))]
+    pins = {"in": 1, "operand": 2, "bit": 3}
+    rising = read(*parts, block(4, "PCoil", pins, "out"))
+    assert lines(rising) == ["value_4 := go AND NOT m;", "m := go;", "pulse := value_4;", "y := go;"]
+    falling = read(*parts[:4], block(4, "NCoil", pins, "out"))
+    assert lines(falling) == ["value_4 := NOT go AND m;", "m := go;", "pulse := value_4;"]
+    assert said(rising) == said(falling) == []
+
+
+def test_an_edge_element_of_s7_without_its_memory_is_a_problem() -> None:
+    result = read(rail(), variable(2, "a"), block(4, "PContact", {"pre": 0, "operand": 2}, "out"))
+    assert "error: element 4: PContact has no operand, or none for its edge" in said(result)
+
+
+def test_inc_and_dec_of_s7_change_their_operand() -> None:
+    parts = [rail(), contact(1, "go", 0), variable(2, "n"), coil(9, "y", (4, "ENO"))]
+    result = read(*parts, block(4, "Inc", {"EN": 1, "operand": 2}, "ENO"))
+    assert lines(result) == ["IF go THEN", "    n := n + 1;", "END_IF;", "y := go;"]
+    assert said(result) == []
+    always = read(variable(2, "n"), block(4, "Dec", {"operand": 2}))
+    assert lines(always) == ["n := n - 1;"]
+
+
 def test_a_comparison_in_a_ladder_of_s7_is_a_contact() -> None:
     power, left, right = contact(2, "go", 0), variable(3, "x"), variable(4, "5")
     compare = block(5, "EQ", {"pre": 2, "in1": 3, "in2": 4}, "out")

@@ -74,6 +74,7 @@ def test_changes_lead_from_what_is_said_to_what_is_meant(said: dict[str, Any], m
         ([1, "a"], "[1, 'a']"),
         ({"b": 1, "a": {"de-DE": "x"}}, "(b := 1, a := ('de-DE' := 'x'))"),
         (math.inf, "inf"),
+        ({"inf": 1, "nan": 2, "-inf": 3}, "('inf' := 1, 'nan' := 2, '-inf' := 3)"),
     ],
 )
 def test_values_look_like_literals_of_the_standard(value: Any, text: str) -> None:

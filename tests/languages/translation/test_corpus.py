@@ -68,5 +68,5 @@ def test_what_is_exact_comes_back() -> None:
                 again = translate(found.parsed, text.dialect, context)
                 back[again.text == text.text] += 1
     assert back[True] > 3000
-    # functions with arguments by name, parameters without a value, REGION-like names of other tools
-    assert back[False] < 20
+    # arguments by name and semicolons behind END_IF, which SCL needs, stay; parameters without a value
+    assert back[False] < 100

@@ -65,9 +65,11 @@ def test_a_local_name_hides_a_function() -> None:
 
 
 def test_objects_have_no_counterpart_in_scl() -> None:
-    found = translated("THIS^.a", CODESYS, SCL, locals=["a"])
-    assert found.text == "THIS^.a"
-    assert [(note.severity, note.span) for note in found.notes] == [(ERROR, (0, 4))]
+    assert_says_the_same("THIS^.a", CODESYS, SCL, "#a", locals=["a"])
+    for text, length in (("THIS^.b", 4), ("SUPER^.a", 5)):
+        found = translated(text, CODESYS, SCL, locals=["a"])
+        assert found.text == text
+        assert [(note.severity, note.span) for note in found.notes] == [(ERROR, (0, length))]
 
 
 def test_objects_are_pointers_in_codesys_only() -> None:

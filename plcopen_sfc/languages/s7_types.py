@@ -1,0 +1,159 @@
+"""Data types as S7 has them: structures only. What other tools declare besides is the type that it stands for.
+
+A variable of an enumeration is one of its base type, usually Int, and the values of the enumeration are user constants
+``"Type_value"``. A subrange is its base type, without the check of its bounds; another name for a type is this type.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from plcopen_sfc.model.project import Project, TagTable
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    SimpleValue,
+    StructType,
+    SubrangeType,
+    Value,
+    Variable,
+)
+
+_INT = ElementaryType(name=Elementary.INT)
+_NUMBER = re.compile(r"(?:\w+#)?([-+]?\d[\d_]*)|(?:\w+#)?(2|8|16)#([\dA-Fa-f_]+)")
+_DEEPEST = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A value of an enumeration: its type, its name there, the name of the user constant, and its number."""
+
+    type: str
+    value: str
+    name: str
+    number: int
+
+
+class S7Types:
+    """The types of a project as S7 has them."""
+
+    def __init__(self, declarations: Iterable[DataTypeDeclaration]) -> None:
+        self._declared = {each.name.casefold(): each for each in declarations}
+        self.constants = [each for declaration in self._declared.values() for each in constants_of(declaration)]
+        self._by_name = {each.name.casefold(): each for each in self.constants}
+        self._by_value = {f"{each.type}.{each.value}".casefold(): each for each in self.constants}
+        counts = Counter(each.value.casefold() for each in self.constants)
+        self._alone = {each.value.casefold(): each for each in self.constants if counts[each.value.casefold()] == 1}
+
+    def type(self, type_: DataType) -> DataType:
+        """The type that S7 has for `type_`: itself, if it is one of S7."""
+        return self._type(type_, 0)
+
+    def _type(self, type_: DataType, depth: int) -> DataType:
+        if isinstance(type_, EnumType):
+            return self._type(type_.base, depth + 1) if type_.base is not None else _INT
+        if isinstance(type_, SubrangeType):
+            return self._type(type_.base, depth + 1)
+        if isinstance(type_, ArrayType):
+            base = self._type(type_.base, depth + 1)
+            return type_ if base is type_.base else type_.model_copy(update={"base": base})
+        if isinstance(type_, DerivedType) and depth < _DEEPEST:
+            declared = self._declared.get(type_.name.casefold())
+            if declared is not None and not isinstance(declared.type, StructType):
+                return self._type(declared.type, depth + 1)
+        return type_
+
+    def start(self, variable: Variable) -> Value | None:
+        """The start value of a variable as S7 writes it; that of its type, where it has none of its own."""
+        if variable.initial is not None:
+            return self._number(variable.initial)
+        return self._start_of(variable.type, 0)
+
+    def _start_of(self, type_: DataType, depth: int) -> Value | None:
+        if isinstance(type_, DerivedType) and depth < _DEEPEST:
+            declared = self._declared.get(type_.name.casefold())
+            if declared is None or isinstance(declared.type, StructType):
+                return None
+            if declared.initial is not None:
+                return self._number(declared.initial, declared.name)
+            if isinstance(declared.type, EnumType):
+                first = next((each for each in self.constants if each.type == declared.name), None)
+                return SimpleValue(text=str(first.number)) if first is not None and first.number else None
+            return self._start_of(declared.type, depth + 1)
+        if isinstance(type_, SubrangeType) and _number(type_.bounds.lower) != 0:
+            return SimpleValue(text=type_.bounds.lower)
+        return None
+
+    def _number(self, value: Value, type_: str = "") -> Value:
+        """A value with numbers for the values of enumerations."""
+        if not isinstance(value, SimpleValue) or value.text is None:
+            return value
+        found = self.constant(value.text, type_)
+        return value if found is None else SimpleValue(text=str(found.number))
+
+    def constant(self, text: str, type_: str = "") -> Constant | None:
+        """The value of an enumeration that a text names: ``"Type_value"``, ``Type.value``, ``Type#value`` or ``value``.
+
+        `type_` is the type that a value without one has.
+        """
+        key = text.strip().replace("#", ".").strip('".').replace('"', "").casefold()
+        return (
+            self._by_name.get(key)
+            or self._by_value.get(key)
+            or self._by_value.get(f"{type_}.{key}".casefold())
+            or self._alone.get(key)
+        )
+
+    def named(self, name: str) -> Constant | None:
+        """The value of an enumeration for which the user constant `name` stands."""
+        return self._by_name.get(name.casefold())
+
+    def alone(self, hidden: Iterable[str]) -> Mapping[str, Constant]:
+        """The values that programs can name without their type, by name in lower case; `hidden` names are others."""
+        others = {name.casefold() for name in hidden}
+        return {name: each for name, each in self._alone.items() if name not in others}
+
+    def tables(self) -> list[TagTable]:
+        """A tag table with the user constants of each enumeration."""
+        tables: dict[str, TagTable] = {}
+        for each in self.constants:
+            table = tables.setdefault(each.type, TagTable(name=each.type))
+            kind = self.type(DerivedType(name=each.type))
+            initial = SimpleValue(text=str(each.number))
+            table.constants.append(Variable(name=each.name, type=kind, initial=initial))
+        return list(tables.values())
+
+
+def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
+    """The values of an enumeration with their numbers; none for one whose numbers are not known."""
+    if not isinstance(declaration.type, EnumType):
+        return []
+    found: list[Constant] = []
+    following = 0
+    for each in declaration.type.values:
+        number = following if each.value is None else _number(each.value)
+        if number is None:
+            return []
+        found.append(Constant(declaration.name, each.name, f"{declaration.name}_{each.name}", number))
+        following = number + 1
+    return found
+
+
+def _number(text: str) -> int | None:
+    found = _NUMBER.fullmatch(text.strip())
+    if found is None:
+        return None
+    return int(found[1].replace("_", "")) if found[1] else int(found[3].replace("_", ""), int(found[2]))
+
+
+def s7_types(project: Project) -> S7Types:
+    """The types of `project` as S7 has them."""
+    return S7Types(project.data_types)
