@@ -10,8 +10,8 @@ from types import MappingProxyType
 from typing import Any
 
 
-class Fate(StrEnum):
-    """What was done with an item."""
+class Outcome(StrEnum):
+    """What became of an item of the source."""
 
     KEPT = "kept"
     """Written exactly, in the target's own terms."""
@@ -19,10 +19,16 @@ class Fate(StrEnum):
     """Written in other terms that mean the same."""
     APPROXIMATED = "approximated"
     """Written in terms that mean nearly the same; the reason says what differs."""
-    CARRIED = "carried"
-    """Kept in the target's place for foreign data; other tools do not act on it."""
+    NOT_EXECUTED = "not executed"
+    """The source tool executes it, the target tool does not, even if the file keeps it for the way back."""
+    EXTENSION_DATA = "extension data"
+    """Kept in the target's place for data of other tools. No machine executes it: titles, positions, ids."""
     DROPPED = "dropped"
     """Not in the target file."""
+
+
+LOSSES = (Outcome.NOT_EXECUTED, Outcome.APPROXIMATED, Outcome.DROPPED)
+"""What ``strict`` does not let pass, the worst first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +38,7 @@ class Item:
     `line` is that in the source, `file` the document that it is in, where the source may have several.
     """
 
-    fate: Fate
+    outcome: Outcome
     what: str
     path: str
     why: str = ""
@@ -42,7 +48,7 @@ class Item:
 
 @dataclass(slots=True)
 class ConversionReport:
-    """The fates of all items. `unchanged`: nothing was edited, the file is what was read.
+    """The outcomes of all items. `unchanged`: nothing was edited, the file is what was read.
 
     `written` are the files that were written. In a folder, `removed` are those whose objects are gone, and `left_alone`
     those that are none of the project's.
@@ -56,22 +62,22 @@ class ConversionReport:
     removed: list[str] = field(default_factory=list)
     left_alone: list[str] = field(default_factory=list)
 
-    def add(self, fate: Fate, what: str, path: str, why: str = "") -> None:
-        """Note the fate of an item."""
-        self.items.append(Item(fate, what, path, why))
+    def add(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
+        """Note the outcome of an item."""
+        self.items.append(Item(outcome, what, path, why))
 
-    def with_fate(self, *fates: Fate) -> list[Item]:
-        """The items with one of these fates."""
-        return [item for item in self.items if item.fate in fates]
+    def with_outcome(self, *outcomes: Outcome) -> list[Item]:
+        """The items with one of these outcomes."""
+        return [item for item in self.items if item.outcome in outcomes]
 
     @property
     def losses(self) -> list[Item]:
-        """What was dropped or approximated: what ``strict`` does not let pass."""
-        return self.with_fate(Fate.DROPPED, Fate.APPROXIMATED)
+        """What the target does not execute, or executes otherwise, or does not contain, the worst first."""
+        return [item for outcome in LOSSES for item in self.with_outcome(outcome)]
 
-    def counts(self) -> dict[tuple[str, Fate], int]:
-        """How many items of each kind had each fate."""
-        return dict(Counter((item.what, item.fate) for item in self.items))
+    def counts(self) -> dict[tuple[str, Outcome], int]:
+        """How many items of each kind had each outcome."""
+        return dict(Counter((item.what, item.outcome) for item in self.items))
 
     def extend(self, items: Iterable[Item]) -> None:
         """Add items."""

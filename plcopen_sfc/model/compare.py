@@ -2,19 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
+from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.body import BodyBase
+from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.pou import Action, Method, NamedTransition
+from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Tag, Task
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
 from plcopen_sfc.model.text import MarkupText, MultilingualText
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import VariableSection
 
 _UNORDERED = frozenset({"logic", "nodes", "steps", "transitions"})
 """Lists whose order says nothing as such: nets are what their wires are. The order of rivals is compared by itself."""
 
+_KINDS: tuple[tuple[type[Any], str], ...] = (
+    (Step, "step"),
+    (Transition, "transition"),
+    (ActionAssociation, "action"),
+    (Action, "action"),
+    (NamedTransition, "transition"),
+    (Method, "method"),
+    (Variable, ""),
+    (PartialChart, "partial chart"),
+    (Configuration, "configuration"),
+    (Resource, "resource"),
+    (Task, "task"),
+    (PouInstance, "instance"),
+    (Tag, "tag"),
+    (LogicNetwork, "network"),
+)
+"""What messages and reports call the objects in lists; variables have their names alone."""
+
+_SECTION = "section"
+_UNNAMED = frozenset({"body", "chart", "interface"})
+"""Fields that no path names: what is in them is of the object around."""
+
 
 class Difference(NamedTuple):
-    """`path` leads to the place (``pous[Main].bodies[0].chart.steps[S3].max_time``); one side may be None."""
+    """`path` names the place (``POU Main / action Fill / step S3 / max time``); one side may be None."""
 
     path: str
     left: Any
@@ -26,26 +56,80 @@ def differences(left: Any, right: Any, *, ignore: frozenset[str] = frozenset(), 
     if type(left) is not type(right):
         yield Difference(path, left, right)
     elif isinstance(left, Model | MarkupText | MultilingualText):
+        labels = left.labels() if isinstance(left, SfcNetwork) else {}
         for name in type(left).model_fields:
             if name not in ignore:
                 a, b = getattr(left, name), getattr(right, name)
                 if name in _UNORDERED and a and b and all(hasattr(thing, "id") for thing in (*a, *b)):
                     a, b = sorted(a, key=_id), sorted(b, key=_id)
-                if a is not b:
-                    yield from differences(a, b, ignore=ignore, path=f"{path}.{name}" if path else name)
+                if a is b:
+                    continue
+                if isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+                    for index, (one, other) in enumerate(zip(a, b, strict=True)):
+                        place = _place(path, name, one, index, labels, alone=len(a) == 1)
+                        yield from differences(one, other, ignore=ignore, path=place)
+                else:
+                    unnamed = name in _UNNAMED and a is not None and b is not None and not isinstance(a, list)
+                    place = path if unnamed else _joined(path, name.replace("_", " "))
+                    yield from differences(a, b, ignore=ignore, path=place)
         if isinstance(left, SfcNetwork):
-            yield from differences(_rivals(left), _rivals(right), path=f"{path}.order of transitions")
+            yield from differences(_rivals(left), _rivals(right), path=_joined(path, "order of transitions"))
     elif isinstance(left, list):
         if len(left) != len(right):
             yield Difference(path, _names(left), _names(right))
         else:
             for index, (a, b) in enumerate(zip(left, right, strict=True)):
-                yield from differences(a, b, ignore=ignore, path=f"{path}[{_label(a, index)}]")
+                yield from differences(a, b, ignore=ignore, path=_joined(path, _label(a, index)))
     elif isinstance(left, dict):
         for key in left.keys() | right.keys():
-            yield from differences(left.get(key), right.get(key), ignore=ignore, path=f"{path}[{key}]")
+            yield from differences(left.get(key), right.get(key), ignore=ignore, path=_joined(path, str(key)))
     elif left != right:
         yield Difference(path, left, right)
+
+
+def path_of(root: Any, keys: Iterable[str | int]) -> str:
+    """Return the path, as in a `Difference`, of what the fields and indices `keys` lead to from `root`."""
+    path, field, thing, owner = "", "", root, root
+    for key in keys:
+        if isinstance(key, int):
+            labels = owner.labels() if isinstance(owner, SfcNetwork) else {}
+            path = _place(path, field, thing[key], key, labels, alone=len(thing) == 1)
+            thing, field = thing[key], ""
+            continue
+        owner, thing = thing, thing.get(key) if isinstance(thing, dict) else getattr(thing, key, None)
+        if isinstance(thing, list):
+            field = key
+        elif key not in _UNNAMED or thing is None:
+            path = _joined(path, key.replace("_", " "))
+    return _joined(path, field.replace("_", " ")) if field else path
+
+
+def _place(path: str, name: str, thing: Any, index: int, labels: dict[int, str], *, alone: bool) -> str:
+    """The path of `thing`, the element number `index` of the list in the field `name` of the object at `path`."""
+    if isinstance(thing, ProjectObject):
+        return _joined(path, thing.report_path)
+    if isinstance(thing, VariableSection):
+        word = "global variables" if name == "global_variables" else _SECTION
+        return _joined(path, f"{word} {_label(thing, index)}")
+    if isinstance(thing, BodyBase) and name == "bodies":
+        return path if alone else _joined(path, f"body {index + 1}")
+    if isinstance(thing, Variable):
+        path = path.rpartition(f" / {_SECTION} ")[0] or path  # a variable belongs to the POU
+    kind = next((word for known, word in _KINDS if isinstance(thing, known)), _singular(name))
+    if isinstance(thing, Transition):
+        return _joined(path, f"{kind} {labels.get(thing.id) or index + 1}")
+    if isinstance(thing, ActionAssociation):
+        return _joined(path, f"{kind} {thing.target or index + 1}")
+    return _joined(path, f"{kind} {_label(thing, index)}".strip())
+
+
+def _singular(field: str) -> str:
+    word = field.replace("_", " ")
+    return word[:-3] + "y" if word.endswith("ies") else word.removesuffix("s")
+
+
+def _joined(path: str, part: str) -> str:
+    return f"{path} / {part}" if path else part
 
 
 def _rivals(chart: SfcNetwork) -> dict[int, list[int]]:
@@ -63,7 +147,7 @@ def _id(thing: Any) -> int:
 
 
 def _label(thing: Any, index: int) -> str:
-    return getattr(thing, "name", None) or str(index)
+    return getattr(thing, "name", None) or str(index + 1)
 
 
 def _names(things: list[Any]) -> list[str]:

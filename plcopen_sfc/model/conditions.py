@@ -14,11 +14,12 @@ if TYPE_CHECKING:
 
 
 class Expression(Model):
-    """A Boolean expression as text, in the ST dialect of its project."""
+    """A Boolean expression as text, in the ST dialect of its project; `markup` as in `StBody`."""
 
     kind: Literal["expression"] = "expression"
     text: str
     negated: bool = False
+    markup: str | None = None
     carried: Carried | None = None
 
 

@@ -253,6 +253,7 @@ class Project(Element):
     dialect: Dialect = Dialect.IEC
 
     _origin: Origin | FolderOrigin | None = PrivateAttr(default=None)
+    _errors_accepted: bool = PrivateAttr(default=False)
 
     def __eq__(self, other: Any) -> bool:
         """Equal content; where the projects were read from does not matter."""
@@ -289,6 +290,17 @@ class Project(Element):
         self.read_all()
         found = self._origin.diagnostics
         return tuple(sorted(found, key=lambda d: (d.location.file or "", d.location.line or 0)))
+
+    def accept_errors(self) -> None:
+        """Let the project be written in other formats although its reading found errors.
+
+        Else that raises `DamagedSourceError`: what could not be read is missing in the result. The report lists each
+        error as approximated then.
+        """
+        self._errors_accepted = True
+        if isinstance(self._origin, FolderOrigin):
+            for document in self._origin.documents.values():
+                document.frame._errors_accepted = True
 
     def read_all(self) -> None:
         """Read every object and chart that nobody has looked at yet: quicker for all at once than one by one."""
@@ -356,6 +368,11 @@ _ALIVE: WeakValueDictionary[int, Project] = WeakValueDictionary()
 
 def _remember(project: Project) -> None:
     _ALIVE[id(project)] = project
+
+
+def projects_of(pou: Pou) -> Iterator[Project]:
+    """Find the projects that have this very POU."""
+    return (project for project in list(_ALIVE.values()) if any(each is pou for each in project.pous))
 
 
 def projects_with(chart: SfcNetwork) -> Iterator[Project]:

@@ -37,3 +37,8 @@ def plain(text: Text | None, language: str = "") -> str:
     spoken = language.partition("-")[0]
     others = (said for tag, said in text.texts.items() if said and tag.partition("-")[0] == spoken)
     return text.texts.get(language) or next(others, "") or next(iter(text.texts.values()), "")
+
+
+def is_direct(markup: str | None) -> bool:
+    """True if the `markup` of program text is that text itself, without an element: old versions of Beremiz."""
+    return bool(markup) and "<" not in str(markup)
