@@ -145,6 +145,7 @@ def round_trip(data: bytes) -> Project:
     again = sfc.loads(fresh)
     assert settled(again) == settled(loaded)
     assert sorted(d.code for d in again.diagnostics) == sorted(d.code for d in loaded.diagnostics)
+    loaded.accept_errors()
     assert sfc.loads(sfc.dumps(loaded, format="json")) == loaded
     return loaded
 

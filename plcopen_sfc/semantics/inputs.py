@@ -12,7 +12,6 @@ from typing import Protocol, TypeAlias, TypeVar
 
 from plcopen_sfc.errors import InputError, Location, ModelError
 from plcopen_sfc.files import read_bytes
-from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.trace import ACTIVE_COLUMN, SCAN_COLUMN, TIME_COLUMN, Trace
 
@@ -27,10 +26,14 @@ BoundInputs: TypeAlias = Callable[[int], Mapping[str, Value]]
 
 @dataclass(frozen=True)
 class Variables:
-    """What a source may set: the inputs with their types, and the names of all other variables (case as declared)."""
+    """What a source may set: the inputs with their types, and the names of all other variables (case as declared).
+
+    `system` are those inputs that operate the chart (see `system_inputs`).
+    """
 
     inputs: Mapping[str, Signal]
     others: Collection[str] = ()
+    system: Collection[str] = ()
 
     def find(self, name: str) -> str | None:
         """The input of this name as it is declared; case does not matter."""
@@ -41,7 +44,6 @@ class Variables:
         return {each.casefold(): each for each in self.inputs}
 
 
-_FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _Choice = TypeVar("_Choice")
 
 
@@ -248,8 +250,9 @@ class RandomInputs:
     Every input keeps a value for a number of scans out of `hold` (both ends included), or out of `holds` where that is
     given: durations that matter, such as those around the times of a program. Booleans change, enumerations and
     numbers get any value: of `values` by name, of `ranges` by name, or of a few around zero and the bounds of the type.
-    An input has the same values whatever other inputs there are. The SFC flags of CODESYS (``SFCInit``, ``SFCPause``)
-    keep theirs unless `flags` is set: a chart that is held most of the time shows little.
+    An input has the same values whatever other inputs there are. What operates the chart (``SFCInit`` of CODESYS,
+    ``OFF_SQ`` and ``SW_MAN`` of S7-GRAPH) keeps its initial value unless `system_inputs` is set, or `ranges` or
+    `values` name it: a chart that is held or switched off most of the time shows little.
     """
 
     seed: int = 0
@@ -257,7 +260,7 @@ class RandomInputs:
     holds: Sequence[int] = ()
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     values: Mapping[str, Sequence[Value]] = field(default_factory=dict)
-    flags: bool = False
+    system_inputs: bool = False
 
     def scans(self, scan_time: int) -> int | None:  # noqa: ARG002  # of the protocol
         """Any number."""
@@ -272,7 +275,7 @@ class RandomInputs:
         sources = [
             _RandomInput(self, name, signal)
             for name, signal in variables.inputs.items()
-            if self.flags or name.casefold() in named or name.casefold() not in _FLAGS
+            if self.system_inputs or name.casefold() in named or name not in variables.system
         ]
 
         def changes(scan: int) -> dict[str, Value]:
@@ -294,7 +297,7 @@ class _RandomInput:
         self._options = options
         self._value: Value | None = None
         by_name = {key.casefold(): each for key, each in options.values.items()}
-        self._values = list(by_name.get(name.casefold(), ())) or _samples(signal)
+        self._values = list(by_name.get(name.casefold(), ())) or samples(signal)
         self._range = {key.casefold(): each for key, each in options.ranges.items()}.get(name.casefold())
 
     def advance(self, scan: int) -> Value:
@@ -318,7 +321,7 @@ class _RandomInput:
         return choices[int(self._random.random() * len(choices))]
 
 
-def _samples(signal: Signal) -> list[Value]:
+def samples(signal: Signal) -> list[Value]:
     """A few values of a type, simple ones more often than odd ones."""
     match signal.kind:
         case SignalKind.BOOL:

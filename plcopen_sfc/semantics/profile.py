@@ -12,13 +12,14 @@ Sources, by the short names used below:
   TC3 PLC, the pages of the same names.
 - *CoDeSys 2.3*: user manual and help of CoDeSys V2.3 ("SFC flags", "IEC steps", "simplified steps").
 - *GRAPH*: S7-GRAPH V5.3 manual (C79000-G7076-C526), TIA Portal help "Programming GRAPH".
-- *matiec*: the C code that matiec generates for SFC (stage 4, 2016 on).
+- *Beremiz*: the open converter from TC6 to text of Beremiz and OpenPLC Editor (2025), by the text that it writes.
+- *matiec*: the C code that matiec generates for SFC (2024), and what it does when it runs (`tests/judges`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 
@@ -42,33 +43,64 @@ class ScanOrder(StrEnum):
     """What comes first in a scan.
 
     ACTIONS_FIRST: actions of the steps that were active at its beginning, then transitions; a step that becomes active
-    is executed in the next scan. TRANSITIONS_FIRST: the actions are those of the new situation.
+    is executed in the next scan. TRANSITIONS_FIRST: the actions are those of the new situation. RETIMED: no tool's
+    order, but ACTIONS_FIRST as a comparison sees it: the scans are cut behind the actions instead of before them, so
+    that the transitions of one and the actions of the next have the same inputs and the same time.
     """
 
     ACTIONS_FIRST = "actions_first"
+    RETIMED = "retimed"
     TRANSITIONS_FIRST = "transitions_first"
 
 
 class ActionControl(StrEnum):
     """Who decides whether an action is executed.
 
-    PER_ACTION: one control for each action, its inputs are the OR over all its associations (IEC). PER_STEP: every
-    association acts on its own by the elapsed time and the edges of its step, and the results are ORed (matiec).
+    PER_ACTION: one control for each action, its inputs are the OR over all its associations (IEC). SEQUENTIAL: the
+    associations act one after the other in the order of the steps, each by the elapsed time and the edges of its own
+    step, and the last one that decides counts: where a step is left and an earlier step in the chart entered with N on
+    the same action, it is not executed in that scan (matiec).
     """
 
     PER_ACTION = "per_action"
-    PER_STEP = "per_step"
+    SEQUENTIAL = "sequential"
+
+
+class ActionOrder(StrEnum):
+    """The order in which actions are executed in a scan.
+
+    FIRST_USE: that in which the chart first uses them. ALPHABETIC: that of their names (CODESYS). DECLARED: that of
+    their declarations in the POU; bodies that stand at an association come before them, in the order of the chart.
+    """
+
+    FIRST_USE = "first_use"
+    ALPHABETIC = "alphabetic"
+    DECLARED = "declared"
 
 
 class BooleanTargets(StrEnum):
     """When a Boolean variable that is an action is written.
 
     ALWAYS: it equals the output of the action control in every scan. WHEN_EXECUTED: TRUE while the action is executed
-    and FALSE in its last execution; in between a program may write it.
+    and FALSE in its last execution; in between a program may write it. WHEN_DECIDED: only in scans in which an
+    association decides on it: N, L, D while their step is active and in the scan in which it is left (D not before its
+    time), P, P1 and P0 in every scan, S and R while their step is active, SD, DS and SL at the end of their times.
     """
 
     ALWAYS = "always"
     WHEN_EXECUTED = "when_executed"
+    WHEN_DECIDED = "when_decided"
+
+
+class DrawnBlocks(StrEnum):
+    """When boxes are executed that are drawn before the condition of a transition: blocks, functions and edges.
+
+    WHEN_ENABLED: in a scan in which the transition is enabled, right before its condition is evaluated. A timer is not
+    reset while its transition is not enabled. EVERY_SCAN: in every scan, whatever steps are active.
+    """
+
+    WHEN_ENABLED = "when_enabled"
+    EVERY_SCAN = "every_scan"
 
 
 class StepVariables(StrEnum):
@@ -113,11 +145,6 @@ _GRAPH_QUALIFIERS = frozenset(Qualifier) - {
     Qualifier.SL,
     Qualifier.DL,
 }
-STEPWISE_QUALIFIERS = frozenset(
-    {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.L, Qualifier.D, Qualifier.SD}
-)
-"""The qualifiers that can act on a step alone (`ActionControl.PER_STEP`): those that work in the code of matiec."""
-
 CODESYS_FLAGS = frozenset(
     {
         SfcFlag.INIT,
@@ -160,7 +187,8 @@ class Profile:
 
     numbered_first: bool = False
     """Whether a transition that has a priority number locks out its later rivals although all may be cleared. matiec:
-    it resets its source steps at once, one without ``PRIORITY`` does not."""
+    it resets its source steps at once, one without ``PRIORITY`` does not. The order in which rivals with and without a
+    number are tested is that of matiec's list, see `plcopen_sfc.semantics.charts.moves.testing_order`."""
 
     order: ScanOrder = ScanOrder.TRANSITIONS_FIRST
     """Actions or transitions first. CODESYS: "Processing order" steps 2 to 6, actions first. GRAPH: conditions, step
@@ -174,29 +202,54 @@ class Profile:
     """Whether the start counts as an activation of the initial steps (pulses, entry actions, stored actions). matiec:
     no, the step was active "before" its first scan."""
 
+    entering_restarts_time: bool = False
+    """Whether a step that is active already, and that a transition enters without its being left, counts its time from
+    zero again. This happens in charts that are not safe only; 60848 rule 5: it stays active. matiec: it sets the time
+    of every step that it enters to zero."""
+
     final_scan: bool = True
     """Whether an action is executed once more after it ended (IEC 6.7.4.6, output A: with or without, the implementer
     chooses). CODESYS: yes, hence a P action runs exactly twice. matiec, GRAPH: no."""
 
-    alphabetic_actions: bool = False
-    """Whether actions are executed in the order of their names, those that ended first; else in the order in which the
-    chart first uses them. CODESYS, "Processing order" step 5."""
+    action_order: ActionOrder = ActionOrder.FIRST_USE
+    """The order in which actions are executed, those that ended first. By name: CODESYS, "Processing order" step 5. As
+    declared: matiec, which writes the bodies of actions one after the other as the text has them. IEC does not say."""
 
     action_control: ActionControl = ActionControl.PER_ACTION
     """Who decides whether an action is executed. IEC 6.7.4.6; matiec."""
 
     reset_cancels_delays: bool = True
     """Whether R also ends the pending times of SD and SL (IEC 6.7.4.6: R1 of their flip-flops; the time of DS is that
-    of its step). matiec: it clears the remaining times."""
+    of its step). matiec: a pending SD or DS goes on and sets the action after R; only the time of SL ends."""
 
     boolean_targets: BooleanTargets = BooleanTargets.ALWAYS
     """When a Boolean variable that is an action is written. IEC: the variable is the output Q. CODESYS, "Action": its
-    value is switched when the "action" is executed. matiec: assigned in every scan."""
+    value is switched when the "action" is executed. matiec: when an association decides on it, seen in every scan of
+    compiled charts."""
 
     qualifiers: frozenset[Qualifier] = _IEC_QUALIFIERS
     """The qualifiers that exist. Any other is an `UnknownBehaviourError` of the first scan, as nobody can tell what it
-    does: TC6 lists DL, which no standard defines. matiec generates no compilable code for P0, P1 and DS, and SL
-    never starts its action."""
+    does: TC6 lists DL, which no standard defines, and matiec does not take it. matiec of 2024 takes all others;
+    versions before about 2017 made no code that compiles for P0, P1 and DS, and SL never started its action."""
+
+    drawn_blocks: DrawnBlocks = DrawnBlocks.WHEN_ENABLED
+    """When boxes before a condition are executed. IEC does not say: a condition is evaluated while its transition is
+    enabled (6.7.3), and what is drawn is a part of it. The converter of Beremiz and OpenPLC puts all boxes into one
+    action, which it associates with S to the initial step: they are executed in every scan from the first in which that
+    is active, and what they give was read in compiled charts."""
+
+    drawn_blocks_late: bool = False
+    """Whether they are executed after the transitions, so that conditions see what boxes gave one scan ago. Contacts
+    and variables that are wired directly are read when the transition is tested. Beremiz: the action comes after the
+    transitions. Only together with ``EVERY_SCAN``."""
+
+    drawn_logic: bool = True
+    """Whether logic that is drawn beside the steps and leads to no condition is executed, as a variable that is wired
+    to the output of a step. The converter of Beremiz leaves it out without a word."""
+
+    order_of_flow: bool = False
+    """Whether steps, with their actions, and transitions count in the order in which they are reached from the initial
+    step instead of that of the file. The converter of Beremiz writes them so."""
 
     minimum_times: bool = False
     """Whether a step is left only after its minimum time. CODESYS, "Processing order" step 6."""
@@ -242,9 +295,14 @@ class Profile:
             raise ModelError("a scan has at least one evolution: max_evolutions must be positive")
         if self.evolution is Evolution.UNTIL_STABLE and self.order is ScanOrder.ACTIONS_FIRST:
             raise ModelError("a search for stability ends before the actions: transitions must come first")
-        if self.action_control is ActionControl.PER_STEP and not self.qualifiers <= STEPWISE_QUALIFIERS:
-            extra = ", ".join(sorted(self.qualifiers - STEPWISE_QUALIFIERS))
-            raise ModelError(f"an action control for each step does not know the qualifiers {extra}")
+        sequential = self.action_control is ActionControl.SEQUENTIAL
+        if sequential is not (self.boolean_targets is BooleanTargets.WHEN_DECIDED) or (sequential and self.final_scan):
+            raise ModelError(
+                "where associations act one after the other they also decide when a variable is written, and there is "
+                "no final scan"
+            )
+        if self.drawn_blocks_late is not (self.drawn_blocks is DrawnBlocks.EVERY_SCAN):
+            raise ModelError("boxes that are executed in every scan are so after the transitions, and others before")
         if self.graph_parameters and (
             self.evolution is not Evolution.SINGLE
             or self.order is not ScanOrder.TRANSITIONS_FIRST
@@ -258,11 +316,24 @@ class Profile:
 _CODESYS = Profile(
     name="codesys",
     order=ScanOrder.ACTIONS_FIRST,
-    alphabetic_actions=True,
+    action_order=ActionOrder.ALPHABETIC,
     boolean_targets=BooleanTargets.WHEN_EXECUTED,
     minimum_times=True,
     maximum_times=True,
     flags=CODESYS_FLAGS,
+)
+
+_MATIEC = Profile(
+    name="matiec",
+    rivals=Rivals.ALL,
+    numbered_first=True,
+    initial_steps_entered=False,
+    entering_restarts_time=True,
+    final_scan=False,
+    action_order=ActionOrder.DECLARED,
+    action_control=ActionControl.SEQUENTIAL,
+    reset_cancels_delays=False,
+    boolean_targets=BooleanTargets.WHEN_DECIDED,
 )
 
 PROFILES: Mapping[str, Profile] = MappingProxyType(
@@ -272,7 +343,7 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
         "codesys23": Profile(
             name="codesys23",
             order=ScanOrder.ACTIONS_FIRST,
-            alphabetic_actions=True,
+            action_order=ActionOrder.ALPHABETIC,
             boolean_targets=BooleanTargets.WHEN_EXECUTED,
             minimum_times=True,
             maximum_times=True,
@@ -296,18 +367,20 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
             step_variables=StepVariables.GRAFCET,
             grafcet_terms=True,
         ),
-        "matiec": Profile(
-            name="matiec",
-            rivals=Rivals.ALL,
-            numbered_first=True,
-            initial_steps_entered=False,
-            final_scan=False,
-            action_control=ActionControl.PER_STEP,
-            qualifiers=STEPWISE_QUALIFIERS,
+        "matiec": _MATIEC,
+        "beremiz": replace(
+            _MATIEC,
+            name="beremiz",
+            action_order=ActionOrder.FIRST_USE,
+            drawn_blocks=DrawnBlocks.EVERY_SCAN,
+            drawn_blocks_late=True,
+            drawn_logic=False,
+            order_of_flow=True,
         ),
     }
 )
-"""The profiles by name: iec, codesys (V3 and TwinCAT 3), codesys23, s7graph, grafcet, matiec."""
+"""The profiles by name: iec, codesys (V3 and TwinCAT 3), codesys23, s7graph, grafcet, matiec (charts as text), beremiz
+(TC6 files of Beremiz and OpenPLC Editor, which a converter makes text for matiec of)."""
 
 
 def profile(choice: str | Profile) -> Profile:
@@ -334,15 +407,32 @@ _BY_DIALECT = {Dialect.CODESYS: "codesys", Dialect.TWINCAT: "codesys", Dialect.S
 def default_profile(project: Project) -> Profile:
     """The profile of the tool that a project is for.
 
-    The format it was read from decides, then the dialect of its texts. What is left is ``iec``, but for projects whose
-    charts have partial charts or actions of IEC 60848: those are ``grafcet``.
+    The format it was read from decides, then the dialect of its texts. A TC6 file of Beremiz or OpenPLC Editor is one
+    of `_is_of_beremiz`. What is left is ``iec``, but for projects whose charts have partial charts or actions of IEC
+    60848: those are ``grafcet``.
     """
     origin = project._origin
     name = _BY_FORMAT.get(origin.format) if origin is not None else None
     name = name or _BY_DIALECT.get(project.dialect)
+    if name is None and origin is not None and origin.format.startswith("plcopen") and _is_of_beremiz(project):
+        name = "beremiz"
     if name is None:
         name = "grafcet" if _has_grafcet(project) else "iec"
     return PROFILES[name]
+
+
+_UNNAMED = {"unnamed", "unbenannt"}
+
+
+def _is_of_beremiz(project: Project) -> bool:
+    """Whether the header is one that Beremiz or OpenPLC Editor writes.
+
+    They name no tool: the header is the user's. Those of their examples name Beremiz as company or product; a project
+    that nobody named has the product ``Unnamed``, in the language of the editor, and the version 1.
+    """
+    header = project.header
+    named = f"{header.company} {header.product}".casefold()
+    return "beremiz" in named or "openplc" in named or (header.product.casefold() in _UNNAMED and header.version == "1")
 
 
 def _has_grafcet(project: Project) -> bool:

@@ -13,6 +13,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.charts import compile_chart
+from plcopen_sfc.semantics.drawn import as_executed
 from plcopen_sfc.semantics.inputs import BoundInputs, CsvInputs, InputFunction, InputSource, TraceInputs, Variables
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
@@ -20,6 +21,7 @@ from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject, resolve
+from plcopen_sfc.semantics.system_inputs import system_inputs
 from plcopen_sfc.semantics.trace import Column, Trace
 from plcopen_sfc.semantics.watching import signal_of, step_marking, watched
 
@@ -42,6 +44,7 @@ def simulate(
     initial: Mapping[str, object] | None = None,
     record: Iterable[str] | None = None,
     functions: Mapping[str, Callable[..., Any]] | None = None,
+    free_inputs: Iterable[str] | str = (),
     project: Project | None = None,
 ) -> Trace:
     """Run a chart, a POU or the `pou` of a project for a number of scans, and record it.
@@ -51,7 +54,9 @@ def simulate(
     initial values. `scans`: as many as the inputs have, else 100. `profile`: a name, a `Profile`, or that of the tool
     the project is for. `scan_time`: the clock between two scans, as ``10ms``, a `timedelta` or nanoseconds. `initial`:
     values of variables before the first scan. `record`: the variables to record, else all inputs, outputs and simple
-    local variables. `functions`: those that the project does not have, by name. `project`: for a POU that is in none.
+    local variables. `functions`: those that the project does not have, by name. `free_inputs`: variables that
+    nothing writes and that count as inputs though they are declared as none, or ``all``. `project`: for a POU that is
+    in none.
 
     Raises `SimulationError` for what cannot be executed, with scan, POU and line; `InputError`, `ModelError` for
     names and values that do not fit.
@@ -62,6 +67,7 @@ def simulate(
         scan_time=scan_time,
         functions=functions,
         record=record,
+        free_inputs=free_inputs,
     )
     for path, value in (initial or {}).items():
         run.set(path, value)
@@ -82,18 +88,28 @@ class Simulation:
         scan_time: str | int | timedelta = "10ms",
         functions: Mapping[str, Callable[..., Any]] | None = None,
         record: Iterable[str] | None = None,
+        free_inputs: Iterable[str] | str = (),
     ) -> None:
         chosen = default_profile(subject.project) if profile is None else profile_named(profile)
+        subject = as_executed(subject, chosen)
         self.subject = subject
         self.profile = chosen
         self.scan_time = nanoseconds(scan_time)
-        self.controller = Controller(subject.project, chosen, functions=functions or {}, chart_compiler=compile_chart)
+        self.controller = Controller(
+            subject.project,
+            chosen,
+            functions=functions or {},
+            chart_compiler=compile_chart,
+            free_inputs=[free_inputs] if isinstance(free_inputs, str) else free_inputs,
+        )
         self.instance: Instance = self.controller.instance(subject.pou)
         self._watched = watched(self.instance)
         self._paths = {path.casefold(): path for path in self._watched}
+        inputs = {path: each.signal for path, each in self._watched.items() if each.is_input}
         self.variables = Variables(
-            {path: each.signal for path, each in self._watched.items() if each.is_input},
-            [path for path, each in self._watched.items() if not each.is_input],
+            inputs,
+            [path for path in self._watched if path not in inputs],
+            system_inputs(subject.pou, chosen, inputs),
         )
         steps, self._marking = step_marking(self.instance)
         self.trace = Trace(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
-from plcopen_sfc.model.project import Project, projects_with
+from plcopen_sfc.model.project import Project, projects_of, projects_with
 from plcopen_sfc.model.sfc import SfcNetwork
 
 __all__ = ["Subject", "resolve"]
@@ -30,13 +29,13 @@ def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, proj
 
     Of a project, `pou` names it: ``Main``, or ``Main.Fill`` for an action; it may be left out where there
     is only one chart, or only one POU that can run. A chart brings the project that it is in; a chart of an action
-    runs as if it were the body of its POU. A POU without `project` uses the project that it is in where it has a
-    chart, else it stands alone. Raises `ModelError`.
+    runs as if it were the body of its POU. A POU without `project` uses the project that it is in, if there is one.
+    Raises `ModelError`.
     """
     if isinstance(subject, Project):
         return _named(subject, pou) if pou is not None else _only(subject)
     if isinstance(subject, Pou):
-        around = project or next(_projects_of(subject), None) or Project(pous=[subject])
+        around = project or next(projects_of(subject), None) or Project(pous=[subject])
         return Subject(around, subject, subject.name)
     home = project or next(iter(projects_with(subject)), None)
     if home is None:
@@ -46,11 +45,6 @@ def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, proj
         if isinstance(body, SfcBody) and body.chart is subject:
             return _of_body(home, name, owner, body)
     raise ModelError("this chart is inside another one", hint="Simulate the chart that it is a part of.")
-
-
-def _projects_of(pou: Pou) -> Iterator[Project]:
-    if pou.sfc is not None:
-        yield from (p for p in projects_with(pou.sfc) if any(each is pou for each in p.pous))
 
 
 def _named(project: Project, name: str) -> Subject:

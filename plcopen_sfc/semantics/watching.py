@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,12 +11,14 @@ from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.programs.instances import Instance
+from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame
 from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Type
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
-__all__ = ["Watched", "signal_of", "step_marking", "watched"]
+__all__ = ["Watched", "signal_of", "step_marking", "watched", "watched_members"]
 
 _NOT_SHOWN = frozenset({"constant", "temp"})
+_NOT_COMPARED = frozenset({Direction.CONSTANT, Direction.TEMP, Direction.IN_OUT})
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,37 @@ def watched(instance: Instance) -> dict[str, Watched]:
     for path, type_ in inputs.values():
         _watch(found, instance, path, type_, "input")
     return found
+
+
+def watched_members(instance: Instance) -> dict[str, Watched]:
+    """The single values in structures and in instances of the project's own function blocks, by path.
+
+    Without what a user gives a value, and without what charts and the simulator bring with them.
+    """
+    inputs = {path.casefold() for path in instance.inputs()}
+    roots = {id(instance.frame)}
+    found: dict[str, Watched] = {}
+    for frame in (instance.frame, instance.controller.library.frame):
+        for path, field in _members(instance, frame, "", roots):
+            if path.casefold() not in inputs:
+                _watch(found, instance, path, field.type, str(field.direction))
+    return found
+
+
+def _members(instance: Instance, frame: Frame, path: str, seen: set[int]) -> Iterator[tuple[str, Field]]:
+    for field in frame.layout.fields:
+        own = field.declared or not (frame.layout.is_instance or not path)
+        if field.hidden or not own or not field.retained or field.direction in _NOT_COMPARED:
+            continue
+        if frame.layout.find(field.name) is not field:
+            continue
+        value = frame.v[field.slot]
+        if not isinstance(value, Frame):
+            if path:
+                yield f"{path}{field.name}", field
+        elif id(value) not in seen and instance.controller.library.block_of(value.layout) is None:
+            seen.add(id(value))
+            yield from _members(instance, value, f"{path}{field.name}.", seen)
 
 
 def _watch(found: dict[str, Watched], instance: Instance, path: str, type_: Type, direction: str) -> None:

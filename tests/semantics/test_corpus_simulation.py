@@ -40,9 +40,9 @@ def charts() -> list[tuple[Path, Project, str]]:
     return found
 
 
-def run(project: Project, name: str, *, flags: bool) -> None:
+def run(project: Project, name: str, *, system_inputs: bool) -> None:
     simulation = Simulation(resolve(project, name))
-    source = RandomInputs(1, hold=(1, 12), flags=flags)
+    source = RandomInputs(1, hold=(1, 12), system_inputs=system_inputs)
     simulation.run(source.bind(simulation.variables, simulation.scan_time), SCANS)
     assert len(simulation.trace) == SCANS
 
@@ -54,7 +54,7 @@ def test_charts_of_the_corpus_run() -> None:
     reasons: Counter[str] = Counter()
     for number, (path, project, name) in enumerate(charts()[::EVERY]):
         try:
-            run(project, name, flags=number % 4 == 0)
+            run(project, name, system_inputs=number % 4 == 0)
         except SfcError as error:
             reasons[next((k for k in KNOWN if error.message.startswith(k)), f"{path}: {name}: {error}")] += 1
         except Exception as error:

@@ -165,11 +165,12 @@ def test_random_inputs_keep_to_their_bounds() -> None:
     assert {b - a for a, b in itertools.pairwise(changes)} == {4, 9}
 
 
-def test_random_inputs_leave_the_flags_of_charts_alone() -> None:
-    variables = Variables({name: Signal.elementary("BOOL") for name in ("Go", "SFCInit", "sfcPause")})
+def test_random_inputs_leave_alone_what_operates_the_chart() -> None:
+    signals = {name: Signal.elementary("BOOL") for name in ("Go", "SFCInit", "sfcPause")}
+    variables = Variables(signals, system={"SFCInit", "sfcPause"})
     assert set(random_rows(RandomInputs(3), variables)[-1]) == {"Go"}
     assert set(random_rows(RandomInputs(3, values={"sfcinit": [True]}), variables)[-1]) == {"Go", "SFCInit"}
-    assert len(random_rows(RandomInputs(3, flags=True), variables)[-1]) == 3
+    assert len(random_rows(RandomInputs(3, system_inputs=True), variables)[-1]) == 3
 
 
 def test_random_inputs_of_what_is_not_there() -> None:

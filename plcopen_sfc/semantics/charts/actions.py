@@ -10,19 +10,23 @@ from typing import TYPE_CHECKING, Any
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, Expression, Qualifier
 from plcopen_sfc.semantics.charts.control import (
+    OFF,
     ON,
     PULSE,
     Association,
+    Change,
+    ContinuousControl,
     Control,
     PlainControl,
     Reserve,
+    SequentialControl,
     StandardControl,
-    StepwiseControl,
 )
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run, Write
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.charts.targets import execution
 from plcopen_sfc.semantics.net import indexes
-from plcopen_sfc.semantics.profile import ActionControl, BooleanTargets, Profile, ScanOrder
+from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import ELEMENTARY, INSTANT, LINT, ElementaryType, default
 
@@ -30,6 +34,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
 
 _OUT = ON | PULSE
+_PULSES = (Qualifier.P, Qualifier.P1, Qualifier.P0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,12 +51,14 @@ class Owner:
 class Action:
     """An action: a body to run or a Boolean variable to write, and the control that decides on it.
 
-    `name` orders actions of CODESYS. `bit` is its place in the set of actions with a memory, `out` the slot with what
-    its control said in the scan before, `memory` are all private slots with what they hold at the start.
+    `name` orders actions of CODESYS. `bit` is its place in the set of actions with a memory, `noted` that in what the
+    chart has reached, `out` the slot with what its control said in the scan before, `memory` are all private slots with
+    what they hold at the start.
     """
 
     name: str
     bit: int
+    noted: int
     out: int
     memory: list[tuple[int, Any]]
     control: Control
@@ -85,33 +92,57 @@ class _Drawn:
 
 
 class Actions:
-    """All actions of a chart that follow the qualifiers of IEC 61131-3."""
+    """All actions of a chart that follow the qualifiers of IEC 61131-3; those of GRAFCET that are `continuous`."""
 
     def __init__(
-        self, owned: Sequence[tuple[Owner, ActionAssociation]], scope: Scope, path: str, profile: Profile
+        self,
+        owned: Sequence[tuple[Owner, ActionAssociation]],
+        scope: Scope,
+        path: str,
+        profile: Profile,
+        *,
+        reached: Reached,
+        continuous: bool = False,
     ) -> None:
         self._scope = scope
         self._path = path
         self._profile = profile
-        self._always = profile.boolean_targets is BooleanTargets.ALWAYS
+        self._reached = reached
+        self._continuous = continuous
+        self._sequential = profile.action_control is ActionControl.SEQUENTIAL and not continuous
+        self._always = profile.boolean_targets is BooleanTargets.ALWAYS or continuous
         self._busy = scope.declare(f"{path}: busy actions", LINT, hidden=True)
         self._work: dict[tuple[int, int, int], _Work] = {}
-        drafts = _gather(owned)
-        if profile.alphabetic_actions:
-            drafts.sort(key=lambda draft: draft.name.casefold())
+        drafts = _gather(owned) if continuous else self._in_order(_gather(owned))
         self.starts: list[int] = []
         """The slots of running timers."""
         self._drawn: list[_Drawn] = []
         self._slots: dict[int, int] = {}
         self._actions = tuple(self._action(index, draft) for index, draft in enumerate(drafts))
         self._by_step: dict[int, list[Action]] = {}
-        self._inverted: list[Action] = []
+        self._asked: list[Action] = []
         for action in self._actions:
             for association in action.associations:
-                if association.inverted:
-                    self._inverted.append(action)
+                if association.inverted or (self._sequential and association.qualifier in _PULSES):
+                    self._asked.append(action)
                 for index in indexes(association.steps):
                     self._by_step.setdefault(index, []).append(action)
+
+    def _in_order(self, drafts: list[_Draft]) -> list[_Draft]:
+        """The actions as they are executed; variables first where associations decide one after the other."""
+        order = self._profile.action_order
+        unit = self._scope.unit
+        actions = unit.pou.actions if unit is not None else ()
+        declared = {action.name.casefold(): number for number, action in enumerate(actions)}
+
+        def place(draft: _Draft) -> tuple[bool, int, str]:
+            name = draft.name.casefold()
+            late = self._sequential and (not name or name in declared)
+            if order is ActionOrder.ALPHABETIC:
+                return late, 0, name
+            return late, declared.get(name, -1) if order is ActionOrder.DECLARED else 0, ""
+
+        return sorted(drafts, key=place)
 
     def _action(self, index: int, draft: _Draft) -> Action:
         associations = [_association(owner, model) for owner, model in draft.model]
@@ -125,19 +156,30 @@ class Actions:
                 self.starts.append(slot)
             return slot
 
-        control = _control(associations, reserve, self._profile)
+        control = self._control(associations, reserve)
         out = reserve("out", ELEMENTARY["USINT"])
         for number, (association, (_, model)) in enumerate(zip(associations, draft.model, strict=True)):
             if model.condition is not None and not isinstance(model.condition, Expression):
                 self._slots[id(association)] = reserve(f"condition {number}", ELEMENTARY["BOOL"])
-        return Action(draft.name, 1 << index, out, memory, control, associations, draft.model)
+        noted = self._reached.action(draft.name or f"{draft.model[0][0].path}: action in place")
+        return Action(draft.name, 1 << index, noted, out, memory, control, associations, draft.model)
 
     @property
     def step_times(self) -> set[int]:
         """The slots with starts of steps that controls depend on; others have timers of their own."""
-        if self._profile.action_control is not ActionControl.PER_STEP:
+        if not self._sequential and not self._continuous:
             return set()
-        return {association.since for action in self._actions for association in action.associations}
+        associations = [association for action in self._actions for association in action.associations]
+        return {a.since for a in associations if a.qualifier in (Qualifier.D, Qualifier.L)}
+
+    def _control(self, associations: Sequence[Association], reserve: Reserve) -> Control:
+        if self._continuous:
+            return ContinuousControl(associations)
+        if self._sequential:
+            return SequentialControl(associations, reserve)
+        if all(a.qualifier in (Qualifier.N, Qualifier.NONE) for a in associations):
+            return PlainControl(associations)
+        return StandardControl(associations, reserve, cancels=self._profile.reset_cancels_delays)
 
     def translate(self) -> None:
         """Prepare bodies, targets, times and conditions. Raises `UnknownBehaviourError`."""
@@ -153,6 +195,8 @@ class Actions:
                 action.run = self._scope.statements(f"{model.target} := {model.value};", where)
             elif model.target is not None:
                 action.run, action.write = execution(model.target, self._scope, where)
+                if isinstance(action.control, SequentialControl):
+                    action.control.holds = action.write is not None
 
     def _translate(self, owner: Owner, model: ActionAssociation, association: Association) -> None:
         where = f"{self._path} / step {owner.path}"
@@ -171,32 +215,37 @@ class Actions:
                 f"{model.target or 'an action'} has no time for {model.qualifier}", where
             )
 
-    def act(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> None:
+    def act(self, frame: Frame, now: int, situation: int, change: Change) -> None:
         """Ask all controls, then execute: first what has ended, then what is active.
 
-        `situation`, `seen` and `entered` are as in `Control.step`.
+        `situation` and `change` are as in `Control.step`.
         """
         v = frame.v
         for drawn in self._drawn:  # once in each scan in which their steps act, however often controls ask
-            v[drawn.slot] = drawn.association.acts(situation | seen) and drawn.is_true(frame)
-        work = self._work.get((situation, seen, v[self._busy]))
+            v[drawn.slot] = drawn.association.acts(situation | change.seen) and drawn.is_true(frame)
+        concerned = change.seen | change.left if self._sequential else change.seen
+        work = self._work.get((situation, concerned, v[self._busy]))
         if work is None:
-            work = self._plan(situation, seen, v[self._busy])
+            work = self._plan(situation, concerned, v[self._busy])
         ended: list[Action] = []
         active: list[Action] = []
         resting: list[Write] = []
         busy = 0
         for action in work.actions:
-            bits = action.control.step(frame, now, situation, seen, entered)
+            bits = action.control.step(frame, now, situation, change)
             before = v[action.out]
             out = v[action.out] = bits & _OUT
             if out:
                 active.append(action)
+                self._reached.actions |= action.noted
+            elif self._sequential:
+                if bits & OFF:
+                    ended.append(action)
             elif self._always and action.write is not None:
                 resting.append(action.write)
             elif before and (action.run is None or (self._profile.final_scan and before & ON)):
                 ended.append(action)
-            if bits:
+            if bits & ~OFF:
                 busy |= action.bit
         v[self._busy] = busy
         for drawn in self._drawn:
@@ -217,7 +266,7 @@ class Actions:
     def _plan(self, situation: int, seen: int, busy: int) -> _Work:
         found = {self._actions[index] for index in indexes(busy)}
         found.update(action for index in indexes(situation | seen) for action in self._by_step.get(index, ()))
-        found.update(self._inverted)
+        found.update(self._asked)
         asked = tuple(sorted(found, key=lambda action: action.bit))
         idle: tuple[Write, ...] = ()
         if self._always:
@@ -254,14 +303,6 @@ def _gather(owned: Sequence[tuple[Owner, ActionAssociation]]) -> list[_Draft]:
         if model.body is not None:
             found.append(_Draft("", [(owner, model)]))
     return found
-
-
-def _control(associations: Sequence[Association], reserve: Reserve, profile: Profile) -> Control:
-    if profile.action_control is ActionControl.PER_STEP:
-        return StepwiseControl(associations, reserve)
-    if all(a.qualifier in (Qualifier.N, Qualifier.NONE) for a in associations):
-        return PlainControl(associations)
-    return StandardControl(associations, reserve, cancels=profile.reset_cancels_delays)
 
 
 def _kept(slot: int, frame: Frame) -> bool:

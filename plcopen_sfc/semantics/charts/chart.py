@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
 from plcopen_sfc.model import ActionAssociation, SfcFlag, SfcNetwork
 from plcopen_sfc.semantics.charts.actions import Actions, Owner, check_associations
 from plcopen_sfc.semantics.charts.analyzation import analysis
+from plcopen_sfc.semantics.charts.control import Change
 from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
 from plcopen_sfc.semantics.charts.forgetting import forgetting
 from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.graph.conditions import check_no_graph
-from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice
+from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice, testing_order
 from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.charts.step_actions import StepActions, check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
@@ -29,20 +31,13 @@ if TYPE_CHECKING:
 Condition = Callable[[Frame], bool]
 
 
-class Change(NamedTuple):
-    """What became of the situation in a scan: steps left, steps entered, and all that were active in between."""
-
-    left: int
-    entered: int
-    seen: int
-
-
 class ChartProgram:
     """A chart of a POU under a profile. One object serves all instances; what they are in is in their frames."""
 
     def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
         self.net = Net.of(chart)
         self.path = path
+        self.reached = Reached()
         self._chart = chart
         self._scope = scope
         self._profile = profile
@@ -60,17 +55,21 @@ class ChartProgram:
             check_step_actions(self.net, profile, path)
             check_no_graph(self.net, profile, path)
             if has_grafcet(self.net, self._owned, profile):
-                self._grafcet = Grafcet(self.net, self._owned, scope, path, profile)
+                self._grafcet = Grafcet(self.net, self._owned, scope, path, profile, reached=self.reached)
         except UnknownBehaviourError as error:
             self._refused = error
         plain = [(owner, model) for owner, model in self._owned if model.kind is None and model.forcing is None]
-        self._actions = Actions(plain, scope, path, profile)
+        self._actions = Actions(plain, scope, path, profile, reached=self.reached)
         self._flags = Flags(chart, scope, path, profile)
         self._has_flags = bool(self._flags.used)
-        self._step_actions = StepActions(self.net)
+        self._step_actions = StepActions(self.net, self.reached)
         self._choose = choice(profile)
+        self._tested = testing_order(self.net) if profile.numbered_first else None
         self._until_stable = profile.evolution is Evolution.UNTIL_STABLE
-        self._transitions_first = profile.order is ScanOrder.TRANSITIONS_FIRST
+        self._order = profile.order
+        self._pending = -1
+        if self._order is ScanOrder.RETIMED:
+            self._pending = scope.declare(f"{path}: transitions pending", BOOL, hidden=True)
         self._plans = Plans(self._plan)
         self._moves: tuple[Move, ...] = ()
         self._waits: dict[int, Condition] = {}
@@ -152,7 +151,9 @@ class ChartProgram:
         return waited
 
     def _plan(self, situation: int) -> Plan:
-        enabled = [self._moves[index] for index in self.net.enabled(situation)]
+        indexed = self.net.enabled(situation)
+        order = indexed if self._tested is None else sorted(indexed, key=self._tested.__getitem__)
+        enabled = [self._moves[index] for index in order]
         moves = tuple(self._timed(move, move.condition) for move in enabled)
         forced = tuple(self._timed(move, _always) for move in enabled)
         active = list(indexes(situation))
@@ -193,26 +194,39 @@ class ChartProgram:
         if self._refused is not None:
             fail(self._refused)
         now = self._clock.now
+        if self._order is ScanOrder.RETIMED and frame.v[self._pending]:
+            frame.v[self._pending] = False
+            tick(frame, self._plans.of(frame.v[self._situation]).timed, now)
+            self._announce(frame, self._evolve(frame))
         if self._logic is not None:
             if not frame.v[self._started]:  # a wire from an initial step is TRUE from the first scan on
                 self._steps.change(frame, 0, self.net.initial, self.net.initial, now)
             self._logic(frame)
         if self._has_flags and not self._obey(frame, now):
             return
-        if self._transitions_first:
-            fired = self._transitions_then_actions(frame, now)
-        else:
-            fired = self._actions_then_transitions(frame, now)
+        match self._order:
+            case ScanOrder.TRANSITIONS_FIRST:
+                self._announce(frame, self._transitions_then_actions(frame, now))
+            case ScanOrder.ACTIONS_FIRST:
+                self._act(frame, now)
+                self._announce(frame, self._evolve(frame))
+            case ScanOrder.RETIMED:
+                self._act(frame, now)
+                frame.v[self._pending] = True
+
+    def _announce(self, frame: Frame, fired: bool) -> None:  # what a flag tells
         if self._has_flags:
             self._flags.put(SfcFlag.TRANS, frame, fired)
 
-    def _actions_then_transitions(self, frame: Frame, now: int) -> bool:
+    def _act(self, frame: Frame, now: int) -> None:
+        """Activate the steps that were entered in the scan before, and execute the actions."""
         v = frame.v
         situation = v[self._situation]
         before = v[self._shown]
         entered = situation & ~before
         if not v[self._started]:
             v[self._started] = True
+            self.reached.steps |= situation
             self._steps.change(frame, before, situation, situation, now)
             v[self._shown] = situation
             before = 0
@@ -223,10 +237,17 @@ class ChartProgram:
         plan = self._plans.of(situation)
         tick(frame, plan.timed, now)
         self._execute(frame, now, plan, Change(before & ~situation, entered, situation))
-        cleared = self._clear(frame, plan, situation)
+
+    def _evolve(self, frame: Frame) -> bool:
+        """Clear transitions; the steps that they enter become active in the next scan."""
+        v = frame.v
+        situation = v[self._situation]
+        cleared = self._clear(frame, self._plans.of(situation), situation)
         if not cleared.transitions:
             return False
         v[self._situation] = following = situation & ~cleared.left | cleared.entered
+        self.reached.steps |= following
+        self.reached.transitions |= cleared.transitions
         self._steps.announce(frame, situation, following)
         return True
 
@@ -240,6 +261,7 @@ class ChartProgram:
             v[self._started] = True
             if self._grafcet is not None:
                 situation = self._grafcet.start(frame, situation)
+            self.reached.steps |= situation
             self._steps.change(frame, before, situation, situation, now)
             before = 0 if self._profile.initial_steps_entered else situation
             if self._grafcet is not None:
@@ -287,7 +309,10 @@ class ChartProgram:
         after: int = situation & ~cleared.left | cleared.entered
         if self._grafcet is not None:
             after = self._grafcet.rule(situation, after, cleared)
-        entered = after & (cleared.entered & cleared.left | ~situation)
+        anew = cleared.entered if self._profile.entering_restarts_time else cleared.entered & cleared.left
+        entered = after & (anew | ~situation)
+        self.reached.steps |= after
+        self.reached.transitions |= cleared.transitions
         self._steps.change(frame, situation, after, entered, now)
         if self._grafcet is not None:
             self._grafcet.store(frame, situation, after)
@@ -295,17 +320,16 @@ class ChartProgram:
 
     def _execute(self, frame: Frame, now: int, plan: Plan, change: Change) -> None:
         """The actions of a situation."""
-        left, entered, seen = change
         situation = frame.v[self._shown]
         if self._has_flags:
             self._flags.put(SfcFlag.CURRENT_STEP, frame, plan.current)
-        if left or entered:
-            self._step_actions.leave_and_enter(frame, left, entered)
+        if change.left or change.entered:
+            self._step_actions.leave_and_enter(frame, change.left, change.entered)
         if plan.watches and self._flags.can_time_out(frame):
             self._watch(frame, now, plan)
         for run in plan.main:
             run(frame)
-        self._actions.act(frame, now, situation, seen, entered)
+        self._actions.act(frame, now, situation, change)
         if self._grafcet is not None:
             self._grafcet.act(frame, now, situation)
 

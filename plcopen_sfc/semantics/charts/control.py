@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from plcopen_sfc.model import Qualifier
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -26,6 +26,8 @@ BUSY = 2
 """The control has a memory: it must be asked again although its steps may be inactive."""
 PULSE = 4
 """P1 or P0: the action is executed in this scan only."""
+OFF = 8
+"""The Boolean variable becomes FALSE in this scan; without ON and OFF it keeps what it has (`SequentialControl`)."""
 
 Reserve = Callable[[str, ElementaryType], int]
 """Gives a private slot of a frame for a purpose and a type."""
@@ -57,14 +59,25 @@ class Association:
         return self.condition is None or self.condition(frame)
 
 
+class Change(NamedTuple):
+    """What became of the situation in a scan.
+
+    `left`: the steps that were active before and are no more, `entered`: those that became active, `seen`: all that
+    were active in any situation of the scan.
+    """
+
+    left: int
+    entered: int
+    seen: int
+
+
 class Control(Protocol):
     """Decides in every scan on one action."""
 
-    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:
-        """ON, BUSY and PULSE for this scan.
+    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:
+        """ON, BUSY, PULSE and OFF for this scan.
 
-        `situation` are the active steps, `seen` those that were active in any situation of this scan, `entered` those
-        that became active in it.
+        `situation` are the active steps, `change` is how they came to be so in this scan.
         """
 
 
@@ -103,7 +116,7 @@ class PlainControl:
     def __init__(self, associations: Sequence[Association]) -> None:
         self._input = Input(associations)
 
-    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:  # noqa: ARG002
+    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:  # noqa: ARG002
         """See `Control.step`."""
         return ON if self._input.is_on(situation, frame) else 0
 
@@ -324,54 +337,116 @@ class StandardControl:
             parts.append(_FallingPulse(found, reserve))
         self._parts = tuple(parts)
 
-    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:  # noqa: ARG002
+    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:
         """See `Control.step`."""
-        reset = self._reset is not None and self._reset.is_on(seen, frame)
+        reset = self._reset is not None and self._reset.is_on(change.seen, frame)
         bits = 0
         for part in self._parts:
-            bits |= part.step(frame, now, situation, seen, reset)
+            bits |= part.step(frame, now, situation, change.seen, reset)
         return bits & BUSY if reset else bits
 
 
-class StepwiseControl:
-    """The control of matiec: every association acts on its own, by the elapsed time and the activation of its step.
+class ContinuousControl:
+    """The control of a continuous action of GRAFCET: each association has a delay of its own, and any is enough.
 
-    R resets what is stored, but not what N, L, D and P do in the same scan.
+    Delays are measured by the time of the step (IEC 60848:2013, 4.8.2).
     """
 
-    __slots__ = ("_associations", "_start", "_stored", "_time")
+    __slots__ = ("_associations",)
+
+    def __init__(self, associations: Sequence[Association]) -> None:
+        self._associations = tuple(associations)
+
+    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:  # noqa: ARG002
+        """See `Control.step`."""
+        for association in self._associations:
+            if association.is_on(situation, frame):
+                if association.qualifier is Qualifier.N:
+                    return ON
+                late = now - (frame.v[association.since] or 0) >= association.duration(frame)
+                if late is (association.qualifier is Qualifier.D):
+                    return ON
+        return 0
+
+
+class SequentialControl:
+    """The control of matiec: the associations act one after the other, and the last one that decides counts.
+
+    N decides while its step is active and in the scan in which that is left, D from its time on and at the end, L as
+    N does, P, P1 and P0 in every scan. What is stored comes on top of that for an action with a body. A Boolean
+    variable (`holds`) is written where an association decides, by S and R while their step is active and at the end of
+    the times of SD, DS and SL; in all other scans it keeps what it has.
+    """
+
+    __slots__ = ("_associations", "_reset_start", "_reset_time", "_set_start", "_set_time", "_stored", "holds")
 
     def __init__(self, associations: Sequence[Association], reserve: Reserve) -> None:
         self._associations = tuple(associations)
+        self.holds = False
         self._stored = reserve("stored", BOOL)
-        self._start = reserve("set_remaining_time", INSTANT)
-        self._time = reserve("set_remaining_time.PT", ELAPSED)
+        self._set_start = reserve("set_remaining_time", INSTANT)
+        self._set_time = reserve("set_remaining_time.PT", ELAPSED)
+        self._reset_start = reserve("reset_remaining_time", INSTANT)
+        self._reset_time = reserve("reset_remaining_time.PT", ELAPSED)
 
-    def step(self, frame: Frame, now: int, situation: int, seen: int, entered: int) -> int:  # noqa: ARG002
+    def step(self, frame: Frame, now: int, situation: int, change: Change) -> int:
         """See `Control.step`."""
         v = frame.v
-        state = reset = set_ = False
-        if v[self._start] is not None and now - v[self._start] >= v[self._time]:
-            set_ = True
-            v[self._start] = None
+        set_ = _is_over(v, self._set_start, self._set_time, now)
+        reset = _is_over(v, self._reset_start, self._reset_time, now)
+        state: bool | None = None
+        before = situation & ~change.entered | change.left
         for association in self._associations:
+            acts, acted = association.acts(situation), association.acts(before)
+            active = acts and association.is_on(situation, frame)
+            begins, ends = active and not acted, acted and not acts
             match association.qualifier:
-                case Qualifier.N | Qualifier.NONE:
-                    state = state or association.is_on(situation, frame)
+                case Qualifier.N | Qualifier.NONE if acts or ends:
+                    state = active
+                case Qualifier.L if acts or ends:
+                    state = active and not _is_late(association, frame, now)
+                case Qualifier.D if ends or (acts and (not active or _is_late(association, frame, now))):
+                    state = active
+                case Qualifier.P | Qualifier.P1:
+                    state = begins
+                case Qualifier.P0:
+                    state = ends
                 case Qualifier.S:
-                    set_ = set_ or association.is_on(situation, frame)
-                case Qualifier.R:
-                    reset = reset or association.is_on(situation, frame)
-                case Qualifier.P:
-                    state = state or (association.is_on(entered, frame) and not association.inverted)
-                case Qualifier.D | Qualifier.L if association.is_on(situation, frame):
-                    elapsed = now - (v[association.since] or 0)
-                    late = elapsed >= association.duration(frame)
-                    state = state or late is (association.qualifier is Qualifier.D)
-                case Qualifier.SD if association.is_on(entered, frame):
-                    time = association.duration(frame)
-                    v[self._start], v[self._time] = (now, time) if time > 0 else (None, 0)
-        v[self._stored] = stored = not reset and (set_ or v[self._stored])
+                    set_ = set_ or active
+                case Qualifier.R | Qualifier.R0:
+                    reset = reset or active
+                case Qualifier.SD | Qualifier.DS if begins:
+                    _start(v, self._set_start, self._set_time, now, association.duration(frame))
+                case Qualifier.DS if ends:
+                    v[self._set_start] = None
+                case Qualifier.SL if begins:
+                    set_ = True
+                    _start(v, self._reset_start, self._reset_time, now, association.duration(frame))
+        if set_:
+            v[self._set_start] = None
         if reset:
-            v[self._start] = None
-        return (ON if state or stored else 0) | (BUSY if stored or v[self._start] is not None else 0)
+            v[self._reset_start] = None
+        busy = BUSY if v[self._set_start] is not None or v[self._reset_start] is not None else 0
+        if self.holds:
+            if reset or (not set_ and state is False):
+                return OFF | busy
+            return ON | busy if set_ or state else busy
+        v[self._stored] = stored = not reset and (set_ or v[self._stored])
+        return ON | (BUSY if stored else busy) if state or stored else busy
+
+
+def _is_late(association: Association, frame: Frame, now: int) -> bool:
+    return bool(now - (frame.v[association.since] or 0) >= association.duration(frame))
+
+
+def _start(v: list[Any], start: int, time: int, now: int, duration: int) -> None:
+    """Start a time. One of zero never ends in the code of matiec."""
+    v[start], v[time] = (now, duration) if duration > 0 else (None, 0)
+
+
+def _is_over(v: list[Any], start: int, time: int, now: int) -> bool:
+    """Whether a time ends in this scan."""
+    if v[start] is None or now - v[start] < v[time]:
+        return False
+    v[start] = None
+    return True

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from plcopen_sfc.errors import RivalsError
-from plcopen_sfc.semantics.net import Rivals
+from plcopen_sfc.semantics.net import Net, NetTransition, Rivals
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
@@ -46,6 +46,26 @@ def choice(profile: Profile) -> Choice:
     if profile.rivals is Rivals.ERROR:
         return _exclusive
     return _numbered_first if profile.numbered_first else _all
+
+
+def testing_order(net: Net) -> tuple[int, ...]:
+    """The places of the transitions of a net, by their index, in the list in which matiec tests them.
+
+    It puts one after the other into the list: one with a number before the first that has a greater one, one without
+    at the end. So one without a number comes before, or behind, one with a number as they stand in the text.
+    """
+    charts = {id(transition.chart): transition.chart for transition in net.transitions}
+    written = {id(each): number for chart in charts.values() for number, each in enumerate(chart.transitions)}
+    tested: list[NetTransition] = []
+    for transition in sorted(net.transitions, key=lambda t: written[id(t.transition)]):
+        number = transition.transition.priority
+        if number is None:
+            tested.append(transition)
+            continue
+        later = (place for place, other in enumerate(tested) if (other.transition.priority or 0) > number)
+        tested.insert(next(later, len(tested)), transition)
+    places = {transition.index: place for place, transition in enumerate(tested)}
+    return tuple(places[index] for index in range(len(net.transitions)))
 
 
 def _first(frame: Frame, moves: Sequence[Move]) -> Cleared:

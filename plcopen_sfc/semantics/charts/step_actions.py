@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.semantics.charts.plans import Run
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -30,8 +31,9 @@ def check_step_actions(net: Net, profile: Profile, path: str) -> None:
 class StepActions:
     """What the steps of a chart execute, by the index of the step."""
 
-    def __init__(self, net: Net) -> None:
+    def __init__(self, net: Net, reached: Reached) -> None:
         self._net = net
+        self._reached = reached
         self._entry: dict[int, Run] = {}
         self._main: dict[int, Run] = {}
         self._exit: dict[int, Run] = {}
@@ -40,13 +42,23 @@ class StepActions:
         """Prepare the bodies."""
         for index, step in enumerate(s.step for s in self._net.steps):
             where = f"{path} / step {self._net.steps[index].path}"
-            for action, found in (
-                (step.entry_action, self._entry),
-                (step.main_action, self._main),
-                (step.exit_action, self._exit),
+            for word, action, found in (
+                ("entry", step.entry_action, self._entry),
+                ("main", step.main_action, self._main),
+                ("exit", step.exit_action, self._exit),
             ):
                 if action:
-                    found[index] = _run(action, scope, where)
+                    bit = self._reached.action(f"{self._net.steps[index].path}: {word} action")
+                    found[index] = self._noted(_run(action, scope, where), bit)
+
+    def _noted(self, run: Run, bit: int) -> Run:
+        reached = self._reached
+
+        def noted(frame: Frame) -> None:
+            reached.actions |= bit
+            run(frame)
+
+        return noted
 
     def leave_and_enter(self, frame: Frame, left: int, entered: int) -> None:
         """Exit actions, then entry actions, both in the order of the chart."""

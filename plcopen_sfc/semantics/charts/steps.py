@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.semantics.charts.declaring import override
 from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.net import Net, indexes
@@ -55,7 +56,7 @@ class Steps:
         members: Mapping[str, ElementaryType] = {"X": BOOL, "T": ELAPSED}
         if profile.step_variables is StepVariables.GRAPH:
             members = data.STEP
-        self._announces = profile.order is ScanOrder.ACTIONS_FIRST and not simple
+        self._announces = profile.order is not ScanOrder.TRANSITIONS_FIRST and not simple
         if self._announces:
             members = {**members, "_X": BOOL}
         structure = None if simple else scope.structure(_STRUCTURE, members)
@@ -97,8 +98,18 @@ class Steps:
 
     @property
     def slots(self) -> tuple[int, ...]:
-        """The slots of the structures of the steps, in the order of the net."""
-        return tuple(next(name.slot for name in names if not name.flag) for names in self._by_step)
+        """The slots of the structures of the steps, in the order of the net. Raises `UnknownBehaviourError`."""
+        found = []
+        for names in self._by_step:
+            slot = next((name.slot for name in names if not name.flag), None)
+            if slot is None:
+                raise UnknownBehaviourError(
+                    f"the step {names[0].name} has the name of a BOOL variable, which S7-GRAPH does not allow",
+                    location=Location(path=self._path),
+                    hint="Give one of them another name.",
+                )
+            found.append(slot)
+        return tuple(found)
 
     def change(self, frame: Frame, before: int, situation: int, entered: int, now: int) -> None:
         """Another situation. `entered`: the steps whose time starts anew."""

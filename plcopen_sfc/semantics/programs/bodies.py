@@ -182,9 +182,14 @@ class Bodies:
             if helper.type_name is not None:
                 type_ = self._library.types.named(helper.type_name, self._scope)
             self._scope.helper(helper.name, type_)
-        for name, type_name in read.instances.items():
+        for text, type_name in read.instances.items():
             # the drawing tells the type of an instance that nobody declares
-            if is_identifier(name) and isinstance(self._scope.resolve(n.Name(name)), Unknown):
+            name = text.strip('"')
+            if name != text and isinstance(self._scope.resolve(n.Name(name, n.Quoting.GLOBAL)), Unknown):
+                found = self._library.types.named(type_name, self._scope)
+                if isinstance(found, t.StructureType):
+                    self._library.implicit(name, found)
+            elif is_identifier(text) and isinstance(self._scope.resolve(n.Name(text)), Unknown):
                 found = self._library.types.named(type_name, self._scope)
                 if isinstance(found, t.StructureType):
                     self._scope.helper(name, found)

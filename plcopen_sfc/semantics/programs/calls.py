@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeGuard
 
@@ -48,7 +48,7 @@ class Calls:
                 return self._of_unit(meaning, node)
             method = self._own_method(name)
             if method is not None:
-                return self._function(method, node, [self._own_frame])
+                return self._method(method, node, self._own_frame)
             if isinstance(meaning, Unknown):
                 return self._by_name(name.identifier, node, expected)
         elif isinstance(name, n.Member):
@@ -56,7 +56,7 @@ class Calls:
             if isinstance(base, Unit) and base.is_program:
                 base = self._library.program(base)
             if isinstance(base, Place):
-                return self._of_instance(self._translator.followed(base, None), name.name.identifier, node)
+                return self._of_instance(self._translator.followed(base, None), name.name.identifier, node, expected)
             if isinstance(base, Unknown | Space):
                 found = self._translator.meaning(name)
                 if isinstance(found, Unit) and not found.is_program:
@@ -69,13 +69,23 @@ class Calls:
             raise SimulationError(f"{unit.pou.name} is a type: only an instance of it can be called")
         return self._function(unit, node, [])
 
-    def _of_instance(self, place: Place, name: str, node: n.Call) -> Code:
+    def _of_instance(self, place: Place, name: str, node: n.Call, expected: t.Type | None) -> Code:
         unit = self._unit_of(place.type)
         method = unit.method(name) if unit is not None else None
+        if method is None and isinstance(place.type, t.OpaqueType):
+            return self._uninterpreted(f"{place.path}.{name}", node, expected, self._path_of(place))
         if method is None:
             raise self._unknown(f"{place.path}.{name}")
         self._library.written.add(place.root)
-        return self._function(method, node, [place.text])
+        if place.path == "SUPER":
+            return self._function(method, node, [place.text])
+        return self._method(method, node, place.text)
+
+    def _method(self, method: MethodUnit, node: n.Call, frame: str) -> Code:
+        """A call of a method: of that which the instance has, where a POU that extends this one has another."""
+        if not self._library.is_overridden(method):
+            return self._function(method, node, [frame])
+        return self._function(method, node, [frame], enter=self._library.dispatching(method.name))
 
     def _by_name(self, name: str, node: n.Call, expected: t.Type | None) -> Code:
         """A function that the project does not have."""
@@ -83,9 +93,72 @@ class Calls:
         if supplied is not None:
             return self._supplied(supplied, node)
         found = self._functions.value(name, node.arguments, expected)
-        if found is None:
+        return found if found is not None else self._uninterpreted(name, node, expected)
+
+    def _uninterpreted(self, name: str, node: n.Call, expected: t.Type | None, path: str = "") -> Code:
+        """The result of what nobody knows; `path` is that of the instance whose method it is."""
+        unknown = self._library.unknown
+        if unknown is None:
             raise self._unknown(name)
-        return found
+        unknown.names.setdefault(name)
+        inputs, outputs = self._given(node.arguments)
+        if outputs:
+            raise SimulationError(f"{name} is not known to the simulator: inside an expression it can have no outputs")
+        given = isinstance(expected, t.ElementaryType) and expected.family is not t.Family.SPECIAL
+        type_ = expected if given and expected is not None else t.ANY
+        slot = unknown.slot(path) if path else -1
+        type_name = self._library.linker.name(type_, "type")
+        return ranged(f"unknown_value({name.casefold()!r}, ({inputs}), {type_name}, {slot})", type_, acts=True)
+
+    def _given(self, arguments: Sequence[n.Argument]) -> tuple[str, list[n.Argument]]:
+        """Source of the inputs of a call that nobody knows, by their names, and its outputs."""
+        texts: list[str] = []
+        for argument in arguments:
+            if argument.value is not None and not argument.output:
+                text = settled(self._translator.value(argument.value)).text
+                texts.append(f"({argument.name.identifier.lower()!r}, {text})" if argument.name is not None else text)
+        outputs = [each for each in arguments if each.output and each.value is not None]
+        return "".join(f"{text}, " for text in texts), outputs
+
+    def _unknown_block(self, name: str, path: str, arguments: Sequence[n.Argument]) -> bool:
+        """Write the call of an instance of which nobody knows what it does, or of a function that is a statement."""
+        unknown = self._library.unknown
+        if unknown is None:
+            return False
+        known = {a.name.identifier.upper(): a for a in arguments if a.name is not None and a.value is not None}
+        enable, enabled = known.get("EN"), known.get("ENO")
+        if enable is not None or enabled is not None:
+            rest = [a for a in arguments if a is not enable and a is not enabled]
+            with self._enabled(enable.value if enable else None, enabled.value if enabled else None):
+                return self._unknown_block(name, path, rest)
+        unknown.names.setdefault(name)
+        short = path.removeprefix(f"{self._scope.path}.").casefold()
+        inputs, outputs = self._given(arguments)
+        writer = self._translator.writer
+        held = writer.temporary()
+        writer.write(f"{held} = unknown_call({short!r}, {path!r}, {unknown.slot(path)}, ({inputs}))")
+        for argument in outputs:
+            assert argument.name is not None and argument.value is not None  # noqa: S101, PT018  # it is an output
+            target = self._translator.place(argument.value)
+            self._translator.note_write(target)
+            pin = f"{short}.{argument.name.identifier.casefold()}"
+            text = f"unknown_value({pin!r}, {held}, {self._library.linker.name(target.type, 'type')})"
+            self._translator.write(target, ranged(text, target.type))
+        return True
+
+    def _is_standard(self, name: str, arguments: Sequence[n.Argument]) -> bool:
+        """Whether a function that the project does not have is a standard function, or called as none can be."""
+        mark = self._translator.writer.mark()
+        try:
+            return self._functions.value(name, arguments, None) is not None
+        except SimulationError:
+            return True
+        finally:
+            self._translator.writer.rollback(mark)
+
+    def _path_of(self, place: Place) -> str:
+        """The path that members of an instance have whose type nobody declares."""
+        return f"{self._scope.path}.{place.path}" if place.key and not place.key.startswith("g") else place.path
 
     def _unknown(self, name: str) -> UnknownFunctionError:
         self._library.missing.setdefault(name, self._scope.path)
@@ -108,8 +181,10 @@ class Calls:
         name = self._library.linker.name(runtime.checked(function), "supplied")
         return Code(f"{name}({', '.join([*arguments, *named])})", t.ANY, acts=True)
 
-    def _function(self, callee: Callee, node: n.Call, first: list[str]) -> Code:
-        """A call of a function or method: it has a frame of its own."""
+    def _function(
+        self, callee: Callee, node: n.Call, first: list[str], enter: Callable[..., Any] | None = None
+    ) -> Code:
+        """A call of a function or method: it has a frame of its own. `enter` finds out which one it is."""
         inputs, outputs, enable, enabled = self._sorted(callee.layout, callee.parameters, node.arguments)
         if enable is not None or enabled is not None:
             raise SimulationError(f"{callee.name} is called with EN or ENO inside an expression")
@@ -123,17 +198,22 @@ class Calls:
                 raise SimulationError(f"{callee.name} is called without its parameter {field.name}")
             else:
                 texts.append(self._translator.library.initials.default(field.type) if field.late else field.initial)
-        call = f"{self._library.linker.name(callee.enter)}({', '.join(texts)})"
+        call = f"{self._library.linker.name(enter or callee.enter)}({', '.join(texts)})"
         result = callee.result
         type_: t.Type = result.type if result is not None else t.ANY
-        value = f"v[{result.slot}]" if result is not None else "layout"
+
+        def member(frame: str, field: Field | None) -> str:
+            if field is None:
+                return f"{frame}.layout"
+            return f"{frame}.v[{field.slot}]" if enter is None else f"named({frame}, {field.name.casefold()!r})"
+
         if not outputs:
-            return ranged(f"{call}.{value}", type_, acts=True)
+            return ranged(member(call, result), type_, acts=True)
         held = self._translator.writer.temporary()
         steps = [f"({held} := {call})"]
         for field, argument in outputs:
-            steps.append(self._put_output(field, argument, f"{held}.v[{field.slot}]"))
-        return ranged(f"({', '.join(steps)}, {held}.{value})[-1]", type_, acts=True)
+            steps.append(self._put_output(field, argument, member(held, field)))
+        return ranged(f"({', '.join(steps)}, {member(held, result)})[-1]", type_, acts=True)
 
     def _put_output(self, field: Field, argument: n.Argument, text: str) -> str:
         target, code = self._output(field, argument, text)
@@ -254,21 +334,33 @@ class Calls:
                 self._translator.followed(base, None), callee.name.identifier, arguments
             ):
                 return True
+            if isinstance(base, Place) and self._method_of(self._translator.followed(base, None), callee) is not None:
+                return False
         meaning = self._translator.meaning(callee, called=True)
         if isinstance(meaning, Unit) and meaning.is_program:
             meaning = self._library.program(meaning)
         if isinstance(meaning, Place):
             meaning = self._translator.followed(meaning, None)
             if isinstance(meaning.type, t.OpaqueType):
+                if self._unknown_block(meaning.type.name, self._path_of(meaning), arguments):
+                    return True
                 raise self._unknown(meaning.type.name)
             self._instance(meaning, arguments)
             return True
+        if isinstance(meaning, Unknown) and self._library.unknown is not None:
+            name = meaning.path.rpartition(".")[2]
+            own = isinstance(callee, n.Name) and self._own_method(callee) is not None
+            if not own and name.casefold() not in self._library.functions and not self._is_standard(name, arguments):
+                return self._unknown_block(meaning.path, meaning.path, arguments)
         return False
 
     def _act_of(self, place: Place, name: str, arguments: tuple[n.Argument, ...]) -> bool:
         """Write ``instance.action()`` or what S7 calls on timers and counters: ``timer.TON(..)``."""
         if isinstance(place.type, t.OpaqueType):
-            raise self._unknown(f"{place.type.name}.{name}")
+            called = f"{place.type.name}.{name}"
+            if self._unknown_block(called, f"{self._path_of(place)}", (*_method(name), *arguments)):
+                return True
+            raise self._unknown(called)
         if not isinstance(place.type, t.StructureType):
             return False
         unit = self._unit_of(place.type)
@@ -343,11 +435,23 @@ class Calls:
             return unit
         return self._scope.resolve(name, called=True)
 
+    def _method_of(self, place: Place, callee: n.Member) -> MethodUnit | None:
+        """The method that ``instance.name`` means; a variable of the name comes first."""
+        unit = self._unit_of(place.type)
+        if unit is None or unit.layout.find(callee.name.identifier) is not None:
+            return None
+        return unit.method(callee.name.identifier)
+
     def _own_method(self, name: n.Name) -> MethodUnit | None:
         return self._scope.unit.method(name.identifier) if self._scope.unit is not None else None
 
     def _unit_of(self, type_: t.Type) -> Unit | None:
         return self._library.unit_of_layout(type_.layout) if isinstance(type_, t.StructureType) else None
+
+
+def _method(name: str) -> tuple[n.Argument, ...]:
+    """What tells calls of several methods of an instance apart."""
+    return (n.Argument(n.Literal(f"'{name.casefold()}'")),)
 
 
 def _check_bare(name: str, arguments: Sequence[n.Argument]) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
@@ -16,6 +16,7 @@ from plcopen_sfc.semantics.programs.keeping import Keeper
 from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.library import ChartCompiler, Library
 from plcopen_sfc.semantics.programs.units import Unit
+from plcopen_sfc.semantics.programs.unknown_calls import UnknownCalls
 
 _MOST_STEPS = 1_000_000
 
@@ -26,8 +27,12 @@ class Controller:
     `profile` is for charts and their compiler; None: that of the tool that the project is for. `functions` are those
     that the project calls but does not have, by name; they get the arguments of the call. `read_input(path)` gives the
     value of a free input the first time that a scan reads it: of an input of the instance, a global variable or an
-    undeclared name that nothing writes and no declaration gives a value. `max_steps`: turns of loops and calls of
-    functions in a scan before it counts as endless.
+    undeclared name that nothing writes and no declaration gives a value. `unknown_calls` says what calls come to that
+    the project has nothing for; without it they are errors. `max_steps`: turns of loops and calls of
+    functions in a scan before it counts as endless. `free_inputs`: variables that nothing writes
+    and that count as inputs though no declaration says so, or ``all`` of them, but never
+    `not_free`. `marking`: note which assignments are
+    reached (`library.marks`).
     """
 
     def __init__(
@@ -39,11 +44,25 @@ class Controller:
         chart_compiler: ChartCompiler | None = None,
         read_input: Callable[[str], Any] | None = None,
         max_steps: int = _MOST_STEPS,
+        free_inputs: Iterable[str] = (),
+        not_free: Iterable[str] = (),
+        marking: bool = False,
+        unknown_calls: UnknownCalls | None = None,
     ) -> None:
         self.project = project
         self.profile = default_profile(project) if profile is None else profile_of(profile)
         self.max_steps = max_steps
-        self.library = Library(project, self.profile, functions or {}, chart_compiler, read_input)
+        self.library = Library(
+            project,
+            self.profile,
+            functions or {},
+            chart_compiler,
+            read_input,
+            free_inputs=free_inputs,
+            not_free=not_free,
+            marking=marking,
+            unknown_calls=unknown_calls,
+        )
         self.keeper = Keeper()
         self._initialised: dict[int, Frame] = {}
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import SimulationError
+from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.literals import SHORT_TYPES, LiteralError, LiteralKind, literal_value
@@ -19,6 +20,7 @@ from plcopen_sfc.semantics.programs.places import Place, Space, Unknown
 
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.scopes import Scope
+    from plcopen_sfc.semantics.programs.units import Unit
 
 _EPOCH_ORDINAL = 719_163
 _DAY = 86_400_000_000_000
@@ -64,7 +66,10 @@ class Translator:
                 return Code(
                     f"put({place.cells}, {place.index}, {code.text})", place.type, code.low, code.high, acts=True
                 )
-        return self.read(self.meaning(node, expected), node, expected)
+        meaning = self.meaning(node, expected)
+        if isinstance(meaning, Place) and meaning.path == "THIS" and isinstance(expected, t.ReferenceType):
+            return Code(f"Pointer({meaning.cells}, {meaning.index})", t.ReferenceType("POINTER", meaning.type))
+        return self.read(meaning, node, expected)
 
     def read(self, meaning: Any, node: n.Expression, expected: t.Type | None) -> Code:
         """The value of what a name or path means."""
@@ -77,8 +82,9 @@ class Translator:
         raise SimulationError(f"{print_node(node)} is no value")
 
     def _read_place(self, place: Place) -> Code:
-        if place.input and place.key and place.field is not None:
-            self.library.inputs.setdefault(place.key, (place.path, place.field))
+        if place.key and place.field is not None:
+            known = self.library.inputs if place.input else self.library.read
+            known.setdefault(place.key, (place.path, place.field))
         return place.read()
 
     def followed(self, place: Place, expected: t.Type | None) -> Place:
@@ -120,6 +126,9 @@ class Translator:
                     repr(found.value), t.LREAL, value=found.value, constant=True, loose=single or wanted is None
                 )
             return settled(self.library.converter.converted(constant(found.value, t.LREAL), type_))
+        is_truth = isinstance(expected, t.ElementaryType) and expected.family is t.Family.BOOL
+        if type_ is None and is_truth and found.value in (0, 1):  # IEC 61131-3 ed. 2, table 5; Beremiz
+            return Code(repr(bool(found.value)), t.BOOL, 0, 1, bool(found.value), constant=True)
         if type_ is None:
             return constant(found.value, _least_integer(int(found.value)), loose=True)  # type: ignore[arg-type]
         return settled(constant(found.value, type_))
@@ -154,18 +163,21 @@ class Translator:
         if node.identifier in self._held:
             return self._held[node.identifier]
         word = node.identifier.upper()
-        if word in ("THIS", "SUPER") and self.library.is_codesys and self.scope.unit is not None:
-            return self._own(word)
         found = self.scope.resolve(node, called=called)
+        own = word in ("THIS", "SUPER") and self.library.dialect is not Dialect.SCL
+        if own and isinstance(found, Unknown) and self.scope.unit is not None:
+            return self._own(word, self.scope.unit)
         if isinstance(found, Unknown) and isinstance(expected, t.ElementaryType):
             value = expected.names.get(node.identifier.casefold())
             if value is not None:
                 return constant(value, expected)
+        if isinstance(found, Unknown):
+            known = self.library.implicit_type(found.path)
+            if isinstance(known, t.StructureType):  # an instance of which a drawing tells the type
+                return self.library.implicit(found.path, known)
         return found
 
-    def _own(self, word: str) -> Place:
-        unit = self.scope.unit
-        assert unit is not None  # noqa: S101  # the caller looked
+    def _own(self, word: str, unit: Unit) -> Place:
         owner = unit if word == "THIS" else unit.base
         if owner is None:
             raise SimulationError(f"{unit.pou.name} extends nothing")

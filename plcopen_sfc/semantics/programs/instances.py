@@ -81,8 +81,8 @@ class Instance:
             raise self._said("functions call each other too deeply (recursion)", error) from None
         except OverflowError as error:
             raise self._said(f"a value is out of range: {error}", error) from None
-        except AttributeError as error:
-            if error.obj is not None:
+        except (AttributeError, TypeError) as error:
+            if "NoneType" not in str(error):
                 raise
             raise self._said("a reference or VAR_IN_OUT that leads to nothing is used", error) from None
 

@@ -109,6 +109,7 @@ class InstructionTranslator:
             with self._writer.block(f"if {truth(self._current()).text}:"):
                 place = self._translator.place(self._operand(trees), t.BOOL)
                 self._translator.note_write(place)
+                self._statements.note(f"{word} {place.path}")
                 self._translator.write(place, Code(repr(word == "S"), t.BOOL))
         elif word == "NOT":
             self._load(self._operators.inverted(self._current()))
@@ -175,6 +176,7 @@ class InstructionTranslator:
         current = self._current()
         place = self._translator.place(self._operand(trees), current.type)
         self._translator.note_write(place)
+        self._statements.note(f"ST {place.path}")
         value = self._operators.inverted(current) if negated else current
         self._translator.write(place, settled(self._translator.fitted(value, place.type)))
 

@@ -54,6 +54,8 @@ class Field:
     hidden: bool = False
     preset: bool = False
     """Whether the declaration gives it another value than that of its type."""
+    declared: bool = False
+    """Whether the project declares it: not what charts and the simulator bring with them."""
     retained: bool = True
     """Whether a later call can see the value: not of what is temporary."""
 

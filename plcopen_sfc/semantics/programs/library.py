@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Protocol
 
 from plcopen_sfc.errors import SimulationError
@@ -12,7 +12,7 @@ from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variable
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import PouInstance, Project, Resource, Tag
-from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import runtime
 from plcopen_sfc.semantics.programs import types as t
@@ -21,10 +21,12 @@ from plcopen_sfc.semantics.programs.code import Code, Converter
 from plcopen_sfc.semantics.programs.declared_types import Initials, TypeReader
 from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.linking import Linker, Writer
+from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.places import Place, Space
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
-from plcopen_sfc.semantics.programs.units import Unit
+from plcopen_sfc.semantics.programs.units import MethodUnit, Unit
+from plcopen_sfc.semantics.programs.unknown_calls import UnknownBlocks, UnknownCalls
 
 
 class CompiledChart(Protocol):
@@ -42,10 +44,14 @@ class CompiledChart(Protocol):
 
 ChartCompiler = Callable[[SfcNetwork, Scope, str], CompiledChart]
 
+ALL_FREE = "all"
+"""Stands for all variables that could be inputs."""
+
+_FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 _LIBRARIES = frozenset({"standard", "tc2_standard", "tc2_system", "util", "standard64"})
 _RUNTIME = """
     Frame Pointer View assign bit_set bits_set character_at cloned code_at divided endless fail half_away
-    half_even narrow out_of_bounds power preset put remainder single truncated wrapped
+    half_even named narrow out_of_bounds power preset put remainder single truncated wrapped
 """.split()
 
 
@@ -59,6 +65,11 @@ class Library:
         functions: Mapping[str, Callable[..., Any]],
         chart_compiler: ChartCompiler | None,
         read_input: Callable[[str], Any] | None,
+        *,
+        free_inputs: Iterable[str] = (),
+        not_free: Iterable[str] = (),
+        marking: bool = False,
+        unknown_calls: UnknownCalls | None = None,
     ) -> None:
         self.project = project
         self.profile = profile
@@ -84,6 +95,11 @@ class Library:
         self.problems: list[SimulationError] = []
         self.written: set[str] = set()
         self.inputs: dict[str, tuple[str, Field]] = {}
+        self.read: dict[str, tuple[str, Field]] = {}
+        """What is read besides inputs, by key: its path and field."""
+        self.marks = Marks() if marking else None
+        self._freed = frozenset(name.casefold() for name in free_inputs)
+        self._not_free = _FLAGS | {name.casefold() for name in not_free}
         self.version = 0
         """Grows when new things were linked."""
         self.roots: set[Unit] = set()
@@ -93,11 +109,17 @@ class Library:
         self._open: set[int] = set()
         self._implicit: dict[str, Place] = {}
         self._values: dict[int, Code] | None = None
+        self._dispatching: dict[str, Callable[..., Frame]] = {}
         self._news: dict[Layout, Callable[..., Any]] = {}
+        self.unknown = UnknownBlocks(self, unknown_calls) if unknown_calls is not None else None
         namespace = self.linker.namespace
+        if self.unknown is not None:
+            namespace.update({"unknown_call": self.unknown.call, "unknown_value": self.unknown.value})
         namespace.update({name: getattr(runtime, name) for name in _RUNTIME})
         namespace.update({"coerced": runtime.coerced, "U": runtime.UNREAD, "p": self.processor})
         namespace.update({"g": self.frame.v, "ask": self._ask})
+        if self.marks is not None:
+            namespace["m"] = self.marks.reached
 
     def _ask(self, cells: list[Any], index: int, path: str) -> Any:
         assert self.read_input is not None  # noqa: S101  # nothing is free else
@@ -118,6 +140,39 @@ class Library:
     def unit_of_layout(self, layout: Layout) -> Unit | None:
         """The POU whose variables a layout has."""
         return next((unit for unit in self._units.values() if unit.layout is layout), None)
+
+    def is_overridden(self, method: MethodUnit) -> bool:
+        """Whether a POU that extends the one of a method has another one of its name."""
+        key, owner = method.name.casefold(), method.pou
+        others = (
+            pou for pou in self.project.pous if pou is not owner and any(m.name.casefold() == key for m in pou.methods)
+        )
+        return any(self._extends(pou, owner) for pou in others)
+
+    def _extends(self, pou: Pou, owner: Pou) -> bool:
+        seen: list[Pou] = []
+        base = self.names.base(pou)
+        while base is not None and base is not owner and base not in seen:
+            seen.append(base)
+            base = self.names.base(base)
+        return base is owner
+
+    def dispatching(self, name: str) -> Callable[..., Frame]:
+        """What enters the method of this name that the POU of a frame has."""
+        found = self._dispatching.get(name.casefold())
+        if found is None:
+            known: dict[Layout, Callable[..., Frame]] = {}
+
+            def enter(frame: Frame, *arguments: Any) -> Frame:
+                if frame.layout not in known:
+                    unit = self.unit_of_layout(frame.layout)
+                    method = unit.method(name) if unit is not None else None
+                    assert method is not None  # noqa: S101  # what is derived has it
+                    known[frame.layout] = method.enter
+                return known[frame.layout](frame, *arguments)
+
+            found = self._dispatching[name.casefold()] = enter
+        return found
 
     def block_of(self, layout: Layout) -> BlockType | None:
         """The standard function block whose variables a layout has."""
@@ -179,7 +234,8 @@ class Library:
 
     def link(self) -> None:
         """Link what is new."""
-        known = (len(self.written), len(self.inputs), len(self.roots)) if self.read_input is not None else None
+        unknown = len(self.unknown) if self.unknown is not None else 0
+        known = (len(self.written), len(self.inputs), len(self.roots), unknown) if self.read_input is not None else None
         self.problems += self.linker.link(self.is_free, known)
 
     def is_free(self, key: str) -> bool:
@@ -188,12 +244,16 @@ class Library:
 
     def is_given(self, key: str) -> bool:
         """Whether the variable of this key has its value from outside: it is an input, and nothing writes it."""
-        if key not in self.inputs:
+        if key not in self.inputs or (self.unknown is not None and self.unknown.owns(self.inputs[key][0])):
             return False
         parts = key.split(".")
         if parts[0] != "g" and not any(self.linker.name(unit.layout) == parts[0] for unit in self.roots):
             return False
-        return not any(".".join(parts[:end]) in self.written for end in range(1, len(parts) + 1))
+        return not self._is_written(key)
+
+    def _is_written(self, key: str) -> bool:
+        parts = key.split(".")
+        return any(".".join(parts[:end]) in self.written for end in range(1, len(parts) + 1))
 
     def new_name(self, layout: Layout) -> str:
         """The name of the function that makes frames of a layout."""
@@ -210,6 +270,24 @@ class Library:
         """`writer` has the body of the function that makes frames of `layout`."""
         self.new_name(layout)
         self.linker.routine("", writer, layout.name, self._news[layout])
+
+    def is_freed(self, field: Field) -> bool:
+        """True if the user wants a variable as an input that its declaration does not make one."""
+        if not field.declared or not isinstance(field.type, t.ElementaryType):
+            return False
+        if field.direction not in (Direction.LOCAL, Direction.EXTERNAL) or field.name.casefold() in self._not_free:
+            return False
+        return ALL_FREE in self._freed or field.name.casefold() in self._freed
+
+    def frozen(self) -> Iterator[str]:
+        """The paths of declared variables that are read, that nothing writes, and that are no inputs."""
+        roots = {self.linker.name(unit.layout) for unit in self.roots}
+        for key, (path, field) in self.read.items():
+            start, *slots = key.split(".")
+            plain = field.declared and field.name.casefold() not in _FLAGS and isinstance(field.type, t.ElementaryType)
+            known = field.direction in (Direction.LOCAL, Direction.EXTERNAL) and len(slots) == 1
+            if plain and known and (start == "g" or start in roots) and not self._is_written(key):
+                yield path
 
     # -- global names
 
@@ -301,12 +379,22 @@ class Library:
         self.initials.give(probe, initial, self.scope)
         made = self.globals.add(path, type_, probe.direction)
         made.initial, made.value, made.preset = probe.initial, probe.value, probe.preset
+        made.declared = True
         return self.place(made, path)
 
     def place(self, field: Field, path: str) -> Place:
         """The place of a global variable."""
         key = f"g.{field.slot}"
-        return Place("g", str(field.slot), field.type, path, key, key, field=field, input=not field.preset)
+        return Place(
+            "g",
+            str(field.slot),
+            field.type,
+            path,
+            key,
+            key,
+            field=field,
+            input=not field.preset or self.is_freed(field),
+        )
 
     def implicit(self, path: str, type_: t.Type) -> Place:
         """Something that nobody declares: an external variable."""
@@ -316,6 +404,13 @@ class Library:
             self.undeclared[path] = type_
             found = self._implicit[key] = self.add(path, type_, None)
         return found
+
+    def members_of(self, path: str) -> Iterator[tuple[str, int, t.ElementaryType, bool]]:
+        """What programs use of an instance whose type nobody declares: name, slot, type, and whether they write it."""
+        start = f"{path.casefold()}."
+        for key, place in sorted(self._implicit.items()):
+            if key.startswith(start) and isinstance(place.type, t.ElementaryType) and place.field is not None:
+                yield key.removeprefix(start), place.field.slot, place.type, self._is_written(place.key)
 
     def _enumeration_value(self, declaration: Declaration) -> Code:
         if self._values is None:

@@ -71,7 +71,8 @@ class Operators:
             found = self._translator.meaning(node)
             if isinstance(found, Unknown):
                 return self._translator.library.implicit_type(found.path)
-            return getattr(found, "type", None)
+            type_: t.Type | None = getattr(found, "type", None)
+            return type_.base if isinstance(type_, t.ReferenceType) and type_.automatic else type_
         if isinstance(node, n.Literal):
             code = self._translator.value(node)
             return t.DINT if code.loose and code.type in (t.INT, t.DINT) else code.type

@@ -219,6 +219,11 @@ def checked(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+def named(frame: Frame, name: str) -> Any:
+    """The variable of a call of which it is only known now what was called; `name` is in lower case."""
+    return frame.v[frame.layout.by_name[name].slot]
+
+
 def put(cells: list[Any], index: int, value: Any) -> Any:
     """An assignment as an expression."""
     cells[index] = value

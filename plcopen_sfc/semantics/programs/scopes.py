@@ -168,7 +168,8 @@ class Scope:
             pointer = f"{cells}[{field.slot}]"
             return Place(f"{pointer}.cells", f"{pointer}.index", field.type, field.name, field=field)
         key = f"{self.library.linker.name(self.layout, 'l')}.{field.slot}"
-        is_input = field.direction is Direction.INPUT and cells == "v" and self.unit is not None and self.around is None
+        own = cells == "v" and self.unit is not None and self.around is None
+        is_input = own and (field.direction is Direction.INPUT or self.library.is_freed(field))
         return Place(cells, str(field.slot), field.type, field.name, key, key, field=field, input=is_input)
 
     def _global(self, declarations: list[Declaration], ranks: Mapping[Kind, int], name: str) -> Any:

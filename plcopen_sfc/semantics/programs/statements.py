@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 
 from plcopen_sfc.errors import Location, SimulationError
@@ -18,12 +19,17 @@ from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslato
 from plcopen_sfc.semantics.programs.places import Place
 
 _MANY_LABELS = 6
+_Branch = tuple[str, Sequence[Statement]]
+"""A branch of CASE: what leads to it, and its statements."""
 _CALCULATING = {
     AssignmentKind.ADD: Operator.ADD,
     AssignmentKind.SUBTRACT: Operator.SUBTRACT,
     AssignmentKind.MULTIPLY: Operator.MULTIPLY,
     AssignmentKind.DIVIDE: Operator.DIVIDE,
 }
+
+
+_SHOWN = 60
 
 
 class StatementTranslator:
@@ -39,10 +45,14 @@ class StatementTranslator:
         self._labels: dict[str, int] = {}
         self._loops: list[str] = []
         self._returns = "return"
+        self._marks = translator.library.marks
+        self._branch = -1
 
     def body(self, statements: Sequence[Statement], *, returns: str = "return") -> None:
         """A whole body: labels may stand between its statements. `returns` is what RETURN becomes."""
         self._returns = returns
+        if statements:
+            self._enter("")
         labels = [s.label.identifier for s in statements if isinstance(s, n.Label)]
         parts: list[list[Statement]] = [[]]
         for statement in statements:
@@ -68,6 +78,7 @@ class StatementTranslator:
 
     def instructions(self, text: str) -> None:
         """A body in instruction list."""
+        self._enter("")
         mark = self._writer.mark()
         try:
             InstructionTranslator(self._translator, self).body(text, self.parts)
@@ -116,7 +127,8 @@ class StatementTranslator:
                     self._count_turn()
                     with self._writer.block(f"if not {self._truth(condition).text}:"):
                         self._writer.write("break")
-                    self._inside("", statements)
+                    with self._within(condition):
+                        self._inside("", statements)
             case n.Repeat(statements=statements, condition=condition):
                 self._repeat(statements, condition)
             case n.Region(statements=statements):
@@ -135,6 +147,10 @@ class StatementTranslator:
                 raise SimulationError("a label inside of other statements is not known to the simulator")
             case n.Try():
                 raise SimulationError("__TRY is not known to the simulator")
+            case n.EmbeddedCode(text=text):
+                shown = " ".join(text.split())
+                shown = shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}.."
+                raise SimulationError(f"code in C is not known to the simulator: {shown}")
             case _:
                 raise SimulationError("this is no statement")
 
@@ -155,7 +171,8 @@ class StatementTranslator:
         if node.kind is AssignmentKind.ATTEMPT:
             raise SimulationError("?= is not known to the simulator")
         if node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
-            with self._writer.block(f"if {self._truth(node.value).text}:"):
+            with self._writer.block(f"if {self._truth(node.value).text}:"), self._within(node.value):
+                self.note(print_node(node))
                 place = translator.place(node.target, t.BOOL)
                 translator.note_write(place)
                 value = constant(node.kind is AssignmentKind.SET, t.BOOL)
@@ -175,6 +192,7 @@ class StatementTranslator:
         translator.note_write(place)
         code = settled(translator.fitted(translator.value(assigned, place.type), place.type))
         translator.write(place, code)
+        self.note(print_node(node))
 
     def _refer(self, node: n.Assignment) -> None:
         """``reference REF= variable``."""
@@ -190,35 +208,55 @@ class StatementTranslator:
 
     # -- branches
 
+    def _enter(self, condition: n.Node | str) -> None:
+        """Mark what follows as a branch that `condition` leads to, where somebody wants to know what is reached."""
+        if self._marks is not None:
+            text = condition if isinstance(condition, str) else print_node(condition)
+            self._branch = self._marks.branch(self._path, text)
+            self._writer.write(f"m[{self._branch}] = True")
+
+    @contextmanager
+    def _within(self, condition: n.Node | str) -> Iterator[None]:
+        outer = self._branch
+        self._enter(condition)
+        yield
+        self._branch = outer
+
+    def note(self, assignment: str) -> None:
+        """Note an assignment of the present branch."""
+        if self._marks is not None:
+            self._marks.branches[self._branch].assignments.append(assignment)
+
     def _if(self, branches: Sequence[n.Branch], otherwise: Sequence[Statement] | None) -> None:
         """IF. What a condition needs before it is part of the expression, so ELSIF stays a chain."""
         for index, branch in enumerate(branches):
             word = "elif" if index else "if"
-            with self._writer.block(f"{word} {self._truth(branch.condition).text}:"):
+            with self._writer.block(f"{word} {self._truth(branch.condition).text}:"), self._within(branch.condition):
                 self.all(branch.statements)
         if otherwise:
-            with self._writer.block("else:"):
+            with self._writer.block("else:"), self._within("ELSE"):
                 self.all(otherwise)
 
     def _case(self, node: n.Case) -> None:
         selector = settled(self._translator.value(node.selector, t.DINT))
         held = self._writer.temporary()
         self._writer.write(f"{held} = {selector.text}")
-        branches = []
+        branches: list[tuple[list[tuple[int, int]], _Branch]] = []
         for branch in node.branches:
             labels = [self._label(label, selector.type) for label in branch.labels]
-            branches.append((labels, branch.statements))
+            text = f"{print_node(node.selector)} = {', '.join(map(print_node, branch.labels))}"
+            branches.append((labels, (text, branch.statements)))
         single = all(low == high for labels, _ in branches for low, high in labels)
         if single and len(branches) > _MANY_LABELS:
             self._search(held, branches, node.otherwise)
             return
         word = "if"
-        for labels, statements in branches:
-            with self._writer.block(f"{word} {_matches(held, labels)}:"):
+        for labels, (text, statements) in branches:
+            with self._writer.block(f"{word} {_matches(held, labels)}:"), self._within(text):
                 self.all(statements)
             word = "elif"
         if node.otherwise:
-            with self._writer.block("else:" if branches else "if True:"):
+            with self._writer.block("else:" if branches else "if True:"), self._within("ELSE"):
                 self.all(node.otherwise)
 
     def _label(self, label: n.Expression | n.Range, type_: t.Type) -> tuple[int, int]:
@@ -234,7 +272,7 @@ class StatementTranslator:
     def _search(
         self,
         held: str,
-        branches: list[tuple[list[tuple[int, int]], tuple[Statement, ...]]],
+        branches: list[tuple[list[tuple[int, int]], _Branch]],
         otherwise: Sequence[Statement] | None,
     ) -> None:
         """Many labels: the number of the branch is looked up, and found by halving."""
@@ -244,15 +282,16 @@ class StatementTranslator:
                 table.setdefault(label, index)  # the first one that has the label is taken
         name = self._library.linker.name(table, "case")
         self._writer.write(f"{held} = {name}.get({held}, -1)")
-        self._halve(held, [statements for _, statements in branches], 0)
+        self._halve(held, [branch for _, branch in branches], 0)
         if otherwise:
-            with self._writer.block(f"if {held} < 0:"):
+            with self._writer.block(f"if {held} < 0:"), self._within("ELSE"):
                 self.all(otherwise)
 
-    def _halve(self, held: str, branches: list[tuple[Statement, ...]], first: int) -> None:
+    def _halve(self, held: str, branches: list[_Branch], first: int) -> None:
         if len(branches) == 1:
-            with self._writer.block(f"if {held} == {first}:"):
-                self.all(branches[0])
+            text, statements = branches[0]
+            with self._writer.block(f"if {held} == {first}:"), self._within(text):
+                self.all(statements)
             return
         middle = len(branches) // 2
         with self._writer.block(f"if {held} < {first + middle}:"):
@@ -312,7 +351,8 @@ class StatementTranslator:
         following = f"{variable} = {settled(moved).text}"
         with self._writer.block(f"while {condition}:"):
             self._count_turn()
-            self._inside(following, node.statements)
+            with self._within(f"FOR {print_node(node.variable)}"):
+                self._inside(following, node.statements)
             self._writer.write(following)
 
     def _repeat(self, statements: Sequence[Statement], condition: n.Expression) -> None:

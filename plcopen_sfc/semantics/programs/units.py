@@ -97,6 +97,7 @@ class Callee:
             raise SimulationError(f"{variable.name} is {type_.name}: the simulator knows that of VAR_IN_OUT only")
         direction = Direction.CONSTANT if section.constant else _DIRECTIONS.get(section.kind, Direction.LOCAL)
         field = self.layout.add(variable.name, type_, direction)
+        field.declared = True
         field.retained = direction is not Direction.TEMP
         if direction is Direction.IN_OUT:
             field.initial = "None"
@@ -153,6 +154,7 @@ class MethodUnit(Callee):
         scope = Scope(unit.library, path, Layout(path), place=unit.pou.place, around=unit.scope)
         super().__init__(unit.library, method.name, scope)
         self.method = method
+        self.pou = unit.pou
 
     def declare(self) -> None:
         """Declare its variables."""

@@ -193,6 +193,7 @@ def test_one_chart_under_all_profiles(profile: Profile) -> None:
     expected = {
         "iec": ["B", "C", "C"],
         "matiec": ["B", "C", "C"],
+        "beremiz": ["B", "C", "C"],
         "codesys": ["A", "B", "C"],
         "codesys23": ["A", "B", "C"],
         "s7graph": ["A", "B", "C"],

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from plcopen_sfc import loads
 from plcopen_sfc.errors import UnknownBehaviourError
 from plcopen_sfc.model import (
     ActionAssociation,
@@ -435,3 +436,11 @@ def test_step_actions_of_codesys_are_refused() -> None:
 def test_events_are_refused_in_other_profiles() -> None:
     with pytest.raises(UnknownBehaviourError, match="S7-GRAPH"):
         Rig(with_actions(act("N", event="S1")), "iec", variables="c1 c2 c3 Q", dialect=Dialect.SCL).scan()
+
+
+def test_a_step_with_the_name_of_a_bool_is_refused() -> None:
+    text = """FUNCTION_BLOCK Main VAR Fault : BOOL; END_VAR INITIAL_STEP A: END_STEP STEP Fault: END_STEP
+        TRANSITION FROM A TO Fault := TRUE; END_TRANSITION TRANSITION FROM Fault TO A := TRUE; END_TRANSITION
+        END_FUNCTION_BLOCK"""
+    with pytest.raises(UnknownBehaviourError, match="step Fault has the name of a BOOL variable"):
+        simulate(loads(text.encode(), format="iec-text"), profile="s7graph")

@@ -11,10 +11,22 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model import ActionAssociation, ActionKind, Dialect, Pou, PouKind, Project, Qualifier, SfcBody, SfcFlag
+from plcopen_sfc.model import (
+    ActionAssociation,
+    ActionKind,
+    Dialect,
+    FileHeader,
+    Pou,
+    PouKind,
+    Project,
+    Qualifier,
+    SfcBody,
+    SfcFlag,
+)
 from plcopen_sfc.semantics.profile import (
     PROFILES,
     ActionControl,
+    BooleanTargets,
     Evolution,
     Profile,
     ScanOrder,
@@ -36,7 +48,7 @@ def test_a_profile_by_its_name_or_itself() -> None:
 
 def test_names_are_keys() -> None:
     assert all(found.name == name for name, found in PROFILES.items())
-    assert list(PROFILES) == ["iec", "codesys", "codesys23", "s7graph", "grafcet", "matiec"]
+    assert list(PROFILES) == ["iec", "codesys", "codesys23", "s7graph", "grafcet", "matiec", "beremiz"]
 
 
 @pytest.mark.parametrize(
@@ -58,6 +70,26 @@ def test_the_format_of_a_file_decides(fixture: str, name: str) -> None:
     assert default_profile(sfc.load(found[0])).name == name
 
 
+@pytest.mark.parametrize(
+    ("company", "product", "version", "name"),
+    [
+        ("Beremiz", "Beremiz", "1", "beremiz"),
+        ("Müller", "OpenPLC project", "2.3", "beremiz"),
+        ("Unknown", "Unnamed", "1", "beremiz"),
+        ("Unbekannt", "Unbenannt", "1", "beremiz"),
+        ("Unknown", "Unnamed", "2.0", "iec"),
+        ("Müller", "Mixer", "1", "iec"),
+    ],
+)
+def test_the_header_of_a_tc6_file_tells_projects_of_beremiz(
+    company: str, product: str, version: str, name: str
+) -> None:
+    project = Project(name="p", header=FileHeader(company=company, product=product, version=version))
+    assert default_profile(project).name == "iec"  # nothing was read: nobody said which tool it is for
+    read = sfc.loads(sfc.dumps(project, format="plcopen"), format="plcopen")
+    assert default_profile(read).name == name
+
+
 def test_a_project_with_actions_of_grafcet_is_one() -> None:
     chart = chain("1", "2")
     chart.step("1").actions = [ActionAssociation(id=1, kind=ActionKind.CONTINUOUS, target="Q")]
@@ -71,7 +103,8 @@ def test_a_project_with_actions_of_grafcet_is_one() -> None:
         {"max_evolutions": 0},
         {"evolution": Evolution.UNTIL_STABLE, "order": ScanOrder.ACTIONS_FIRST},
         {"graph_parameters": True},
-        {"action_control": ActionControl.PER_STEP},
+        {"action_control": ActionControl.SEQUENTIAL},
+        {"boolean_targets": BooleanTargets.WHEN_DECIDED},
     ],
 )
 def test_choices_that_contradict_each_other_are_refused(choices: dict[str, object]) -> None:

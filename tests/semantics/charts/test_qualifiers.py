@@ -223,12 +223,6 @@ def test_a_qualifier_that_nobody_defines_is_refused() -> None:
     assert scans[1] == scans[0] + 1
 
 
-def test_matiec_knows_fewer_qualifiers() -> None:
-    for qualifier in ("P0", "P1", "DS", "SL"):
-        with pytest.raises(UnknownBehaviourError):
-            Rig(associated(qualifier, "T#1s"), "matiec", variables=VARIABLES).scan()
-
-
 @pytest.mark.parametrize(
     ("qualifier", "duration", "log"),
     [
@@ -239,6 +233,14 @@ def test_matiec_knows_fewer_qualifiers() -> None:
         ("D", "T#20ms", "001|000"),
         ("SD", "T#20ms", "001|111"),
         ("SD", "T#40ms", "000|011"),
+        ("SD", "T#0ms", "000|000"),
+        ("P1", None, "100|000"),
+        ("P0", None, "000|100"),
+        ("DS", "T#20ms", "001|111"),
+        ("DS", "T#40ms", "000|000"),
+        ("SL", "T#20ms", "110|000"),
+        ("SL", "T#40ms", "111|100"),
+        ("SL", "T#0ms", "111|111"),
     ],
 )
 def test_qualifiers_of_matiec(qualifier: str, duration: str | None, log: str) -> None:
@@ -246,7 +248,10 @@ def test_qualifiers_of_matiec(qualifier: str, duration: str | None, log: str) ->
     assert record(rig, stays=3, after=3) == log
 
 
-def test_in_matiec_a_reset_does_not_dominate_what_is_not_stored() -> None:
+def test_in_matiec_a_reset_does_not_dominate_what_a_body_is_not_stored_for() -> None:
+    """Of a variable it does: it is the last that is written."""
     chart = associated("N")
     chart.step("B").actions.append(ActionAssociation(id=5, qualifier=Qualifier.R, target="Q"))
-    assert record(Rig(chart, "matiec", variables=VARIABLES), stays=3, after=2) == "111|00"
+    assert record(Rig(chart, "matiec", variables=VARIABLES), stays=3, after=2) == "000|00"
+    rig = Rig(chart, "matiec", variables=f"{VARIABLES} n:INT", actions={"Q": "n := n + 1;"})
+    assert record(rig, stays=3, after=2, path="n") == "123|33"

@@ -322,3 +322,79 @@ def test_arguments_of_an_action_are_those_of_its_instance() -> None:
     instance.scan()
     instance.scan()
     assert (instance["tank.n"], instance["tank.amount"]) == (10, 5)
+
+
+METHODS = """FUNCTION_BLOCK Base
+VAR_INPUT x : INT; END_VAR
+VAR n : INT; END_VAR
+METHOD Init : BOOL
+VAR_INPUT a : INT; b : INT := 3; END_VAR
+n := a + b; Init := TRUE;
+END_METHOD
+METHOD Reset
+n := 0;
+END_METHOD
+METHOD Pass : BOOL
+VAR_INPUT a : INT; END_VAR VAR_OUTPUT b : INT; END_VAR VAR_IN_OUT c : INT; END_VAR
+b := a * 2; c := c + 1; Pass := a > 0;
+END_METHOD
+METHOD Both
+Reset(); THIS^.Init(a := 1); THIS^.Init(n, b := 5);
+END_METHOD
+n := n + x;
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK Derived EXTENDS Base
+VAR m : INT; p : POINTER TO Derived; END_VAR
+METHOD Init : BOOL
+VAR local : INT; END_VAR VAR_INPUT a : INT; b : INT := 4; END_VAR
+SUPER^.Init(a := a * 10, b := b); Init := FALSE;
+END_METHOD
+METHOD Mine
+SUPER^.Reset(); THIS^.m := THIS^.m + 7; n := n + 1; p := THIS; p^.m := p^.m + 1;
+END_METHOD
+SUPER^(x := 1); m := m + 1; THIS^.Mine();
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK User
+VAR_IN_OUT c : Base; END_VAR
+c.Init(a := 2);
+END_FUNCTION_BLOCK
+TYPE Group : STRUCT fb : Base; END_STRUCT; END_TYPE
+"""
+
+
+@pytest.mark.parametrize("dialect", [Dialect.CODESYS, Dialect.IEC])
+@pytest.mark.parametrize(
+    ("variables", "body", "path", "expected"),
+    [
+        ("fb : Base;", "fb.Init(a := 5);", "fb.n", 8),
+        ("fb : Base;", "fb.Init(5, 6);", "fb.n", 11),
+        ("fb : Base;", "fb.Init(a := 5); fb.Reset();", "fb.n", 0),
+        ("fb : Base; x, y : INT;", "fb.Pass(a := 5, b => x, c := y); x := x + y;", "x", 11),
+        ("fb : Base;", "fb.Both();", "fb.n", 9),
+        ("fb : ARRAY [1..3] OF Base; i : INT;", "FOR i := 1 TO 3 DO fb[i].Init(a := i); END_FOR;", "fb[3].n", 6),
+        ("g : Group;", "g.fb.Init(a := 5);", "g.fb.n", 8),
+        ("fb : Base; u : User;", "u(c := fb);", "fb.n", 5),
+        ("fb : Derived;", "fb.Init(a := 5);", "fb.n", 54),
+        ("fb : Derived;", "fb();", "fb.m", 9),
+        # which method is called, the instance decides; the inputs left out are those that the caller knows
+        ("fb : Derived;", "fb.Both();", "fb.n", 135),
+        ("fb : Derived; u : User;", "u(c := fb);", "fb.n", 23),
+        ("fb : Derived; p : POINTER TO Base;", "p := ADR(fb); p^.Init(a := 5);", "fb.n", 53),
+        ("fb : Derived; ok : BOOL := TRUE; p : POINTER TO Base;", "p := ADR(fb); ok := p^.Init(a := 5);", "ok", False),
+    ],
+)
+def test_methods_are_called(variables: str, body: str, path: str, expected: int, dialect: Dialect) -> None:
+    if "POINTER" in variables and dialect is Dialect.IEC:
+        body = body.replace("ADR", "REF")
+    assert main(variables, body, dialect, more=METHODS)[path] == expected
+
+
+@pytest.mark.parametrize("use", ["c := c + 1;", "s.a := 1;", "b.Reset();", "b(x := 1);", "a[1] := a[0];", "s := s;"])
+def test_an_in_out_that_a_call_leaves_out_is_an_error(use: str) -> None:
+    more = f"""{METHODS} TYPE Pair : STRUCT a : INT; END_STRUCT; END_TYPE
+    FUNCTION_BLOCK Block
+    VAR_IN_OUT c : INT; s : Pair; b : Base; a : ARRAY [0..3] OF INT; END_VAR
+    {use}
+    END_FUNCTION_BLOCK"""
+    with pytest.raises(SimulationError, match="VAR_IN_OUT that leads to nothing"):
+        main("fb : Block;", "fb();", more=more)

@@ -152,3 +152,31 @@ def test_what_cannot_run_is_a_clear_error(variables: str, body: str, message: st
 def test_long_chains_of_branches() -> None:
     chain = "".join(f"ELSIF x = {i} THEN y := {i}; " for i in range(1, 400))
     assert main("x : INT := 371; y : INT;", f"IF x = 0 THEN y := 0; {chain}END_IF")["y"] == 371
+
+
+@pytest.mark.parametrize("dialect", [Dialect.IEC, Dialect.CODESYS, Dialect.SCL])
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("1", True),
+        ("0", False),
+        ("NOT 0", True),
+        ("on AND 1", True),
+        ("0 OR (1)", True),
+        ("on XOR 1", False),
+        ("on = 1", True),
+        ("0 <> on", True),
+        ("n = 1", False),
+        ("SEL(1, FALSE, on)", True),
+    ],
+)
+def test_0_and_1_are_false_and_true_where_a_bool_must_be(text: str, expected: bool, dialect: Dialect) -> None:
+    body = f"q := {text}; IF {text} THEN n := 2; END_IF;"
+    instance = main("q : BOOL; on : BOOL := 1; n : INT;", body, dialect)
+    assert (instance["q"], instance["n"]) == (expected, 2 if expected else 0)
+
+
+def test_2_is_no_bool() -> None:
+    controller = Controller(project_of("PROGRAM Main VAR q : BOOL; END_VAR IF 2 THEN q := TRUE; END_IF; END_PROGRAM"))
+    with pytest.raises(SimulationError, match="stands where a BOOL must be"):
+        controller.instance("Main").scan()

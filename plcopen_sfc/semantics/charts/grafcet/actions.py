@@ -6,15 +6,17 @@ Continuous ones write their output in every stable situation, stored ones once, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.semantics.charts.actions import Actions, Owner
+from plcopen_sfc.semantics.charts.control import Change
 from plcopen_sfc.semantics.charts.grafcet.terms import Terms
 from plcopen_sfc.semantics.charts.plans import Run
-from plcopen_sfc.semantics.profile import STEPWISE_QUALIFIERS, ActionControl, BooleanTargets, Profile
+from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ class _Stored:
     owner: Owner
     model: ActionAssociation
     event: Condition | None
+    noted: int
     run: Run | None = None
     happens: Callable[[Frame], bool] | None = None
 
@@ -64,7 +67,10 @@ class GrafcetActions:
         path: str,
         terms: Terms | None,
         profile: Profile,
+        *,
+        reached: Reached,
     ) -> None:
+        self._reached = reached
         self._scope = scope
         self._path = path
         own = [(owner, model) for owner, model in owned if model.kind in CONTINUOUS]
@@ -88,20 +94,13 @@ class GrafcetActions:
             for owner, model in own
         ]
         # each action has its own delay, and the OR of them all is written in every scan (4.8.2)
-        control = replace(
-            profile,
-            action_control=ActionControl.PER_STEP,
-            qualifiers=STEPWISE_QUALIFIERS,
-            boolean_targets=BooleanTargets.ALWAYS,
-            final_scan=False,
-            alphabetic_actions=False,
-        )
-        self._continuous = Actions(continuous, scope, f"{path}: continuous", control)
+        self._continuous = Actions(continuous, scope, f"{path}: continuous", profile, reached=reached, continuous=True)
         self._stored = [
             _Stored(
                 owner,
                 model,
                 _event(model, terms, path, owner),
+                reached.action(f"{owner.path}: {model.target or 'action in place'}"),
             )
             for owner, model in owned
             if model.kind in STORED
@@ -134,6 +133,7 @@ class GrafcetActions:
                 and situation & stored.owner.steps
                 and stored.happens(frame)
             ):
+                self._reached.actions |= stored.noted
                 stored.run(frame)
 
     def store(self, frame: Frame, before: int, situation: int) -> None:
@@ -145,8 +145,9 @@ class GrafcetActions:
             for stored in self._stored:
                 steps = stored.owner.steps
                 if stored.model.kind is kind and was & steps and not is_ & steps and stored.run is not None:
+                    self._reached.actions |= stored.noted
                     stored.run(frame)
 
     def act(self, frame: Frame, now: int, situation: int) -> None:
         """Write the outputs of continuous actions in a stable situation."""
-        self._continuous.act(frame, now, situation, situation, 0)
+        self._continuous.act(frame, now, situation, Change(0, 0, situation))

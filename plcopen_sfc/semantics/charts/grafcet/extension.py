@@ -11,6 +11,7 @@ from plcopen_sfc.semantics.charts.grafcet.actions import GrafcetActions
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
 from plcopen_sfc.semantics.charts.grafcet.terms import Terms
 from plcopen_sfc.semantics.charts.moves import Cleared, Move
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -29,12 +30,16 @@ class Grafcet:
         scope: Scope,
         path: str,
         profile: Profile,
+        *,
+        reached: Reached,
     ) -> None:
         self.terms = Terms(scope, path)
         self._reads = profile.grafcet_terms
         self._conditions = {t.index: self.read(t.transition.condition) for t in net.transitions}
         self._hierarchy = Hierarchy(net, owned, path)
-        self._actions = GrafcetActions(owned, scope, path, self.terms if self._reads else None, profile)
+        self._actions = GrafcetActions(
+            owned, scope, path, self.terms if self._reads else None, profile, reached=reached
+        )
 
     def read(self, condition: Condition | None) -> Condition | None:
         """A condition without terms that program text does not know."""

@@ -15,6 +15,7 @@ from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.actions import Owner, missing_time
 from plcopen_sfc.semantics.charts.plans import Run, Write
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.charts.targets import execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -67,6 +68,7 @@ class _Row:
     interlock: bool
     since: int
     key: str
+    noted: int
     write: Write | None = None
     run: Run | None = None
     duration: Duration | None = None
@@ -82,8 +84,16 @@ class _Row:
 class GraphActions:
     """The actions of a sequencer."""
 
-    def __init__(self, net: Net, owned: Sequence[tuple[Owner, ActionAssociation]], scope: Scope, path: str) -> None:
+    def __init__(
+        self,
+        net: Net,
+        owned: Sequence[tuple[Owner, ActionAssociation]],
+        scope: Scope,
+        path: str,
+        reached: Reached,
+    ) -> None:
         self._net = net
+        self._reached = reached
         self._scope = scope
         self._path = path
         self._rows: list[list[tuple[_Row, ActionAssociation]]] = [[] for _ in net.steps]
@@ -91,7 +101,10 @@ class GraphActions:
         self.trailing = scope.declare(f"{path}: steps left before", ELEMENTARY["LINT"], hidden=True)
         for owner, model in owned:
             self._check(owner, model)
-            row = _Row(model.qualifier, model.event, model.interlock, owner.since, (model.target or "").casefold())
+            name = f"{owner.path}: {model.qualifier} {model.target or 'action in place'}"
+            noted = reached.action(f"{name} at {model.event}" if model.event is not None else name)
+            key = (model.target or "").casefold()
+            row = _Row(model.qualifier, model.event, model.interlock, owner.since, key, noted)
             if model.event is ActionEvent.C:
                 row.event, row.interlock = None, True
             if model.qualifier in _TIMERS:
@@ -183,6 +196,7 @@ class GraphActions:
                     elif bit & happening.active:
                         self._execute(frame, now, row)
                 elif bit & happening.events.get(row.event, 0):
+                    self._reached.actions |= row.noted
                     if row.qualifier is Qualifier.ON:
                         on |= row.switched
                     elif row.qualifier is Qualifier.OFF:
@@ -210,15 +224,20 @@ class GraphActions:
         if row.interlock and not bit & happening.released:
             return False
         if row.event is not None:
-            return bool(bit & happening.events.get(row.event, 0))
+            wanted = bool(bit & happening.events.get(row.event, 0))
+            self._reached.actions |= row.noted * wanted
+            return wanted
         if not bit & happening.active:
             return False
-        if row.duration is None:
-            return True
-        late = now - frame.v[row.since] >= row.duration(frame)
-        return late is (row.qualifier is Qualifier.D)
+        if row.duration is not None:
+            late = now - frame.v[row.since] >= row.duration(frame)
+            if late is not (row.qualifier is Qualifier.D):
+                return False
+        self._reached.actions |= row.noted
+        return True
 
     def _execute(self, frame: Frame, now: int, row: _Row) -> None:
+        self._reached.actions |= row.noted
         if row.run is not None:
             row.run(frame)
         elif row.timer is not None:

@@ -36,6 +36,13 @@ _COMMANDS = "OFF_SQ INIT_SQ ACK_EF REG_EF REG_S S_ON S_OFF T_PUSH S_PREV S_NEXT"
 _OUTPUTS = ("S_NO", "S_MORE", "S_ACTIVE", "ERR_FLT")
 OPERATING = (*_COMMANDS, *MODES)
 """The inputs of which a rising edge does something."""
+ALL_INPUTS = (
+    *OPERATING,
+    "S_SEL",
+    *"ACK_S HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT DISP_SEF DISP_SALL".split(),
+    *"S_SELOK T_PREV T_NEXT".split(),
+)
+"""All inputs that operate a sequencer, those of the maximum parameter set included (S7-GRAPH V6)."""
 PARAMETERS = (*_COMMANDS, *MODES, "S_SEL", *_OUTPUTS, *(lamp for _, lamp in MODES.values()))
 """All parameters that are known."""
 

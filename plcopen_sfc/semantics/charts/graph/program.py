@@ -19,6 +19,7 @@ from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepCondition
 from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
 from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.charts.step_actions import check_step_actions
 from plcopen_sfc.semantics.charts.steps import Steps, T, X, tick
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
@@ -48,6 +49,7 @@ class GraphProgram:
     def __init__(self, chart: SfcNetwork, scope: Scope, path: str, profile: Profile) -> None:
         self.net = Net.of(chart)
         self.path = path
+        self.reached = Reached()
         self._chart = chart
         self._scope = scope
         self._profile = profile
@@ -87,7 +89,7 @@ class GraphProgram:
                 raise UnknownBehaviourError("S7-GRAPH has no macro-steps, enclosing steps and forcing orders")
             check_associations(owned, profile, path)
             check_step_actions(self.net, profile, path)
-            self._actions = GraphActions(self.net, owned, scope, path)
+            self._actions = GraphActions(self.net, owned, scope, path, self.reached)
         except UnknownBehaviourError as error:
             self._refused = error
 
@@ -135,14 +137,15 @@ class GraphProgram:
         """Prepare conditions, bodies and parameters. What the profile does not know is an error of the first scan."""
         if self._refused is not None or self._actions is None:
             return
-        self._actions.translate()
-        self._parameters.translate()
-        self._conditions.translate(self._scope, self.path)
-        self._moves = tuple(self._move(transition) for transition in self.net.transitions)
+        # drawn operations first: they tell the types of instances that others only name
         self._pre = self._bodies([(p.body, "before") for p in self._chart.permanent_pre])
         if self._chart.logic:
             self._pre += (self._scope.chart_logic(self._chart, self.path),)
         self._post = self._bodies([(p.body, "after") for p in self._chart.permanent_post])
+        self._actions.translate()
+        self._parameters.translate()
+        self._conditions.translate(self._scope, self.path)
+        self._moves = tuple(self._move(transition) for transition in self.net.transitions)
         self._limits = tuple(
             (
                 self._slots[s.index],
@@ -240,6 +243,7 @@ class GraphProgram:
             for index in indexes(situation):
                 v[self._slots[index]].v[data.R1] = True
         v[self._shown] = situation
+        self.reached.steps |= situation
         v[self._eventful] = situation | left
         assert self._actions is not None  # noqa: S101  # execute() has looked
         on, off = self._actions.act(
@@ -272,6 +276,7 @@ class GraphProgram:
         free = [move for move in enabled if not move.sources & checked.held]
         switching = [move._replace(condition=_satisfied) for move in free if _switches(commands, satisfied[move.bit])]
         left, entered, bits = self._choose(frame, switching) if switching else NOTHING
+        self.reached.transitions |= bits
         if self._skips and entered:
             entered = self._skip(frame, situation & ~left, entered)
         self._show_transitions(frame, enabled, satisfied, bits)
@@ -290,6 +295,7 @@ class GraphProgram:
                 passed |= bit
                 onward = next((m for m in self._enabled_in(bit) if m.sources == bit and m.condition(frame)), None)
                 if onward is not None:
+                    self.reached.transitions |= onward.bit
                     entered = entered & ~bit | onward.targets
                     moved = True
         return entered
