@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.analysis.domains import Domain
-from plcopen_sfc.analysis.product import Explored, Progress, Search, search
+from plcopen_sfc.analysis.product import Explored, Progress, Search, StopError, advanced, search
 from plcopen_sfc.analysis.slicing import NotDivisibleError, cone, parts_of
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.terms import explore_terms
@@ -59,12 +59,14 @@ class Division:
         self._pous = pous
         self._shares = shares
 
-    def search(self, build: Build, cap: int) -> Search:
+    def search(self, build: Build, cap: int, look: Callable[[int], str]) -> Search:
         """Search the parts one after the other, each up to `cap` states, small ones first."""
         states = depth = scans = 0
+        parts = len(self._shares)
         notes: dict[str, None] = {}
         inputs = None
         failed: list[Explored] = []
+        dead = False
         for share in self._shares:
             left, right = (pou(kept) for pou, kept in zip(self._pous, (share.left, share.right), strict=True))
             first, second, domains = build(left, right, share.pairs)
@@ -78,29 +80,32 @@ class Division:
                 except StopIteration as end:
                     found = end.value
                 else:
-                    yield Progress(scans + progress.scans, progress.depth)
+                    try:
+                        yield Progress(scans + progress.scans, progress.depth, states + progress.states)
+                    except StopError as stop:
+                        return Explored(states, depth, complete=False, reason=str(stop), capped=True, parts=parts)
             scans += progress.scans
             if found is None:
                 continue  # it has no shorter difference
             if not found.complete and found.inputs is None and inputs is None:
                 signals = {name: domain.signal for name, domain in domains.items()}
-                found = explore_terms(first, second, signals, cap) or found
+                found = explore_terms(first, second, signals, cap, look) or found
             states += found.states
             depth = max(depth, found.depth)
             notes |= dict.fromkeys(found.notes)
+            dead |= found.dead
             if found.inputs is not None:
                 inputs = found.inputs
             elif not found.complete:
                 failed.append(found)
                 if not found.capped:
                     break
-        parts = len(self._shares)
         if inputs is not None:
             shortest = all(each.depth + 1 >= len(inputs) for each in failed)
             return Explored(states, depth, complete=False, inputs=inputs, shortest=shortest, parts=parts)
         if failed:
             return replace(failed[0], parts=parts)
-        return Explored(states, depth, complete=True, notes=tuple(notes), parts=parts)
+        return Explored(states, depth, complete=True, notes=tuple(notes), parts=parts, dead=dead)
 
 
 def divide(left: ProgramSystem, right: ProgramSystem, pairs: Sequence[Pair]) -> Division | None:
@@ -136,19 +141,19 @@ def _names_of(path: str) -> set[str]:
 class _Running:
     """A search that is advanced piece by piece."""
 
-    def __init__(self, searching: Search) -> None:
+    def __init__(self, searching: Search, look: Callable[[int], str]) -> None:
         self._searching = searching
+        self._look = look
         self._before = self._last = 0
         self.found: Explored | None = None
 
     def advance(self, scans: int | None = None) -> Explored | None:
         """Go on until so many scans were run in all, or to the end; what was found, if it has ended."""
         while self.found is None and (scans is None or self._before + self._last < scans):
-            try:
-                now = next(self._searching).scans
-            except StopIteration as end:
-                self.found = end.value
+            self.found, progress = advanced(self._searching, self._look)
+            if progress is None:
                 break
+            now = progress.scans
             if now < self._last:  # it began anew, with more values of inputs
                 self._before += self._last
             self._last = now
@@ -156,14 +161,18 @@ class _Running:
 
 
 def race(
-    whole: Search, size: int, divided: Callable[[], Search | None], accepted: Callable[[Explored], bool]
+    whole: Search,
+    size: int,
+    divided: Callable[[], Search | None],
+    accepted: Callable[[Explored], bool],
+    look: Callable[[int], str],
 ) -> Explored:
     """Search the whole and its parts in turn: whichever has an answer first ends it.
 
     `size`: how many variables the whole has. `accepted` tells whether what the parts show is a difference of the whole.
-    What the search of the whole says counts where the parts have no answer.
+    `look` tells why the search must end. What the search of the whole says counts where the parts have no answer.
     """
-    undivided = _Running(whole)
+    undivided = _Running(whole, look)
     head_start = _HEAD_START + _HEAD_START_FOR_A_VARIABLE * size
     found = undivided.advance(head_start)
     if found is not None and (found.complete or found.inputs is not None):
@@ -171,7 +180,7 @@ def race(
     searching = divided()
     if searching is None:
         return undivided.advance() or _never()
-    parts = _Running(searching)
+    parts = _Running(searching, look)
     for limit in _doubling(head_start):
         by_parts = parts.advance(limit // _SHARE if undivided.found is None else None)
         if by_parts is not None and (by_parts.complete or (by_parts.inputs is not None and accepted(by_parts))):

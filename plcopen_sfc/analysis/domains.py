@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-__all__ = ["Domain", "NotProvableError", "Probe", "Symbolic", "frozen", "plain"]
+__all__ = ["Domain", "NotProvableError", "Probe", "Symbolic", "Text", "frozen", "plain"]
 
 GREATEST_REAL = 3.4028234663852886e38
 _MOST_CUTS = 24
@@ -34,12 +34,13 @@ class Domain:
         self.signal = signal
         self.grown = False
         self._cuts: set[int | float] = set()
+        self._is_doubled = False
         self.options: tuple[Any, ...] = self._options()
 
     @property
     def is_number(self) -> bool:
         """Whether its values are probes of numbers."""
-        return isinstance(self.options[0], Probe) and not isinstance(self.options[0], _Text)
+        return isinstance(self.options[0], Probe) and not isinstance(self.options[0], Text)
 
     def cut(self, constant: object) -> None:
         """Note that the input is compared with a constant."""
@@ -56,28 +57,40 @@ class Domain:
         self.options = self._options()
         self.grown = True
 
+    def double(self) -> None:
+        """Have two values where one would do for comparisons: copies of it from different scans are told apart."""
+        if not self._is_doubled:
+            self._is_doubled = True
+            self.options = self._options()
+            self.grown = True
+
     def _options(self) -> tuple[Any, ...]:
         match self.signal.kind:
             case SignalKind.BOOL:
                 return (False, True)
             case SignalKind.STRING:
-                return (_Text(self),)
+                return (Text("", self), Text("A", self)) if self._is_doubled else (Text("", self),)
             case SignalKind.ENUMERATION if 0 < len(self.signal.names) <= _MOST_NAMES:
                 return tuple(sorted(self.signal.names))
         return tuple(Probe(value, self) for value in self._numbers())
 
     def _numbers(self) -> list[int | float]:
-        """One number for each constant, and one below, between and above them where the type has any."""
+        """One number for each constant, and one below, between and above them where the type has any; or two."""
         cuts = sorted(self._cuts)
         if not cuts:
-            return [min(max(0, self.signal.least), self.signal.greatest)]
+            some = range(2 if self._is_doubled else 1)
+            return sorted({min(max(each, self.signal.least), self.signal.greatest) for each in some})
         if self.signal.kind is SignalKind.REAL:
             most = GREATEST_REAL if self.signal.type == "REAL" else sys.float_info.max
             between = [low / 2 + high / 2 for low, high in pairwise(cuts)]
             below, above = cuts[0] - abs(cuts[0]) - 1, cuts[-1] + abs(cuts[-1]) + 1
+            if self._is_doubled:
+                between += [low / 4 + high / 4 * 3 for low, high in pairwise(cuts)]
+                between += [2 * below, 2 * above]
             inside = (min(max(float(each), -most), most) for each in (below, *cuts, *between, above))
             return sorted({each for each in map(self.signal.accept, inside) if isinstance(each, float)})
-        near = {cut + offset for cut in cuts for offset in (0, 1)} | {cuts[0] - 1}
+        offsets = (0, 1, 2) if self._is_doubled else (0, 1)
+        near = {cut + offset for cut in cuts for offset in offsets} | {cuts[0] - offset for offset in offsets}
         near |= {self.signal.least, self.signal.greatest}  # for intervals that a bound of the type cuts off
         return sorted(each for each in near if self.signal.least <= each <= self.signal.greatest)
 
@@ -104,15 +117,15 @@ class Probe(Symbolic):
 
     __slots__ = ("domain", "value")
 
-    def __init__(self, value: int | float, domain: Domain) -> None:
+    def __init__(self, value: Any, domain: Domain) -> None:
         self.value = value
         self.domain = domain
 
     def _compared(self, other: object) -> Any:
         """The other side of a comparison as a plain number."""
         if isinstance(other, Probe):
-            if other.domain is self.domain:
-                return other.value
+            if other.domain is self.domain:  # one of them may be of an earlier scan, and so less, equal or greater
+                raise NotProvableError(f"values of {self.domain.name} are compared with each other")
             raise NotProvableError(f"{self.domain.name} is compared with {other.domain.name}")
         self.domain.cut(other)
         return other
@@ -156,13 +169,10 @@ class Probe(Symbolic):
     __neg__ = __pos__ = __abs__ = __invert__ = __str__ = __format__ = _escape
 
 
-class _Text(Probe):
+class Text(Probe):
     """A text of a free input: nothing may be done with it at all."""
 
     __slots__ = ()
-
-    def __init__(self, domain: Domain) -> None:
-        super().__init__(0, domain)
 
     def _compared(self, other: object) -> NoReturn:  # noqa: ARG002
         raise NotProvableError(f"{self.domain.name} is a text")

@@ -160,6 +160,68 @@ class Formula:
             return None, {}, f"it depends on whether {names} can be a fraction"
         return True, self._situation(solver.model()), ""
 
+    def names(self) -> list[str]:
+        """The variables in the terms that were made."""
+        return [atom.text for atom in self._atoms.values()]
+
+    def model(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> dict[str, Any] | None:
+        """Values of variables with which all terms are true, or None.
+
+        `known` are values that variables have; names of enumerations are texts. What the formula does not know may take
+        any value, so it is to be tried whether the values do it.
+        """
+        z3, solver = self._solver(terms, known)
+        solver.add(
+            *(z3.IsInt(a.term) for a in self._atoms.values() if a.kind is ValueKind.INTEGER and a.term.is_real())
+        )
+        if solver.check() != z3.sat:
+            return None
+        model = solver.model()
+        found: dict[str, Any] = {}
+        for atom in self._atoms.values():
+            value = model.eval(atom.term, model_completion=False)
+            if atom.kind is ValueKind.BOOL:
+                if z3.is_true(value) or z3.is_false(value):
+                    found[atom.text] = z3.is_true(value)
+            elif z3.is_rational_value(value):
+                found[atom.text] = value.as_fraction()
+            elif z3.is_int_value(value):
+                number = value.as_long()
+                is_symbol = atom.kind is ValueKind.SYMBOL and number in range(len(self._symbols))
+                found[atom.text] = self._symbols[number] if is_symbol else number
+        return found
+
+    def is_impossible(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> bool:
+        """True if the terms cannot all be true while variables have these values."""
+        z3, solver = self._solver(terms, known)
+        return bool(solver.check() == z3.unsat)
+
+    def _solver(self, terms: list[Any], known: Mapping[str, bool | int | float | str | None]) -> tuple[Any, Any]:
+        z3, context = _z3()
+        solver = z3.Solver(ctx=context)
+        solver.set("rlimit", _EFFORT_FOR_A_MODEL)
+        solver.add(*terms, *self._bounds)
+        for atom in self._atoms.values():
+            value = known.get(atom.text)
+            if value is not None:
+                solver.add(*self._is(atom, value))
+        return z3, solver
+
+    def _is(self, atom: _Atom, value: bool | int | float | str) -> list[Any]:
+        """That an atom has a value, if its kind can have it."""
+        z3, context = _z3()
+        if atom.kind is ValueKind.BOOL:
+            return [atom.term == z3.BoolVal(bool(value), ctx=context)]
+        if isinstance(value, str):
+            if atom.kind is not ValueKind.SYMBOL:
+                return []
+            return [atom.term == self._code(LiteralValue(LiteralKind.ENUMERATED, value))]
+        if isinstance(value, bool) or atom.kind not in (*_NUMBERS, ValueKind.DURATION) or not math.isfinite(value):
+            return []
+        if isinstance(value, int):
+            return [atom.term == value]
+        return [atom.term == z3.RealVal(Fraction(value), ctx=context)] if atom.term.is_real() else []
+
     def _situation(self, model: Any) -> dict[str, str]:
         situation: dict[str, str] = {}
         for atom in self._atoms.values():
@@ -375,6 +437,8 @@ class Formula:
 
 _EFFORT = 20_000_000
 """z3's own measure of work, the same on every machine: some seconds. Conditions of real charts need a thousandth."""
+
+_EFFORT_FOR_A_MODEL = 1_000_000
 
 _CONTEXTS = local()
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Generator, Hashable, Iterable,
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, Symbolic, frozen, plain
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, Symbolic, Text, frozen, plain
 from plcopen_sfc.analysis.intervals import KeptError, Split
 from plcopen_sfc.errors import (
     ForcingConflictError,
@@ -25,22 +25,29 @@ from plcopen_sfc.errors import (
 from plcopen_sfc.semantics.signals import Value
 
 __all__ = [
+    "BOTH_FAIL",
     "Branching",
     "Explored",
     "InputReader",
     "LeftOutError",
     "Progress",
     "Search",
+    "StopError",
     "System",
+    "advanced",
     "compare",
     "end_of",
     "ended",
     "explore",
     "failure_of",
+    "hidden_reason",
     "search",
 ]
 
 _RUNS_FOR_A_STATE = 4
+BOTH_FAIL = "both end with an error"
+"""How a note begins that says so."""
+
 InputReader = Callable[[str], Any]
 
 
@@ -53,8 +60,8 @@ class System(Protocol):
     def scan(self, read: InputReader, *, first: bool) -> None:
         """Run one scan; `read` gives the value of an input. Time goes on before every scan but the first."""
 
-    def observed(self) -> tuple[Any, ...]:
-        """The values that are compared, at the end of a scan."""
+    def observed(self) -> tuple[Any, ...] | None:
+        """The values that are compared, at the end of a scan; None: they have no counterpart."""
 
     def snapshot(self) -> Any:
         """The state, without absolute times."""
@@ -131,6 +138,7 @@ class Explored:
     lead to one. `complete`: all states were seen. `depth`: every input sequence of that many scans was tried. `reason`:
     why the search is not complete; `capped`: there are too many states. `notes`: what was not followed any further,
     because both end with an error there. `parts`: into how many the comparison was divided.
+    `dead`: every run ends with an error of both.
     """
 
     states: int
@@ -142,17 +150,23 @@ class Explored:
     shortest: bool = True
     capped: bool = False
     parts: int = 1
+    dead: bool = False
 
 
 class Progress(NamedTuple):
-    """How far a search is: scans that were run, and the depth that is being searched."""
+    """How far a search is: scans that were run, the depth that is being searched, and states that were found."""
 
     scans: int
     depth: int
+    states: int = 0
+
+
+class StopError(Exception):
+    """Thrown into a search that has to end with what it knows; its text says why."""
 
 
 Search = Generator[Progress, None, Explored]
-"""A search that can be interrupted: it says how far it is before each state."""
+"""A search that can be interrupted: it says how far it is before each state, and ends where `StopError` is thrown."""
 
 
 def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int) -> Explored:
@@ -163,14 +177,24 @@ def explore(left: System, right: System, domains: Mapping[str, Domain], cap: int
     return ended(search(left, right, domains, cap))
 
 
-def ended(searching: Search) -> Explored:
-    """Let a search run to its end."""
-    while True:
-        try:
-            next(searching)
-        except StopIteration as end:
-            found: Explored = end.value
-            return found
+def ended(searching: Search, look: Callable[[int], str] = lambda _: "") -> Explored:
+    """Let a search run to its end, or until `look` says why it must end."""
+    found, _ = advanced(searching, look)
+    while found is None:
+        found, _ = advanced(searching, look)
+    return found
+
+
+def advanced(searching: Search, look: Callable[[int], str]) -> tuple[Explored | None, Progress | None]:
+    """Let a search go on by one state: what it has found if it ends, else how far it is."""
+    try:
+        progress = next(searching)
+        reason = look(progress.states)
+        if reason:
+            searching.throw(StopError(reason))
+    except StopIteration as end:
+        return end.value, None
+    return None, progress
 
 
 def search(
@@ -222,9 +246,13 @@ def _search(
     waiting = deque([0])
     runs = 0
     notes: dict[str, SfcError] = {}
+    closed = False
     while waiting:
         number = waiting.popleft()
-        yield Progress(runs, depths[number])
+        try:
+            yield Progress(runs, depths[number], len(seen))
+        except StopError as stop:
+            return Explored(len(seen), depths[number], complete=False, reason=str(stop), capped=True)
         before_left, before_right = states[number]
         for values in branching.combinations():
             runs += 1
@@ -244,6 +272,7 @@ def _search(
             after = (left.snapshot(), right.snapshot())
             code = key(after)
             if code in seen:
+                closed = True
                 continue
             seen.add(code)
             if len(seen) > cap:
@@ -257,7 +286,8 @@ def _search(
     _check_domains(tried)
     if not seen and notes:
         raise next(iter(notes.values()))  # nothing ever ran
-    return Explored(len(seen), max(depths), complete=True, notes=tuple(notes))
+    dead = not closed and any(note.startswith(BOTH_FAIL) for note in notes)
+    return Explored(len(seen), max(depths), complete=True, notes=tuple(notes), dead=dead)
 
 
 def _check_domains(domains: Iterable[Domain]) -> None:
@@ -296,7 +326,7 @@ def end_of(failures: Sequence[SfcError | None]) -> tuple[str, SfcError] | None:
             return f"what follows {failure.message} is left out", failure
     first = failures[0]
     if first is not None and all(failures):
-        return f"both end with an error: {first.message}", first
+        return f"{BOTH_FAIL}: {first.message}", first
     return None
 
 
@@ -307,26 +337,40 @@ def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | 
     except (TypeError, AttributeError) as error:
         raise NotProvableError(f"an input is used in a way that cannot be followed ({error})") from error
     except SfcError as error:
-        reason: BaseException | None = error
-        while reason is not None:
-            if isinstance(reason, NotProvableError):
-                raise reason from None
-            reason = reason.__cause__ or reason.__context__
+        reason = hidden_reason(error)
+        if reason is not None:
+            raise reason from None
         return error
     return None
 
 
-def compare(left: Sequence[Any], right: Sequence[Any]) -> list[int]:
-    """The places at which two observations differ."""
-    if left == right:
+def hidden_reason(error: SfcError) -> NotProvableError | None:
+    """What ends a proof, if that is what an error of a program comes from."""
+    reason: BaseException | None = error
+    while reason is not None and not isinstance(reason, NotProvableError):
+        reason = reason.__cause__ or reason.__context__
+    return reason
+
+
+def compare(left: Sequence[Any] | None, right: Sequence[Any] | None) -> list[int]:
+    """The places at which two observations differ; none, where one of them has no counterpart."""
+    if left is None or right is None:
+        return []
+    if _COPIES.isdisjoint(map(type, left)) and left == right:
         return []
     return [place for place, (a, b) in enumerate(zip(left, right, strict=True)) if not _equal(a, b)]
+
+
+_COPIES = frozenset({Probe, Text})
+"""Values of inputs that may be of earlier scans: that they look equal does not tell that they are."""
 
 
 def _equal(a: Any, b: Any) -> bool:
     if not isinstance(a, Probe) and not isinstance(b, Probe):
         return bool(a == b) or (a != a and b != b)  # noqa: PLR0124  # two that are no numbers are the same
     if isinstance(a, Probe) and isinstance(b, Probe) and a.domain is b.domain:
+        if type(a) in _COPIES:
+            a.domain.double()  # one of them may be of an earlier scan
         return bool(a.value == b.value)
     if plain(a) != plain(b):
         return False

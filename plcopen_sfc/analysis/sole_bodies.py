@@ -22,7 +22,7 @@ from plcopen_sfc.semantics.programs.instances import Instance
 __all__ = ["all_nodes", "path_names", "sole_statements"]
 
 _ALIASES = (n.Dereference, n.Peripheral)
-_JUMPS = (n.Goto, n.Label, n.Try, n.Unreadable)
+_JUMPS = (n.Goto, n.Label, n.Try, n.EmbeddedCode, n.Unreadable)
 
 
 @lru_cache(maxsize=2)  # both sides of a comparison ask more than once

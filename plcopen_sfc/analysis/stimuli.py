@@ -10,7 +10,7 @@ from plcopen_sfc.analysis.domains import Domain, plain
 from plcopen_sfc.semantics.inputs import RandomInputs, Variables
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-__all__ = ["stimuli"]
+__all__ = ["patterns", "stimuli"]
 
 _HOLDS = ((1, 1), (1, 3), (1, 8), (1, 20), (5, 60))
 _PULSED_SCANS = 3
@@ -33,7 +33,7 @@ def stimuli(
     """
     values = {name: [plain(each) for each in domain.options] for name, domain in domains.items()}
     made = 0
-    for rows in _directed(signals, values, scans):
+    for rows in patterns(signals, values, scans):
         if made == runs:
             return
         yield rows
@@ -43,16 +43,17 @@ def stimuli(
     for number in range(runs - made):
         low_high = _HOLDS[number % len(_HOLDS)]
         timed = around if around and number % 2 else ()
-        source = RandomInputs(seed + number, hold=low_high, holds=timed, values=_varied(values), flags=True)
+        source = RandomInputs(seed + number, hold=low_high, holds=timed, values=_varied(values), system_inputs=True)
         rows = _rows(source, signals, scans, clock.scan_time)
         if booleans and number % 3 == 0:
             _pulse(rows, booleans[number // 3 % len(booleans)], Random(f"{seed}:{number}"))  # noqa: S311  # no secret
         yield rows
 
 
-def _directed(
+def patterns(
     signals: Mapping[str, Signal], values: Mapping[str, Sequence[Value]], scans: int
 ) -> Iterator[list[dict[str, Value]]]:
+    """All TRUE, all FALSE, alternating, one-scan pulses of one input after the other."""
     count = len(signals) or 1
     patterns: tuple[Callable[[int, int], int], ...] = (
         lambda _scan, _place: -1,

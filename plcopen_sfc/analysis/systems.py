@@ -6,13 +6,15 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking, StepTimes, step_times
-from plcopen_sfc.analysis.product import LeftOutError
+from plcopen_sfc.analysis.free_calls import FreeCalls
+from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
 from plcopen_sfc.analysis.scratch import scratch_cells
 from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import SimpleValue
 from plcopen_sfc.model.variables import SectionKind
@@ -23,10 +25,12 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.marks import Marks
+from plcopen_sfc.semantics.programs.runtime import UNREAD
 from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
-from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, watched
+from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, watched, watched_members
 
 __all__ = ["Observation", "ProgramSystem", "connect", "step_observations"]
 
@@ -51,7 +55,8 @@ class Observation:
 class ProgramSystem:
     """A POU with its project, run scan by scan; see `plcopen_sfc.analysis.product.System`.
 
-    `names` translates its inputs to the names that both systems share, `fixed` are inputs that keep a value.
+    `names` translates its inputs to the names that both systems share, `fixed` are inputs that keep a value,
+    `free_inputs` variables that count as inputs, `not_free` those that never do (see `Controller`).
     """
 
     def __init__(
@@ -61,23 +66,34 @@ class ProgramSystem:
         clock: Clocking,
         *,
         functions: Mapping[str, Callable[..., Any]] | None = None,
+        free_inputs: Iterable[str] = (),
+        not_free: Iterable[str] = (),
     ) -> None:
         self.subject = subject
         self.clock = clock
-        self._profile = profile
+        self.profile = profile
+        self._free_inputs = tuple(free_inputs)
+        self._not_free = tuple(not_free)
         self._functions = functions or {}
         self._names: dict[str, str] = {}
         self._fixed: dict[str, Value] = {}
         self._source: InputReader = _no_input
+        self.unknown_calls = FreeCalls()
+        self._observes_calls = False
         self._controller = Controller(
             subject.project,
             profile,
+            unknown_calls=self.unknown_calls,
             functions=self._functions,
             chart_compiler=compile_chart,
             read_input=self._input,
+            free_inputs=self._free_inputs,
+            not_free=self._not_free,
+            marking=True,
         )
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
+        self.members: dict[str, Watched] = watched_members(self.instance)
         self.steps, self._marking = step_marking(self.instance)
         self.times = step_times(subject, clock.scan_time) if self.instance.charts() else _NO_STEPS
         self._forget = self._forgetting()
@@ -88,7 +104,10 @@ class ProgramSystem:
         self._starts = [(f.v, x.slot) for f in frames for x in f.layout.fields if x.type is INSTANT]
         structures = [each for f in frames for each in f.v if isinstance(each, Frame)]
         self._elapsed = [(f.v, x.slot) for f in structures for x in f.layout.fields if x.type is ELAPSED]
-        self._initial = self.snapshot()
+        self._begins = self._kept = self._waiting = 0
+        self._queue: tuple[tuple[Any, ...] | SfcError | None, ...] = ()
+        self._seen: tuple[Any, ...] | None = None
+        self._initial = self._state()
         self._observe: Callable[[], tuple[Any, ...]] = tuple
         self._left_out: Callable[[], tuple[Any, ...]] | None = None
         self.left_out_name = ""
@@ -97,6 +116,17 @@ class ProgramSystem:
     def inputs(self) -> dict[str, Signal]:
         """The inputs that nothing writes, with their types."""
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
+
+    @property
+    def marks(self) -> Marks:
+        """Which branches of its texts were executed."""
+        marks = self._controller.library.marks
+        assert marks is not None  # noqa: S101  # it is made with them
+        return marks
+
+    def frozen(self) -> list[str]:
+        """The variables that it reads, that nothing writes, and that are no inputs."""
+        return sorted(set(self._controller.library.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
 
     @property
     def size(self) -> int:
@@ -112,11 +142,15 @@ class ProgramSystem:
         self._names = {own.casefold(): shared for own, shared in names.items()}
         self._fixed = {own.casefold(): value for own, value in fixed.items()}
 
+    def shared_names(self) -> Mapping[str, str]:
+        """Its inputs, in lower case, by the names that both systems share."""
+        return self._names
+
     def observe(self, observations: Iterable[Observation]) -> None:
         """Say what `observed` gives."""
         wanted = list(observations)
         self._look_at([each.path for each in wanted if not each.bit])
-        read = self.instance.reader([each.path for each in wanted if not each.bit])
+        read = self._reader([each.path for each in wanted if not each.bit])
         if not any(each.bit or each.equals is not None for each in wanted):
             self._observe = read
             return
@@ -137,14 +171,47 @@ class ProgramSystem:
 
         self._observe = observed
 
+    def _reader(self, paths: Sequence[str]) -> Callable[[], tuple[Any, ...]]:
+        """A function that gives the values of some variables, also of inputs that the scan has not read."""
+        read = self.instance.reader(paths)
+        given = {path.casefold() for path in self.instance.inputs()}
+        if given.isdisjoint(path.casefold() for path in paths):
+            return read
+        return lambda: tuple(
+            [self._input(path) if value is UNREAD else value for path, value in zip(paths, read(), strict=True)]
+        )
+
     def part(self, pou: Pou, observations: Sequence[Observation]) -> ProgramSystem:
         """A system of a part of its POU, at the same times, in which some of the same things are observed."""
-        made = ProgramSystem(replace(self.subject, pou=pou), self._profile, self.clock, functions=self._functions)
+        made = ProgramSystem(
+            replace(self.subject, pou=pou),
+            self.profile,
+            self.clock,
+            functions=self._functions,
+            free_inputs=self._free_inputs,
+            not_free=self._not_free,
+        )
+        made.delay(begins=self._begins, kept=self._kept)
         if self.left_out_name:
             made.leave_out(self.left_out_name)
         bits = {path: 1 << index for index, path in enumerate(made.steps)}
         made.observe([replace(each, bit=bits[each.path]) if each.bit else each for each in observations])
         return made
+
+    def delay(self, *, begins: int, kept: int) -> None:
+        """Begin some scans later, or be compared with what the other side does some scans later."""
+        self._begins, self._kept = begins, kept
+
+    @property
+    def is_delayed(self) -> bool:
+        """Whether it is compared with other scans of the other side."""
+        return self._begins > 0 or self._kept > 0
+
+    @property
+    def is_retimable(self) -> bool:
+        """Whether its scans can be cut behind the actions: it is a chart, and the only one."""
+        charts = self.instance.charts()
+        return len(charts) == len(self.subject.pou.bodies) == 1 and not charts[0][0]
 
     def leave_out(self, name: str) -> None:
         """Do not compare scans at whose end a variable is TRUE. Raises `ModelError` for an unknown name."""
@@ -161,27 +228,95 @@ class ProgramSystem:
         self.instance.leave_out(frozenset(slot for cells, slot, _ in found if cells is own))
         self._scratch = [each for each in found if each[0] is not own]
         self._timers = waiting_timers(self.instance, self._looked_at, self.clock.scan_time)
-        self._initial = self.snapshot()
+        self._initial = self._state()
 
     def reset(self) -> None:
         """Go to the state before the first scan."""
-        self.restore(self._initial)
+        self.instance.restore(self._initial)
+        self._waiting = self._begins
+        self._queue = (None,) * self._kept
 
     def scan(self, read: InputReader, *, first: bool) -> None:
         """Run one scan."""
+        if not self.is_delayed:
+            self._scan(read, first=first)
+            return
+        self._seen = None
+        if self._waiting:
+            self._waiting -= 1
+            return
+        if not self._kept:
+            self._scan(read, first=first)
+            self._seen = self.observed_now()
+            return
+        self._seen = self._in_turn(read, first=first)
+
+    def _in_turn(self, read: InputReader, *, first: bool) -> tuple[Any, ...] | None:
+        """Run one scan, and give what the scan has come to with which the other side is to be compared now."""
+        last = self._queue[-1]
+        if isinstance(last, SfcError):  # it has ended, which is compared in its turn
+            now: tuple[Any, ...] | SfcError = last
+        else:
+            try:
+                self._scan(read, first=first)
+                now = self.observed_now()
+            except SimulationError as error:
+                if end_of([error, None]) is not None or hidden_reason(error) is not None:
+                    raise
+                now = error
+        turn, *rest = (*self._queue, now)
+        self._queue = tuple(rest)
+        if isinstance(turn, SfcError):
+            raise turn
+        return turn
+
+    def _scan(self, read: InputReader, *, first: bool) -> None:
         self._source = read
+        searching = getattr(read, "__self__", None)
+        self.unknown_calls.begin_scan(searching if isinstance(searching, Branching) else None)
         if not first:
             self._controller.now += self.clock.scan_time
         self.instance.scan()
         if self._left_out is not None and self._left_out()[0]:
             raise LeftOutError(f"{self.left_out_name} = TRUE")
 
-    def observed(self) -> tuple[Any, ...]:
-        """What is compared."""
-        return self._observe()
+    def pass_time(self, scans: int) -> None:
+        """Let the time of some scans go by, in which nothing but clocks would go on."""
+        self._controller.now += scans * self.clock.scan_time
+
+    def observed(self) -> tuple[Any, ...] | None:
+        """What is compared; None: this scan has no counterpart."""
+        return self._seen if self.is_delayed else self.observed_now()
+
+    def observed_now(self) -> tuple[Any, ...]:
+        """What is compared now or later."""
+        return (*self._observe(), self._calls()) if self._observes_calls else self._observe()
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """The functions and blocks that are called, and that the project does not have."""
+        blocks = self._controller.library.unknown
+        return tuple(blocks.names) if blocks is not None else ()
+
+    @property
+    def calls_blocks(self) -> bool:
+        """Whether a call of something unknown is a statement."""
+        return bool(self._controller.library.unknown)
+
+    def observe_calls(self) -> None:
+        """Compare the calls of unknown functions and blocks that are statements, too."""
+        self._observes_calls = True
+
+    def _calls(self) -> str:
+        """The calls of the present scan: those of an instance in their order, whatever was called in between."""
+        return "; ".join(f"{name}({given})" for name, given in sorted(self.unknown_calls.log, key=itemgetter(0)))
 
     def snapshot(self) -> Any:
         """The state, without absolute times, and without what no later scan will see."""
+        state = self._state()
+        return (state, self._waiting, self._queue) if self.is_delayed else state
+
+    def _state(self) -> Any:
         now = self._controller.now
         for frame, forget in self._forget:
             forget(frame, now)
@@ -192,6 +327,8 @@ class ProgramSystem:
 
     def restore(self, snapshot: Any) -> None:
         """Go back to a state."""
+        if self.is_delayed:
+            snapshot, self._waiting, self._queue = snapshot
         self.instance.restore(snapshot)
 
     def values(self, names: Iterable[str]) -> tuple[Any, ...]:
@@ -268,7 +405,8 @@ def step_observations(
 ) -> list[tuple[str, Observation, Observation]]:
     """What tells of each step of `left` that it is active, on both sides. Raises `ModelError` for names not there.
 
-    `flags`: by the path of a step a variable of the other side (``X2``), or what a variable must equal (``s = 2``).
+    `flags`: by the path of a step a variable of the other side (``X2``), what a variable must equal (``s = 2``), or the
+    path of a step there.
     Where they are not given, equal step paths of two charts, and variables with usual names (``X_Fill``, ``Fill_X``,
     ``XFill``, ``Fill``, and ``X2`` for a step of number 2 or a name that ends so), tell.
     """
@@ -307,6 +445,10 @@ def step_observations(
 def _flag(system: ProgramSystem, text: str) -> Observation:
     path, equals, value = text.partition("=")
     path = path.strip()
+    if not equals and (path not in system.instance or signal_of(system.instance.type_of(path)) is None):
+        for place, step in enumerate(system.steps):
+            if path.casefold() in (step.casefold(), f"{step}.X".casefold()):
+                return Observation(step, bit=1 << place)
     signal = signal_of(system.instance.type_of(path))
     if signal is None:
         raise ModelError(f"{path} is no single value, so it tells nothing of a step")

@@ -9,7 +9,7 @@ states, in which more can happen than really does. What is proven there is prove
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Any, NoReturn
 
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, Symbolic
@@ -204,7 +204,7 @@ class _Abstract:
 
     def observed(self) -> tuple[Any, ...]:
         """What is compared: of terms how they were calculated."""
-        return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed()])
+        return tuple([each.key() if isinstance(each, Term) else each for each in self._system.observed_now()])
 
     def snapshot(self) -> Any:
         """The state; both sides are asked one after the other."""
@@ -231,15 +231,22 @@ def _same_numbers(left: ProgramSystem, right: ProgramSystem) -> list[str]:
 
 
 def explore_terms(
-    left: ProgramSystem, right: ProgramSystem, signals: Mapping[str, Signal], cap: int
+    left: ProgramSystem,
+    right: ProgramSystem,
+    signals: Mapping[str, Signal],
+    cap: int,
+    look: Callable[[int], str] = lambda _: "",
 ) -> Explored | None:
     """Prove two systems equal whatever the numbers of their inputs, and those that they keep, are.
 
     None where that is not possible, or there are no numbers: a difference that is found, and an error that both end
     with, may be none.
     """
+    if left.is_delayed or right.is_delayed:
+        return None  # what both keep is not the same in the same scan
     kept = _same_numbers(left, right)
-    if not kept and not any(signal.kind in _NUMBERS for signal in signals.values()):
+    unknown = left.unknown or right.unknown
+    if not kept and not unknown and not any(signal.kind in _NUMBERS for signal in signals.values()):
         return None
     answers = Answers()
     names = _Names(answers)
@@ -252,5 +259,13 @@ def explore_terms(
     def follow(branching: Branching) -> None:
         answers.branching = branching
 
-    found = ended(search(sides[0], sides[1], domains, min(cap, _MOST_STATES), follow))
+    def number(question: Hashable) -> Term:
+        return Term(("call", question), answers)
+
+    calls = (left.unknown_calls, right.unknown_calls)
+    for each in calls:
+        each.number = number
+    found = ended(search(sides[0], sides[1], domains, min(cap, _MOST_STATES), follow), look)
+    for each in calls:
+        each.number = None
     return found if found.complete and not found.notes else None

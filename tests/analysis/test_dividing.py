@@ -11,7 +11,7 @@ import pytest
 
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalence
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.product import Explored, Search, ended
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import construct
@@ -25,13 +25,14 @@ from tests.lowering.random_charts import random_chart
 
 Divided = Callable[[], Search | None]
 Accepted = Callable[[Explored], bool]
+Look = Callable[[int], str]
 
 
-def as_a_whole(whole: Search, size: int, divided: Divided, accepted: Accepted) -> Explored:
+def as_a_whole(whole: Search, size: int, divided: Divided, accepted: Accepted, look: Look) -> Explored:
     return ended(whole)
 
 
-def in_parts(whole: Search, size: int, divided: Divided, accepted: Accepted) -> Explored:
+def in_parts(whole: Search, size: int, divided: Divided, accepted: Accepted, look: Look) -> Explored:
     searching = divided()
     if searching is None:
         return ended(whole)
@@ -70,7 +71,7 @@ def mutated(text: str, random: Random) -> str:
 
 @pytest.mark.parametrize("name", ["iec", "codesys"])
 def test_random_charts_and_programs_with_mistakes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    outcomes: Counter[tuple[Outcome, bool]] = Counter()
+    outcomes: Counter[tuple[VerdictKind, bool]] = Counter()
     for seed in range(14):
         random = Random(seed)  # noqa: S311
         pou = random_chart(seed, size=5, codesys=name == "codesys")
@@ -93,14 +94,14 @@ def test_random_charts_and_programs_with_mistakes(name: str, monkeypatch: pytest
             return equivalent(pou, code, name, step_flags=flags, cap=600, runs=0)
 
         whole, parts = verdicts(monkeypatch, compare)
-        if whole.outcome is not Outcome.TESTED:
-            assert parts.outcome is whole.outcome, f"{seed}\n{whole}\n{parts}\n{body.text}"
+        if whole.kind is not VerdictKind.TESTED:
+            assert parts.kind is whole.kind, f"{seed}\n{whole}\n{parts}\n{body.text}"
         if whole.counterexample is not None and parts.counterexample is not None:
             assert len(parts.counterexample.inputs) == len(whole.counterexample.inputs), f"{seed}\n{whole}\n{parts}"
             assert parts.counterexample.shortest
-        outcomes[parts.outcome, parts.parts > 1] += 1
-    assert outcomes[Outcome.DIFFERENT, True] >= 4, outcomes
-    assert outcomes[Outcome.PROVEN, True] >= 4, outcomes
+        outcomes[parts.kind, parts.parts > 1] += 1
+    assert outcomes[VerdictKind.DIFFERENT, True] >= 4, outcomes
+    assert outcomes[VerdictKind.PROVEN, True] >= 4, outcomes
 
 
 def test_a_part_that_counts_is_proven_whatever_the_number_is() -> None:
@@ -112,7 +113,7 @@ def test_a_part_that_counts_is_proven_whatever_the_number_is() -> None:
     found = equivalent(sides[0], sides[1], "iec", outputs=names, scan_time="100ms", cap=200, runs=0)
     assert found.proven, str(found)
     assert found.parts > 1
-    assert equivalent(sides[0], sides[2], "iec", outputs=names, cap=200, runs=0).outcome is Outcome.DIFFERENT
+    assert equivalent(sides[0], sides[2], "iec", outputs=names, cap=200, runs=0).kind is VerdictKind.DIFFERENT
 
 
 # -- rings that do not know of each other
@@ -140,7 +141,10 @@ def test_independent_sequences_add_up() -> None:
     assert verdict.proven, str(verdict)
     assert verdict.parts == 8
     assert verdict.states == 2 * 8
-    assert str(verdict) == "equal (proof: 16 states in 8 parts, all inputs)"
+    assert str(verdict).splitlines() == [
+        "equal (proof: 16 states in 8 parts, all inputs)",
+        "covered: 16 of 16 steps, 16 of 16 transitions; 48 of 48 assignments",
+    ]
     assert verdict.as_dict()["parts"] == 8
 
 

@@ -12,7 +12,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import equivalence
 from plcopen_sfc.analysis.domains import NotProvableError
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.product import Branching, Explored
 from plcopen_sfc.analysis.terms import Answers, Term
 from plcopen_sfc.model import ActionAssociation, Qualifier, SfcNetwork, StBody
@@ -67,7 +67,7 @@ def test_the_same_calculations_are_proven(left: str, right: str) -> None:
 )  # fmt: skip
 def test_other_calculations_are_different(left: str, right: str) -> None:
     names = [name for name in ("n", "m", "Q") if f"{name} :=" in left]
-    assert compared(left, right, *names).outcome is Outcome.DIFFERENT
+    assert compared(left, right, *names).kind is VerdictKind.DIFFERENT
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_other_calculations_are_different(left: str, right: str) -> None:
 def test_what_cannot_be_said_of_terms_is_tried(left: str, right: str) -> None:
     names = [name for name in ("n", "m", "Q") if f"{name} :=" in left]
     verdict = compared(left, right, *names)
-    assert verdict.outcome is not Outcome.PROVEN
+    assert verdict.kind is not VerdictKind.PROVEN
     assert verdict.reason or verdict.counterexample is not None  # an overflow of Q := i + 1 > 5 is a difference
 
 
@@ -98,12 +98,12 @@ def test_a_chart_that_counts_is_proven() -> None:
     ELSIF c1 THEN X1 := FALSE; X0 := TRUE; END_IF;
     """
     variables = ["X0 : BOOL := TRUE", "X1 : BOOL", "n : INT"]
-    for amount, outcome in (("i", Outcome.PROVEN), ("i + 1", Outcome.DIFFERENT)):
+    for amount, outcome in (("i", VerdictKind.PROVEN), ("i + 1", VerdictKind.DIFFERENT)):
         other = program(text.format(amount), ["c0", "c1"], variables)
         other.interface.sections.append(project.pous[0].interface.sections[0])  # type: ignore[union-attr]
         flags = {"S0": "X0", "S1": "X1"}
         found = equivalent(project.pous[0], other, "iec", step_flags=flags, outputs=["n"], cap=60, runs=12, scans=20)
-        assert found.outcome is outcome, str(found)
+        assert found.kind is outcome, str(found)
 
 
 def test_whatever_is_asked_of_a_term_holds_for_its_numbers() -> None:
@@ -150,12 +150,12 @@ def test_proofs_with_terms_agree_with_searches_of_all_numbers(monkeypatch: pytes
         bodies = [[parts[i] for i in order], [others[i] for i in swapped]]
         sides = [code(" ".join([*body, "IF n > 9 THEN n := 9; END_IF;"])) for body in bodies]
         exact = equivalent(sides[0], sides[1], "iec", outputs=["n", "m", "Q"], cap=1_000, runs=0)
-        assert exact.outcome is not Outcome.TESTED
+        assert exact.kind is not VerdictKind.TESTED
         with monkeypatch.context() as patch:
             patch.setattr(equivalence, "race", lambda *_: Explored(0, 0, complete=False, capped=True))
             found = equivalent(sides[0], sides[1], "iec", outputs=["n", "m", "Q"], cap=1_000, runs=0)
         assert not found.proven or exact.proven, bodies
         proven += found.proven
-        different += exact.outcome is Outcome.DIFFERENT
+        different += exact.kind is VerdictKind.DIFFERENT
     assert proven > 0
     assert different > 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc.analysis.clocking import clocking
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.timers import waiting_timers
 from plcopen_sfc.model import SfcBody, SfcNetwork, StBody
@@ -73,9 +73,11 @@ def waiting(condition: str, tested: str) -> Verdict:
 def test_a_step_that_waits_longer_than_its_time_is_proven() -> None:
     assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#50ms AND c0").proven
     assert waiting("A.T < T#50ms AND c0", "NOT (t.ET >= T#50ms) AND c0").proven
-    assert waiting("A.T >= T#50ms AND c0", "t.ET > T#50ms AND c0").outcome is Outcome.DIFFERENT
-    assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#75ms AND c0").outcome is Outcome.DIFFERENT
-    assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#50ms AND (t.ET < T#1s OR c1) AND c0").outcome is Outcome.DIFFERENT
+    assert waiting("A.T >= T#50ms AND c0", "t.ET > T#50ms AND c0").kind is VerdictKind.DIFFERENT
+    assert waiting("A.T >= T#50ms AND c0", "t.ET >= T#75ms AND c0").kind is VerdictKind.DIFFERENT
+    assert (
+        waiting("A.T >= T#50ms AND c0", "t.ET >= T#50ms AND (t.ET < T#1s OR c1) AND c0").kind is VerdictKind.DIFFERENT
+    )
 
 
 def test_a_timer_that_nobody_calls_any_more_does_not_go_on() -> None:
@@ -98,4 +100,4 @@ def test_a_timer_that_nobody_calls_any_more_does_not_go_on() -> None:
     assert equivalent(pou, right, "codesys", outputs=["Q"], scan_time="10ms", cap=100, runs=0).proven
     for other in (wrong, always):
         found = equivalent(pou, other, "codesys", outputs=["Q"], scan_time="10ms", cap=100)
-        assert found.outcome is Outcome.DIFFERENT
+        assert found.kind is VerdictKind.DIFFERENT

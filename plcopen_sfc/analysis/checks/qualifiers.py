@@ -193,7 +193,7 @@ ACT07 = Rule(
     code="ACT07",
     title="The qualifier exists in the tool",
     why="S7-GRAPH has no P, P0, P1, SD, DS and SL; IEC 61131-3 has no CALL, no ON and OFF, no counters and timers; "
-    "matiec generates no code that works for P0, P1, DS and SL.",
+    "no tool says what DL of TC6 does.",
     hint="Say it in another way: P1 is the event S1 of S7-GRAPH, SD a set action and a timer.",
     example="""
 INITIAL_STEP S1: q(P1); END_STEP

@@ -107,7 +107,7 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 """,
     check=_overlapping,
     severity=None,
-    severities={"iec": Severity.INFO, "grafcet": Severity.ERROR, "matiec": Severity.ERROR},
+    severities={"iec": Severity.INFO, "grafcet": Severity.ERROR, "matiec": Severity.ERROR, "beremiz": Severity.ERROR},
 )
 
 SEL02 = Rule(
@@ -126,7 +126,7 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 """,
     check=_undecided,
     severity=None,
-    severities={"grafcet": Severity.WARNING, "matiec": Severity.WARNING},
+    severities={"grafcet": Severity.WARNING, "matiec": Severity.WARNING, "beremiz": Severity.WARNING},
 )
 
 SEL03 = Rule(
@@ -146,7 +146,7 @@ TRANSITION FROM S3 TO S1 := d; END_TRANSITION
 """,
     check=_shadowed,
     severity=Severity.WARNING,
-    severities={"grafcet": None, "matiec": None},
+    severities={"grafcet": None, "matiec": None, "beremiz": None},
 )
 
 SEL04 = Rule(

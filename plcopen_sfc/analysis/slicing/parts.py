@@ -141,6 +141,8 @@ class Uses:
     def _is_harmless(self, node: n.Node) -> bool:
         if isinstance(node, n.Dereference | n.Peripheral | n.Address | n.Goto | n.Label | n.Try | n.Unreadable):
             raise NotDivisibleError("it uses references, addresses or jumps")
+        if isinstance(node, n.EmbeddedCode):
+            raise NotDivisibleError("it has code in C")
         if isinstance(node, n.Call):
             if is_standard_call(node) and path_of(node.callee) == ("adr",):
                 raise NotDivisibleError("it uses references")

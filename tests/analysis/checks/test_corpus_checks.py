@@ -13,7 +13,17 @@ from plcopen_sfc.errors import SfcError
 from tests.corpus import corpus_files, require_corpus
 
 EXPECTED: dict[str, dict[str, int]] = {
-    "plcopen": {"CND05": 4, "EVO02": 3, "LOW01": 16, "SEL01": 19, "STR02": 1, "STR06": 2, "STR09": 2, "STR14": 1},
+    "plcopen": {
+        "CND05": 4,
+        "EVO02": 3,
+        "LOW01": 16,
+        "SEL01": 19,
+        "SEL02": 4,
+        "STR02": 1,
+        "STR06": 2,
+        "STR09": 2,
+        "STR14": 1,
+    },
     "codesys": {
         "ACT01": 2,
         "ACT02": 7,

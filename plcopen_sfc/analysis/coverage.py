@@ -1,0 +1,262 @@
+"""How much of two charts or programs a comparison has executed, what it has not, and why."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.analysis.unreachable import Unreachable
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.semantics.charts.chart import ChartProgram
+from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.net import Net, NetTransition
+
+__all__ = ["Coverage", "Tally", "Unreached"]
+
+STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
+_SHOWN = 10
+
+Key = tuple[str, str, int]
+"""What can be reached: the chart or text it stands in, its name, and a number where names are not unique."""
+
+
+@dataclass(frozen=True)
+class Unreached:
+    """A step, transition, action or assignment that was not executed, and why.
+
+    `impossible`: it is proven that nothing reaches it.
+    """
+
+    kind: str
+    name: str
+    why: str
+    impossible: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.name}: {self.why}"
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """How much of one side of a comparison was executed.
+
+    `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program without one) how
+    many were reached, and how many there are.
+    """
+
+    name: str
+    counts: Mapping[str, tuple[int, int]]
+    unreached: tuple[Unreached, ...] = ()
+
+    @property
+    def has_chart(self) -> bool:
+        """True if this side is a chart."""
+        return STEP in self.counts
+
+    @property
+    def untested(self) -> tuple[Unreached, ...]:
+        """Steps and transitions, or assignments, that were not reached though they may be reachable."""
+        kinds = (STEP, TRANSITION) if self.has_chart else (ASSIGNMENT,)
+        return tuple(each for each in self.unreached if each.kind in kinds and not each.impossible)
+
+    def joined(self, other: Coverage) -> Coverage:
+        """What was reached here or there, in two searches of the same side."""
+        known = {(each.kind, each.name): each for each in other.unreached}
+        both = [(each, known[each.kind, each.name]) for each in self.unreached if (each.kind, each.name) in known]
+        unreached = tuple(mine if mine.impossible else theirs for mine, theirs in both)
+        missing = Counter(each.kind for each in unreached)
+        counts = {kind: (all_ - missing[kind], all_) for kind, (_, all_) in self.counts.items()}
+        return Coverage(self.name, counts, unreached)
+
+    def __str__(self) -> str:
+        counts = ", ".join(f"{reached} of {all_} {kind}s" for kind, (reached, all_) in self.counts.items() if all_)
+        return counts or "nothing to be reached"
+
+    def lines(self) -> list[str]:
+        """What was not reached, a line for each reason; behind the first ones only how many there are."""
+        together: dict[tuple[str, str], list[str]] = {}
+        for each in self.unreached:
+            together.setdefault((each.kind, each.why), []).append(each.name)
+        lines = [
+            f"not reached: {kind}{'s' * (len(names) > 1)} {_listed(names)}: {why}"
+            for (kind, why), names in together.items()
+        ]
+        more = len(lines) - _SHOWN
+        return [*lines[:_SHOWN], f"not reached for other reasons: {more}"] if more > 0 else lines
+
+    def as_dict(self) -> dict[str, Any]:
+        """The coverage as plain data, for JSON."""
+        return {
+            "name": self.name,
+            "counts": {kind: {"reached": reached, "all": all_} for kind, (reached, all_) in self.counts.items()},
+            "unreached": [
+                {"kind": each.kind, "name": each.name, "why": each.why, "impossible": each.impossible}
+                for each in self.unreached
+            ],
+        }
+
+
+class Tally:
+    """What of a system, and of systems that are parts of it, was reached.
+
+    Only what the compared POU itself has is counted: blocks that it calls are the same on both sides, or have a
+    comparison of their own.
+    """
+
+    def __init__(self, system: ProgramSystem) -> None:
+        self.system = system
+        self._parts = [system]
+        self._before: dict[str, set[Key]] | None = None
+
+    def add(self, part: ProgramSystem) -> None:
+        """Count what a part of the system reaches, too."""
+        self._parts.append(part)
+
+    def reached(self, kind: str) -> set[Key]:
+        """What was reached."""
+        return {key for part in self._parts for key, is_reached in _of_kind(part, kind) if is_reached}
+
+    def numbers(self) -> tuple[int, int]:
+        """How many steps, or assignments, were reached, and how many there are."""
+        kind = STEP if _charts(self.system) else ASSIGNMENT
+        everything = {key for key, _ in _of_kind(self.system, kind)}
+        return len(self.reached(kind) & everything), len(everything)
+
+    def coverage(self, *, complete: bool) -> Coverage:
+        """What it comes to. `complete`: all that the system can do was searched."""
+        kinds = (STEP, TRANSITION, ACTION) if _charts(self.system) else (ASSIGNMENT,)
+        counts: dict[str, tuple[int, int]] = {}
+        missing: dict[str, list[Key]] = {}
+        reached: dict[str, set[Key]] = {}
+        for kind in kinds:
+            everything = dict.fromkeys(key for key, _ in _of_kind(self.system, kind))
+            reached[kind] = self.reached(kind)
+            missing[kind] = [key for key in everything if key not in reached[kind]]
+            counts[kind] = len(everything) - len(missing[kind]), len(everything)
+        unreached: list[Unreached] = []
+        if any(missing.values()):
+            reasons = _Reasons(self.system, reached, complete=complete)
+            unreached = [reasons.of(kind, key) for kind in kinds for key in missing[kind]]
+        return Coverage(self.system.subject.name, counts, tuple(unreached))
+
+
+def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
+    """The charts of the POU itself, if its body is one, with their names."""
+    subject = system.subject
+    charts = system.instance.unit.charts
+    found = [(name, chart) for name, chart in charts if isinstance(chart, ChartProgram | GraphProgram)]
+    own = [each for each in found if each[0] == subject.pou.name]
+    # a POU whose body is no chart is a program; the chart of an action runs as the body of a POU that is like its own
+    return found if own and subject.name == subject.pou.name else own
+
+
+def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
+    """All of a kind, and whether it was reached."""
+    if kind == ASSIGNMENT:
+        yield from _assignments(system)
+        return
+    for name, chart in _charts(system):
+        reached = chart.reached
+        if kind == STEP:
+            for step in chart.net.steps:
+                yield (name, step.path, step.step.id), bool(reached.steps & step.bit)
+        elif kind == TRANSITION:
+            for transition in chart.net.transitions:
+                key = (name, transition.path, transition.transition.id)
+                yield key, bool(reached.transitions & transition.bit)
+        else:
+            for number, label in enumerate(reached.labels):
+                yield (name, label, 0), bool(reached.actions >> number & 1)
+
+
+def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
+    marks = system.marks
+    own = system.instance.unit.pou.name
+    for branch, is_reached in zip(marks.branches, marks.reached, strict=True):
+        if branch.owner == own or branch.owner.startswith((f"{own}.", f"{own}:")):
+            for text in branch.assignments:
+                yield (branch.condition, text, 0), is_reached
+
+
+class _Reasons:
+    """Why something was not reached."""
+
+    def __init__(self, system: ProgramSystem, reached: Mapping[str, set[Key]], *, complete: bool) -> None:
+        self._system = system
+        self._reached = reached
+        self._complete = complete
+        self._nets = {name: chart.net for name, chart in _charts(system)}
+        self._graphs = {name: isinstance(chart, GraphProgram) for name, chart in _charts(system)}
+
+    def of(self, kind: str, key: Key) -> Unreached:
+        name, label, number = key
+        several = len(self._nets) > 1 and kind != ASSIGNMENT
+        shown = f"{name}: {label}" if several else label
+        if kind == ASSIGNMENT:
+            why = f"needs {_quoted(name)}" if name else "what it stands in was not executed"
+            return Unreached(kind, shown, f"{why}, never reached" if name else why, impossible=self._complete)
+        if kind == ACTION:
+            return Unreached(kind, shown, "was never executed", impossible=self._complete)
+        net = self._nets[name]
+        if kind == STEP:
+            index = next(s.index for s in net.steps if s.path == label and s.step.id == number)
+            impossible = index in self._unreachable.steps.get(name, ())
+            why = "unreachable (proven)" if impossible else self._way_to(name, net, {index})
+        else:
+            transition = next(t for t in net.transitions if t.path == label and t.transition.id == number)
+            impossible = transition.index in self._unreachable.transitions.get(name, ())
+            why = "can never fire (proven)" if impossible else self._needs(name, net, transition)
+        if self._complete and not impossible:
+            why, impossible = f"{why} (proven)", True
+        return Unreached(kind, shown, why, impossible=impossible)
+
+    # -- what is possible
+
+    @cached_property
+    def _unreachable(self) -> Unreachable:
+        """What nothing can reach; of sequencers of S7-GRAPH and charts with forcing orders that is not known."""
+        fired = {name: chart.reached.transitions for name, chart in _charts(self._system)}
+        known = not any(self._graphs.values()) and not any(net.hierarchy for net in self._nets.values())
+        return Unreachable(self._system, self._nets if known else {}, fired)
+
+    # -- what is in the way
+
+    def _reached_steps(self, name: str, net: Net) -> set[int]:
+        entered = {(label, number) for chart, label, number in self._reached[STEP] if chart == name}
+        return {s.index for s in net.steps if (s.path, s.step.id) in entered}
+
+    def _way_to(self, name: str, net: Net, steps: Iterable[int]) -> str:
+        """The nearest transitions before steps whose sources were all entered, and which did not fire."""
+        entered = self._reached_steps(name, net)
+        waiting, seen = list(steps), set(steps)
+        while waiting:
+            nearest = [t for index in waiting for t in (net.transitions[i] for i in net.entering[index])]
+            ready = [t for t in nearest if entered.issuperset(t.sources)]
+            if ready:
+                return " or ".join(dict.fromkeys(self._needs(name, net, t) for t in ready[:3]))
+            waiting = [s for t in nearest for s in t.sources if s not in entered and s not in seen]
+            waiting = list(dict.fromkeys(waiting))
+            seen.update(waiting)
+        return "no transition leads to it from what was reached"
+
+    def _needs(self, name: str, net: Net, transition: NetTransition) -> str:
+        missing = set(transition.sources) - self._reached_steps(name, net)
+        if missing:
+            return f"{self._way_to(name, net, missing)}, never reached".replace(", never reached, never", ", never")
+        condition = transition.transition.condition
+        text = condition.text if isinstance(condition, Expression) else f"the condition of {transition.path}"
+        return f"needs {_quoted(text) if isinstance(condition, Expression) else text}, never reached"
+
+
+def _listed(names: list[str]) -> str:
+    more = len(names) - _SHOWN
+    return ", ".join(names[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _quoted(text: str) -> str:
+    flat = " ".join(text.split())
+    return f"`{flat}`"

@@ -1,0 +1,458 @@
+"""Directed search for a difference where not everything can be tried: into every part of the programs.
+
+Both sides run the same inputs, scan by scan, and are compared in each scan. States in which something is new are kept:
+a situation of the charts, a transition that fired, a branch that was executed, or variables that have come nearer to
+what a condition wants. From each kept state the search goes on: with inputs that z3 finds for conditions of the next
+transitions, one at a time so that parallel branches are entered apart; by holding the inputs until something happens,
+over the times that clocks wait for; by changing single inputs; by repeating what has brought a counter nearer; and by
+chance. The same arguments always give the same search: its effort is counted in scans.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import frexp
+from random import Random
+from typing import Any
+
+from plcopen_sfc.analysis.clocking import Clocking
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, plain
+from plcopen_sfc.analysis.goals import Goal, Goals, total
+from plcopen_sfc.analysis.limits import INTERRUPTED
+from plcopen_sfc.analysis.product import compare, end_of, failure_of
+from plcopen_sfc.analysis.stimuli import patterns
+from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.semantics.inputs import samples
+from plcopen_sfc.semantics.programs.layouts import Frame
+from plcopen_sfc.semantics.programs.types import INSTANT
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+
+__all__ = ["DirectedSearch", "Found"]
+
+_PATTERN_SCANS = 40
+_WAITS = 40
+"""Scans of one wait, not counting those in which nothing but clocks goes on."""
+
+_STEADY = 2
+_FLIPS = 24
+_VALUES = 8
+_CHANCES = 12
+_LOOKED_BACK = 40
+_REPEATED = 2_000
+_MOST_GOALS = 24
+_MOST_STATES = 20_000
+_FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
+
+Row = dict[str, Value]
+Segment = tuple[Row, int]
+"""Inputs, and for how many scans they stay."""
+
+
+@dataclass(slots=True)
+class _State:
+    """A pair of states that was kept: how it was reached, and with what inputs."""
+
+    before: Any
+    parent: int
+    way: list[Segment]
+    row: Row
+    key: Any
+    distance: float
+    rounds: int = 0
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search came to: the inputs of a run that ends with a difference, or None; and how much was run.
+
+    `stopped`: why it ended before its effort was spent.
+    """
+
+    inputs: list[Row] | None
+    runs: int
+    scans: int
+    notes: tuple[str, ...] = ()
+    stopped: str = ""
+
+
+class _End(Exception):  # noqa: N818  # no error: the effort is spent, or there is a difference
+    pass
+
+
+class DirectedSearch:
+    """See the module. `scans`: the effort; `seed`: of what is left to chance; `look` tells why the search must end."""
+
+    def __init__(
+        self,
+        left: ProgramSystem,
+        right: ProgramSystem,
+        signals: Mapping[str, Signal],
+        domains: Mapping[str, Domain],
+        clock: Clocking,
+        *,
+        scans: int,
+        seed: int,
+        look: Callable[[int], str],
+    ) -> None:
+        self._sides = (left, right)
+        self._signals = signals
+        self._clock = clock
+        self._effort = scans
+        self._look_at_time = look
+        self._stopped = ""
+        self._chance = Random(f"{seed}")  # noqa: S311  # no secret
+        self._goals = Goals(left if left.instance.charts() or not right.instance.charts() else right, signals)
+        self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
+        self._moved = [name for name in signals if name.casefold().rpartition(".")[2] not in _FLAGS]
+        self._states: list[_State] = []
+        self._by_key: dict[Any, int] = {}
+        self._waiting: list[tuple[int, int, float, int, int]] = []
+        self._version: dict[int, int] = {}
+        self._frontier: list[Goal] = []
+        self._reached = -1
+        self._read: dict[str, None] = {}
+        self._notes: dict[str, None] = {}
+        self._runs = 0
+        self._scans = 0
+        self._difference: list[Row] | None = None
+        self._clocks = [_Clocks(each) for each in self._sides]
+        # of the run that goes on
+        self._at = 0
+        self._way: list[Segment] = []
+
+    def run(self) -> Found:
+        """Search to the end."""
+        try:
+            self._start()
+            while self._waiting:
+                self._go_on_from(self._next())
+        except _End:
+            pass
+        except KeyboardInterrupt:
+            self._stopped = INTERRUPTED
+        return Found(self._difference, self._runs, self._scans, tuple(self._notes), self._stopped)
+
+    # -- runs
+
+    def _start(self) -> None:
+        """The first states: runs of patterns that known mistakes fall over."""
+        row = {name: signal.default for name, signal in self._signals.items()}
+        for side in self._sides:
+            side.reset()
+        self._keep(row, -1, [])
+        options = {name: list(values) for name, values in self._values.items()}
+        for rows in patterns(self._signals, options, _PATTERN_SCANS):
+            self._begin(0)
+            for each in rows:
+                if not self._scan(each):
+                    break
+
+    def _begin(self, number: int) -> None:
+        """Go back to a kept state."""
+        self._runs += 1
+        state = self._states[number]
+        for side, before in zip(self._sides, state.before, strict=True):
+            side.restore(before)
+        self._at = number
+        self._way = []
+
+    def _scan(self, row: Row, *, virtual: int = 0) -> bool:
+        """Run one scan, after `virtual` ones in which nothing but clocks goes on; False where that ends the run."""
+        self._stopped = self._look_at_time(self._scans)
+        if self._stopped or self._scans >= self._effort:
+            raise _End
+        self._scans += 1
+        first = self._at == 0 and not self._way
+        if virtual:
+            for side in self._sides:
+                side.pass_time(virtual)
+        self._lengthen(row, 1 + virtual)
+
+        def read(name: str) -> Value:
+            self._read[name] = None
+            return row[name]
+
+        try:
+            failures = [failure_of(side, read, first=first) for side in self._sides]
+        except NotProvableError as error:
+            self._notes[str(error)] = None
+            return False
+        ended = end_of(failures)
+        if ended is not None:
+            self._notes[ended[0]] = None
+            return False
+        if any(failures) or compare(self._sides[0].observed(), self._sides[1].observed()):
+            self._differs()
+            return False
+        self._look(row)
+        return True
+
+    def _lengthen(self, row: Row, count: int) -> None:
+        if self._way and self._way[-1][0] is row:
+            self._way[-1] = (row, self._way[-1][1] + count)
+        else:
+            self._way.append((row, count))
+
+    def _differs(self) -> None:
+        self._difference = [row for each, count in [*self._ways_to(self._at), *self._way] for row in [each] * count]
+        raise _End
+
+    def _ways_to(self, number: int) -> list[Segment]:
+        ways: list[list[Segment]] = []
+        while number > 0:
+            ways.append(self._states[number].way)
+            number = self._states[number].parent
+        return [segment for way in reversed(ways) for segment in way]
+
+    # -- what is kept
+
+    def _look(self, row: Row) -> None:
+        """Keep the present state if something is new in it."""
+        markings = self._goals.markings()
+        reached = self._count()
+        if reached != self._reached:
+            self._reached = reached
+            self._frontier = self._open()
+        distances = [goal.distance() for goal in self._frontier]
+        key = (markings, tuple(map(_bucket, distances)), len(self._frontier))
+        number = self._by_key.get(key)
+        distance = total(distances)
+        if number is not None and distance >= self._states[number].distance:
+            return
+        if len(self._states) >= _MOST_STATES:
+            return
+        self._keep(row, self._at, self._way, key, distance)
+
+    def _keep(self, row: Row, parent: int, way: list[Segment], key: Any = None, distance: float = float("inf")) -> None:
+        number = len(self._states)
+        before = tuple(side.snapshot() for side in self._sides)
+        self._states.append(_State(before, parent, list(way), row, key, distance))
+        self._by_key[key] = number
+        self._push(number)
+        # the run goes on from the kept state, so that ways are not told twice
+        self._at, self._way = number, []
+
+    def _count(self) -> int:
+        """How much was reached: it only grows."""
+        charts = sum(
+            chart.reached.steps.bit_count() + chart.reached.transitions.bit_count() + chart.reached.actions.bit_count()
+            for chart, _ in self._goals.charts
+        )
+        return charts + sum(sum(side.marks.reached) for side in self._sides)
+
+    def _open(self) -> list[Goal]:
+        found = list(self._goals.open_transitions())[:_MOST_GOALS]
+        return [*found, *list(self._goals.open_branches())[: _MOST_GOALS - len(found)]]
+
+    def _push(self, number: int) -> None:
+        state = self._states[number]
+        enabled = set()
+        if state.key is not None:
+            enabled = {id(goal) for goal in self._goals.enabled(state.key[0])}
+        is_near = any(id(goal) in enabled for goal in self._frontier)
+        heapq.heappush(self._waiting, (state.rounds, not is_near, 0.0, -number if is_near else number, number))
+
+    def _next(self) -> int:
+        while True:
+            *_, number = heapq.heappop(self._waiting)
+            state = self._states[number]
+            if state.rounds == 0 or self._by_key.get(state.key) == number:  # else a nearer one is in its place
+                return number
+
+    # -- going on
+
+    def _go_on_from(self, number: int) -> None:
+        state = self._states[number]
+        if state.rounds == 0:
+            self._read = {}
+            self._solve(number)
+            self._begin(number)
+            self._wait(state.row)
+            self._repeat(number)
+            self._flips(number, list(self._read))
+        else:
+            self._random(number)
+        state.rounds += 1
+        self._push(number)
+
+    def _solve(self, number: int) -> None:
+        """Make the conditions of the next transitions TRUE, each alone where that is possible; then none of them."""
+        state = self._states[number]
+        self._begin(number)
+        self._runs -= 1
+        enabled = self._goals.enabled(state.key[0]) if state.key is not None else []
+        wanted = [goal for goal in self._frontier if goal.branch >= 0]
+        rows: list[Row] = []
+
+        def add(values: Row | None) -> bool:
+            if values is not None:
+                row = {**state.row, **values}
+                if row not in rows:
+                    rows.append(row)
+            return values is not None
+
+        for goal in enabled:
+            others = [each for each in enabled if each is not goal and each.tree is not None]
+            before = [each for each in others if each.sources & goal.sources and each.chart == goal.chart]
+            if not add(self._goals.solve([goal], others)) and not add(self._goals.solve([goal], before)):
+                add(self._goals.solve([goal], []))
+        if enabled:
+            add(self._goals.solve([], enabled))
+        for goal in wanted[:_MOST_GOALS]:
+            add(self._goals.solve([goal], []))
+        for row in rows:
+            self._begin(number)
+            if self._scan(row):
+                self._wait(row)
+
+    def _wait(self, row: Row) -> None:
+        """Hold the inputs until the situation changes, over times in which nothing but clocks goes on."""
+        markings = self._goals.markings()
+        steady = 0
+        seen: Any = None
+        for _ in range(_WAITS):
+            virtual = 0
+            if steady >= _STEADY:
+                ends = [each.next_end(self._clock) for each in self._clocks]
+                known = [end for end in ends if end is not None]
+                if not known:
+                    return
+                virtual = max(min(known) - 2, 0)
+            if not self._scan(row, virtual=virtual) or self._goals.markings() != markings:
+                return
+            now = [each.still() for each in self._clocks]
+            steady = steady + 1 if now == seen else 0
+            seen = now
+
+    def _flips(self, number: int, read: Sequence[str]) -> None:
+        """Change single inputs that are read, for a scan and for longer."""
+        state = self._states[number]
+        names = [name for name in read if name in self._values]
+        for name in names[:_FLIPS]:
+            values = [value for value in self._values[name] if value != state.row[name]]
+            for value in values[:_VALUES]:
+                row = {**state.row, name: value}
+                self._begin(number)
+                if self._scan(row) and self._scan(row) and self._signals[name].kind is SignalKind.BOOL:
+                    self._scan(state.row)
+
+    def _repeat(self, number: int) -> None:
+        """Where a variable came nearer to what is wanted since the same situation was there before, do that again."""
+        state = self._states[number]
+        if state.key is None or not state.distance:
+            return
+        way: list[list[Segment]] = [state.way]
+        ancestor = state.parent
+        for _ in range(_LOOKED_BACK):
+            if ancestor <= 0:
+                return
+            earlier = self._states[ancestor]
+            if earlier.key[0] == state.key[0] and earlier.key[2] == state.key[2] and earlier.distance > state.distance:
+                break
+            way.append(earlier.way)
+            ancestor = earlier.parent
+        else:
+            return
+        segments = [segment for each in reversed(way) for segment in each]
+        if sum(count for _, count in segments) > _LOOKED_BACK * 2:
+            return
+        self._begin(number)
+        best = state.distance
+        for _ in range(_REPEATED):
+            for row, count in segments:
+                for _ in range(count):
+                    if not self._scan(row):
+                        return
+            distance = total(goal.distance() for goal in self._frontier)
+            if not distance < best:
+                return
+            best = distance
+
+    def _random(self, number: int) -> None:
+        """Inputs by chance, each held for some scans."""
+        chance = self._chance
+        row = self._states[number].row
+        self._begin(number)
+        names = self._moved or list(self._signals)
+        for _ in range(_CHANCES):
+            if names:
+                changed = chance.sample(names, min(len(names), chance.choice((1, 1, 2, 3))))
+                row = {**row, **{name: chance.choice(self._values[name]) for name in changed}}
+            for _ in range(chance.choice((1, 1, 2, 5))):
+                if not self._scan(row):
+                    return
+        self._wait(row)
+
+
+class _Clocks:
+    """The clocks of a system, and all of it that is none."""
+
+    def __init__(self, system: ProgramSystem) -> None:
+        self._system = system
+        self._starts: list[tuple[list[Any], int]] = []
+        self._rest: list[tuple[list[Any], int]] = []
+        self._seen: set[int] = set()
+        for frame in (system.instance.frame, system.instance.controller.library.frame):
+            self._look(frame)
+
+    def _look(self, frame: Frame) -> None:
+        if id(frame) in self._seen:
+            return
+        self._seen.add(id(frame))
+        types = [field.type for field in frame.layout.fields]
+        times = INSTANT in types
+        for slot, (type_, value) in enumerate(zip(types, frame.v, strict=False)):
+            if type_ is INSTANT:
+                self._starts.append((frame.v, slot))
+            elif isinstance(value, Frame):
+                self._look(value)
+            elif isinstance(value, list):
+                for item in value:
+                    if isinstance(item, Frame):
+                        self._look(item)
+            elif not (times and getattr(type_, "name", "") in ("TIME", "LTIME")) and not _is_elapsed(type_):
+                self._rest.append((frame.v, slot))
+
+    def still(self) -> list[Any]:
+        """The values of all that is no clock."""
+        return [cells[slot] if not isinstance(cells[slot], list) else None for cells, slot in self._rest]
+
+    def next_end(self, clock: Clocking) -> int | None:
+        """In how many scans the next clock ends, if one runs."""
+        now = self._system.instance.controller.now
+        left = [
+            constant - (now - start)
+            for cells, slot in self._starts
+            if (start := cells[slot]) is not None
+            for constant in clock.constants
+            if constant > now - start
+        ]
+        return min(left) // clock.scan_time if left else None
+
+
+def _is_elapsed(type_: Any) -> bool:
+    return getattr(type_, "unit", 0) == 1 and getattr(type_, "length", 0) == 1
+
+
+def _bucket(distance: float) -> int:
+    """Which distances count as one: small ones each for itself, great ones by their order of magnitude."""
+    if distance <= 4 and distance == int(distance):
+        return int(distance)
+    return 4 + frexp(distance)[1] if distance > 0 else 0
+
+
+def _values(domain: Domain, signal: Signal) -> list[Value]:
+    """The values that are tried for an input: those that comparisons tell apart, and some of its type."""
+    known = [plain(each) for each in domain.options]
+    if signal.kind is SignalKind.BOOL:
+        return known
+    return list(dict.fromkeys([*(known if len(known) > 1 else ()), *samples(signal), *known]))
+
+
+def rows_of(segments: Sequence[Segment]) -> Iterator[Row]:
+    """The inputs of each scan."""
+    for row, count in segments:
+        yield from [row] * count

@@ -1,0 +1,341 @@
+"""What a directed search wants to become TRUE: conditions of transitions and branches that were not taken yet.
+
+Of each condition is told how far its variables are from making it TRUE, and z3 solves it for the inputs in it, given
+the present values of everything else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from plcopen_sfc.analysis.exclusivity import condition_of
+from plcopen_sfc.analysis.formulas import Formula, Reading, negation
+from plcopen_sfc.analysis.knowledge import ProjectKnowledge
+from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, print_node, walk
+from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.semantics.charts.chart import ChartProgram
+from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+
+__all__ = ["Goal", "Goals"]
+
+Distance = Callable[[], float]
+_COMPARING = frozenset(
+    {
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+    }
+)
+_OPPOSITE = {
+    Operator.EQUAL: Operator.UNEQUAL,
+    Operator.UNEQUAL: Operator.EQUAL,
+    Operator.LESS: Operator.GREATER_OR_EQUAL,
+    Operator.GREATER_OR_EQUAL: Operator.LESS,
+    Operator.GREATER: Operator.LESS_OR_EQUAL,
+    Operator.LESS_OR_EQUAL: Operator.GREATER,
+}
+_FAR = 1e15
+_MOST_BRANCHES = 400
+
+
+@dataclass(eq=False)
+class Goal:
+    """A condition that is wanted TRUE.
+
+    `sources` are the bits of the steps that must be active for that, of the chart of number `chart` (-1: of none).
+    `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
+    """
+
+    name: str
+    tree: Expression | None
+    chart: int = -1
+    bit: int = 0
+    sources: int = 0
+    branch: int = -1
+    own: frozenset[str] = frozenset()
+    distance: Distance = lambda: 0.0
+    _formula: _Solving | None = field(default=None, repr=False)
+
+
+@dataclass
+class _Solving:
+    """A condition as z3 knows it: the formula, its term, and what it depends on besides inputs."""
+
+    formula: Formula
+    term: Any
+    inner: list[str]
+    found: dict[Any, dict[str, Value] | None] = field(default_factory=dict)
+
+
+class Goals:
+    """The conditions of one system, and what is known of them. `signals`: the inputs that both systems share."""
+
+    def __init__(self, system: ProgramSystem, signals: Mapping[str, Signal]) -> None:
+        self._system = system
+        self._signals = signals
+        self._shared = {own.casefold(): name for own, name in system.shared_names().items()}
+        self._project = system.subject.project
+        self._knowledge = ProjectKnowledge(self._project)
+        self._library = system.instance.controller.library
+        self.charts = [
+            (chart, frame)
+            for _, chart, frame in system.instance.charts()
+            if isinstance(chart, ChartProgram | GraphProgram)
+        ]
+        self._own = [chart for _, chart in system.instance.unit.charts]
+        self.transitions: list[list[Goal]] = [[] for _ in self.charts]
+        self.branches: list[Goal] = []
+        for number, (chart, _) in enumerate(self.charts):
+            if chart in self._own:
+                self.transitions[number] = [self._of_transition(number, each) for each in chart.net.transitions]
+        self._find_branches()
+        self._library.link()
+
+    # -- which
+
+    def _of_transition(self, number: int, transition: NetTransition) -> Goal:
+        pou = self._system.subject.pou
+        goal = Goal(transition.path, None, number, transition.bit, transition.pre)
+        if transition.transition.condition is None:
+            return goal
+        read = condition_of(transition.chart, transition.transition, self._project.dialect, transitions=pou.transitions)
+        if read.tree is not None and read.complete:
+            goal.tree = normal_form(read.tree)
+            goal.own = frozenset(
+                node.identifier.casefold()
+                for statement in read.before
+                for node in walk(statement)
+                if isinstance(node, n.Name)
+            )
+            goal.distance = self._distance(goal.tree, wanted=True)
+        return goal
+
+    def _find_branches(self) -> None:
+        marks = self._system.marks
+        own = self._system.subject.pou.name
+        for number, branch in enumerate(marks.branches[:_MOST_BRANCHES]):
+            inside = branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} "))
+            if not branch.condition or not inside or "\n" in branch.condition:
+                continue
+            parsed = parse_condition(branch.condition, self._project.dialect)
+            if parsed.problems:
+                continue
+            tree = normal_form(parsed.tree)
+            goal = Goal(branch.condition, tree, branch=number)
+            goal.distance = self._distance(tree, wanted=True)
+            self.branches.append(goal)
+
+    def open_transitions(self) -> Iterator[Goal]:
+        """The transitions whose sources were entered, and which never fired."""
+        for goals, (chart, _) in zip(self.transitions, self.charts, strict=True):
+            reached = chart.reached
+            for goal in goals:
+                if not goal.bit & reached.transitions and goal.sources & ~reached.steps == 0:
+                    yield goal
+
+    def open_branches(self) -> Iterator[Goal]:
+        """The branches that were not executed yet."""
+        reached = self._system.marks.reached
+        return (goal for goal in self.branches if not reached[goal.branch])
+
+    def enabled(self, markings: Sequence[int]) -> list[Goal]:
+        """The transitions that are enabled in a situation, in the order in which they are tried."""
+        return [
+            goal
+            for goals, marking in zip(self.transitions, markings, strict=True)
+            for goal in goals
+            if not goal.sources & ~marking
+        ]
+
+    def markings(self) -> tuple[int, ...]:
+        """The present situations of all charts."""
+        return tuple([chart.marking(frame) for chart, frame in self.charts])
+
+    # -- how far
+
+    def _distance(self, tree: Expression, *, wanted: bool) -> Distance:
+        match tree:
+            case n.Parenthesized(inner):
+                return self._distance(inner, wanted=wanted)
+            case n.Unary(Operator.NOT, operand):
+                return self._distance(operand, wanted=not wanted)
+            case n.Operation(Operator.AND | Operator.AND_THEN | Operator.OR | Operator.OR_ELSE as operator, operands):
+                parts = [self._distance(each, wanted=wanted) for each in operands]
+                if (operator in (Operator.AND, Operator.AND_THEN)) is wanted:
+                    return lambda: sum([part() for part in parts])
+                return lambda: min([part() for part in parts])
+            case n.Operation(operator, (left, right)) if operator in _COMPARING:
+                return self._compared(operator if wanted else _OPPOSITE[operator], left, right)
+        return self._boolean(tree, wanted=wanted)
+
+    def _boolean(self, tree: Expression, *, wanted: bool) -> Distance:
+        value = self._value(tree)
+        if value is None:
+            return _nothing
+        return lambda: float(bool(value()) is not wanted)
+
+    def _compared(self, operator: Operator, left: Expression, right: Expression) -> Distance:
+        first, second = self._value(left), self._value(right)
+        if first is None or second is None:
+            return _nothing
+
+        def distance() -> float:
+            a, b = first(), second()
+            if isinstance(a, str) or isinstance(b, str):
+                return float((a == b) is not (operator is Operator.EQUAL))
+            match operator:
+                case Operator.EQUAL:
+                    return float(abs(a - b))
+                case Operator.UNEQUAL:
+                    return float(a == b)
+                case Operator.LESS:
+                    return float(max(a - b + 1, 0)) if a >= b else 0.0
+                case Operator.LESS_OR_EQUAL:
+                    return float(max(a - b, 0))
+                case Operator.GREATER:
+                    return float(max(b - a + 1, 0)) if a <= b else 0.0
+            return float(max(b - a, 0))
+
+        return distance
+
+    def _value(self, tree: Expression) -> Callable[[], Any] | None:
+        """What reads a value after a scan; None where it depends on inputs, or on what must not be called."""
+        for node in walk(tree):
+            if isinstance(node, n.Call):
+                return None
+            if isinstance(node, n.Name | n.Member | n.Address) and self._input(print_node(node)) is not None:
+                return None
+        instance = self._system.instance
+        try:
+            function = instance.unit.scope.expression(print_node(tree), instance.unit.pou.name)
+        except SfcError:
+            return None
+        frame = instance.frame
+
+        def value() -> Any:
+            try:
+                return function(frame)
+            except (SfcError, ArithmeticError, TypeError, AttributeError, IndexError):
+                return 0
+
+        return value
+
+    def _input(self, text: str) -> str | None:
+        """The input of this name, as both systems call it."""
+        key = text.casefold()
+        name = self._shared.get(key, text)
+        return self._by_key.get(name.casefold())
+
+    @property
+    def _by_key(self) -> dict[str, str]:
+        if not hasattr(self, "_keys"):
+            self._keys = {name.casefold(): name for name in self._signals}
+        return self._keys
+
+    # -- which inputs
+
+    def solve(self, wanted: Sequence[Goal], unwanted: Sequence[Goal]) -> dict[str, Value] | None:
+        """Values of inputs with which some conditions are TRUE and others FALSE now; None where there are none.
+
+        What is no input has its present value. Only as good as what z3 knows of the conditions.
+        """
+        goals = [*wanted, *unwanted]
+        if any(goal.tree is None for goal in goals):
+            return None
+        parts = [self._solving(goal) for goal in goals]
+        known: dict[str, Any] = {}
+        for goal, part in zip(goals, parts, strict=True):
+            for text in part.inner:
+                if text.casefold().partition(".")[0] not in goal.own:
+                    known[text] = self._present(text)
+        key = (tuple(map(id, wanted)), tuple(sorted(known.items(), key=lambda each: each[0])))
+        cache = parts[0].found
+        if key not in cache:
+            cache[key] = self._solved(wanted, unwanted, known)
+        return cache[key]
+
+    def _solving(self, goal: Goal) -> _Solving:
+        if goal._formula is None:
+            formula = self._formula()
+            assert goal.tree is not None  # noqa: S101  # the caller looked
+            term = formula.terms([Reading(goal.tree)])[0]
+            inner = [text for text in formula.names() if self._input(text) is None]
+            goal._formula = _Solving(formula, term, inner)
+        return goal._formula
+
+    def _formula(self) -> Formula:
+        chart = self._system.subject.pou.sfc
+        return Formula(self._project.dialect, self._knowledge.at(self._system.subject.pou, chart))
+
+    def _present(self, text: str) -> Any:
+        try:
+            return self._system.instance[text]
+        except (SfcError, AttributeError):
+            return None
+
+    def _solved(
+        self, wanted: Sequence[Goal], unwanted: Sequence[Goal], known: Mapping[str, Any]
+    ) -> dict[str, Value] | None:
+        formula = self._formula()
+        trees = [goal.tree for goal in (*wanted, *unwanted) if goal.tree is not None]
+        terms = formula.terms([Reading(tree) for tree in trees])
+        terms = [*terms[: len(wanted)], *map(negation, terms[len(wanted) :])]
+        found = formula.model(terms, {text: self._named(text, value) for text, value in known.items()})
+        if found is None:
+            return None
+        values: dict[str, Value] = {}
+        for text, value in found.items():
+            name = self._input(text)
+            if name is not None:
+                accepted = _accepted(self._signals[name], value)
+                if accepted is not None:
+                    values[name] = accepted
+        return values
+
+    def _named(self, text: str, value: Any) -> Any:
+        """The value of an enumeration as its name."""
+        try:
+            type_ = self._system.instance.type_of(text)
+        except SfcError:
+            return None
+        names = getattr(type_, "names", None)
+        if names and isinstance(value, int) and not isinstance(value, bool):
+            return next((name for name, number in names.items() if number == value), None)
+        return value
+
+
+def _nothing() -> float:
+    return 0.0
+
+
+def _accepted(signal: Signal, value: Any) -> Value | None:
+    """A value that z3 has found as one of the input's type."""
+    if signal.kind is SignalKind.BOOL:
+        return bool(value)
+    if signal.kind is SignalKind.ENUMERATION:
+        wanted = str(value).casefold()
+        return next((number for number, name in signal.names.items() if name.casefold() == wanted), None)
+    try:
+        if signal.kind is SignalKind.REAL:
+            return signal.accept(float(value))
+        if signal.kind in (SignalKind.INTEGER, SignalKind.DURATION):
+            return signal.accept(min(max(int(value), signal.least), signal.greatest))
+    except (SfcError, ValueError, OverflowError):
+        return None
+    return None
+
+
+def total(distances: Iterable[float]) -> float:
+    """One measure of several distances."""
+    return sum(min(each, _FAR) for each in distances)

@@ -1,0 +1,83 @@
+"""How long a search may take, and who wants to know how far it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import monotonic
+
+from plcopen_sfc.errors import InputError
+from plcopen_sfc.semantics.simulation import nanoseconds
+
+__all__ = ["INTERRUPTED", "SearchProgress", "Watch", "seconds"]
+
+INTERRUPTED = "interrupted"
+"""The reason of a search that the user has ended."""
+
+_PROVING = 0.5
+"""The part of the time that the search for a proof may take, so that some is left where it finds none."""
+
+_PAUSE = 0.1
+"""Seconds between two reports of progress."""
+
+
+@dataclass(frozen=True)
+class SearchProgress:
+    """How far a comparison is: `states` that were searched for a proof, or scans that were run without one.
+
+    `reached` of `all` steps were entered, or of assignments of a program without chart. `seconds`: since the start;
+    `limit`: of all there are, if there is a limit.
+    """
+
+    proving: bool
+    states: int
+    reached: int
+    all: int
+    seconds: float
+    limit: float | None
+
+    def __str__(self) -> str:
+        doing, what = ("proving", "states") if self.proving else ("searching", "scans")
+        return f"{doing}: {self.states:,} {what}, {self.reached} of {self.all} reached"
+
+
+class Watch:
+    """Looks after one comparison. `reached` tells how much was reached, of how much."""
+
+    def __init__(
+        self,
+        limit: float | None,
+        report: Callable[[SearchProgress], None] | None,
+        reached: Callable[[], tuple[int, int]],
+    ) -> None:
+        self._limit = limit
+        self._report = report
+        self._reached = reached
+        self._start = monotonic()
+        self._reported = 0.0
+        self.proving = True
+        self.states = 0
+
+    def look(self, states: int) -> str:
+        """Why the search must end now; empty: it may go on."""
+        self.states = states
+        if self._limit is None and self._report is None:
+            return ""
+        passed = monotonic() - self._start
+        if self._report is not None and passed >= self._reported + _PAUSE:
+            self._reported = passed
+            self._report(SearchProgress(self.proving, states, *self._reached(), passed, self._limit))
+        if self._limit is None or passed < self._limit * (_PROVING if self.proving else 1):
+            return ""
+        share = "half of " if self.proving else ""
+        return f"{share}the time limit of {self._limit:.3g} s was reached"
+
+
+def seconds(limit: float | str | None) -> float | None:
+    """A limit in seconds: a number of them, or ``60s``. Raises `InputError`."""
+    if limit is None:
+        return None
+    found = nanoseconds(limit) / 1e9 if isinstance(limit, str) else float(limit)
+    if not found > 0:
+        raise InputError(f"the time limit {limit!r} is not greater than zero")
+    return found

@@ -1,0 +1,176 @@
+"""The search where no proof is possible: it enters what can be entered, and finds what is wrong there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis.limits import SearchProgress
+from plcopen_sfc.errors import UntestedError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, walk
+from plcopen_sfc.languages.st.nodes import Operator
+from plcopen_sfc.lowering.lower import LoweredPou
+from plcopen_sfc.model import Project, StBody
+from plcopen_sfc.semantics.subjects import resolve
+
+
+def project(transitions: str, actions: str = "") -> Project:
+    text = f"""PROGRAM Main
+VAR_INPUT Go, Sensor, Stop : BOOL; Raw : INT; END_VAR
+VAR_OUTPUT Q : BOOL; END_VAR
+VAR n : INT; level : REAL; edge : R_TRIG; END_VAR
+INITIAL_STEP A: END_STEP
+STEP B: Act(N); Q(N); END_STEP
+STEP C: END_STEP
+{transitions}
+ACTION Act: {actions} END_ACTION
+END_PROGRAM
+"""
+    return sfc.loads(text.encode(), format="iec-text")
+
+
+BACK = "TRANSITION FROM C TO A := Stop; END_TRANSITION"
+REACHED = {
+    "a counter of edges": (
+        "TRANSITION FROM A TO B := Go; END_TRANSITION TRANSITION FROM B TO C := n >= 60; END_TRANSITION",
+        "edge(CLK := Sensor); IF edge.Q THEN n := n + 1; END_IF;",
+    ),
+    "a counter of rounds": (
+        "TRANSITION FROM A TO B := Go; END_TRANSITION TRANSITION FROM B TO C := n = 300 AND Sensor; END_TRANSITION "
+        "TRANSITION FROM B TO A := Stop; END_TRANSITION",
+        "n := n + 1;",
+    ),
+    "an hour": (
+        "TRANSITION FROM A TO B := Go; END_TRANSITION TRANSITION FROM B TO C := B.T >= T#1h AND Sensor; END_TRANSITION "
+        "TRANSITION FROM A TO C := A.T > T#100ms AND Stop AND Sensor; END_TRANSITION",
+        "n := n;",
+    ),
+    "a number of many": (
+        "TRANSITION FROM A TO B := Raw = 12345; END_TRANSITION TRANSITION FROM B TO C := Raw = -777; END_TRANSITION",
+        "level := INT_TO_REAL(Raw) * 0.25;",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", REACHED)
+def test_what_is_waited_for_is_reached(kind: str) -> None:
+    transitions, actions = REACHED[kind]
+    chart = project(f"{transitions} {BACK}", actions)
+    lowered = sfc.lower(chart, "bits", verify=False)
+    verdict = equivalent(chart, lowered, cap=1, runs=50)
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert verdict.coverage[0].counts["step"] == (3, 3)
+
+
+def test_the_same_arguments_give_the_same_search() -> None:
+    transitions, actions = REACHED["a counter of edges"]
+    chart = project(f"{transitions} {BACK}", actions)
+    lowered = sfc.lower(chart, "bits", verify=False)
+    verdicts = [equivalent(chart, lowered, cap=1, runs=20).as_dict() for _ in range(2)]
+    assert verdicts[0] == verdicts[1]
+
+
+def test_a_chart_that_cannot_go_on_is_proven_to_be_stuck() -> None:
+    """The timer of the homing is only called by steps behind it."""
+    conveyor = sfc.load("fixtures/codesys/sorting_conveyor.xml")
+    lowered = sfc.lower(conveyor, "bits", pou="PLC_PRG", verify=False)
+    verdict = equivalent(resolve(conveyor, "PLC_PRG"), lowered, cap=1, runs=5)
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert verdict.coverage[0].counts["step"] == (5, 25)
+    assert {each.impossible for each in verdict.coverage[0].unreached if each.kind == "step"} == {True}
+
+
+# -- mutants
+
+
+def mutants(text: str) -> Iterator[tuple[str, str]]:
+    """Code with one mistake: a transition that goes nowhere, a condition negated or always TRUE, counting by two."""
+
+    def put(node: n.Node, new: str) -> str:
+        assert node.span is not None
+        return text[: node.span[0]] + new + text[node.span[1] :]
+
+    for node in walk(parse_statements(text).tree):
+        match node:
+            case n.Branch(condition=condition):
+                assert condition.span is not None
+                yield "negated", put(condition, f"NOT ({text[slice(*condition.span)]})")
+                yield "always", put(condition, "TRUE")
+            case n.Assignment(value=n.Literal(text="TRUE")):
+                yield "nowhere", put(node, ";")
+            case n.Assignment(value=n.Operation(Operator.ADD, (_, n.Literal() as one))):
+                yield "by two", put(one, "2")
+
+
+def compared(chart: Project, name: str, lowered: LoweredPou) -> Verdict:
+    return equivalent(resolve(chart, name), lowered, cap=1, runs=25)
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [("training-chain/codesys.xml", "Ablauf"), ("codesys/sorting_conveyor.xml", "FB_Pusher"), ("", "Main")],
+)
+def test_mutants_of_lowered_code_are_found(file: str, name: str) -> None:
+    counting = project(f"{REACHED['a counter of edges'][0]} {BACK}", REACHED["a counter of edges"][1])
+    chart = sfc.load(f"fixtures/{file}") if file else counting
+    lowered = sfc.lower(chart, "bits", pou=name, verify=False)
+    code = lowered.code
+    assert isinstance(code, StBody)
+    assert compared(chart, name, lowered).equal
+    made = list(mutants(code.text))
+    assert {"negated", "always", "nowhere"} <= {kind for kind, _ in made}
+    for kind, text in made[:: max(len(made) // 8, 1)]:
+        code.text = text
+        assert compared(chart, name, lowered).different, f"{kind}:\n{text}"
+
+
+# -- what is not enough
+
+STUCK = project(
+    "TRANSITION FROM A TO B := Go; END_TRANSITION TRANSITION FROM B TO C := INT_TO_REAL(Raw) * level > 7.0; "
+    f"END_TRANSITION {BACK}"
+)
+
+
+def test_what_was_not_reached_is_not_called_equal() -> None:
+    with pytest.raises(UntestedError, match="not all was reached") as raised:
+        sfc.lower(STUCK, "bits")
+    verdict = raised.value.verdict
+    assert (verdict.kind, verdict.equal, verdict.different) == (VerdictKind.UNTESTED, False, False)
+    assert "step C: needs `INT_TO_REAL(Raw) * level > 7.0`, never reached" in str(verdict)
+    assert sfc.lower(STUCK, "bits", accept_untested=True).proof is not None
+
+
+def test_errors_of_both_are_no_proof() -> None:
+    text = "PROGRAM Main\nVAR_INPUT c : BOOL; END_VAR\nVAR_OUTPUT q : INT; END_VAR\nVAR s : INT; END_VAR\n"
+    text += "s := s + 1; q := 10 / (2 - s);\nEND_PROGRAM\n"
+    verdict = equivalent(*(sfc.loads(text.encode(), format="iec-text") for _ in range(2)), "iec")
+    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
+    assert "both end with an error" in verdict.reason
+
+
+def test_a_limit_ends_a_comparison_and_progress_is_told() -> None:
+    transitions, actions = REACHED["a counter of rounds"]
+    chart = project(f"{transitions} {BACK}", f"{actions} level := level + 0.1;")
+    told: list[SearchProgress] = []
+    lowered = sfc.lower(chart, "bits", verify=False)
+    verdict = equivalent(chart, lowered, runs=1_000_000, limit="0.5s", progress=told.append)
+    assert "the time limit of 0.5 s was reached" in verdict.reason
+    assert told
+    assert told[-1].all == 3
+
+
+def test_an_interruption_ends_with_what_is_known() -> None:
+    def interrupt(_: SearchProgress) -> None:
+        raise KeyboardInterrupt
+
+    transitions, actions = REACHED["a counter of rounds"]
+    chart = project(f"{transitions} {BACK}", f"{actions} level := level + 0.1;")
+    lowered = sfc.lower(chart, "bits", verify=False)
+    verdict = equivalent(chart, lowered, runs=1_000_000, progress=interrupt)
+    assert (verdict.interrupted, verdict.equal) == (True, False)
+    assert verdict.coverage[0].counts["step"][0] >= 1
