@@ -161,6 +161,7 @@ def _code(source: ChartSource, dialect: Dialect, rules: LoweringRules, language:
     code.tool = tool_of(rules.target, dialect)
     code.known_types = {kind.name.casefold() for kind in project.data_types}
     code.texts = rules.texts
+    code.instances = source.instances
     code.culture = rules.texts.culture if code.tool is Tool.S7 and has_networks(rules.target) else ""
     code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
     return code

@@ -12,7 +12,7 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.report import Fate, Item
+from plcopen_sfc.report import Item, Outcome
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.profile import Profile
@@ -39,7 +39,7 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
     gone = [variable.name for variable in own.variables() if variable.name.casefold() not in kept]
     if gone:
         why = f"only a chart can have variables of their types: {', '.join(gone)}"
-        found.append(Item(Fate.DROPPED, "variables", own.report_path_of(own.name), why))
+        found.append(Item(Outcome.DROPPED, "variables", own.report_path_of(own.name), why))
     places = subject.project.locations_of(item.path for item in found)
     return tuple(replace(item, line=at.line, file=at.file) for item, at in zip(found, places, strict=True))
 
@@ -73,7 +73,7 @@ def _unsaid(remark: Remark, said: Said, language: str) -> Iterator[Item]:
     else:
         text = " ".join(plain(remark.text, language).split())
         why = f"not in the code: {text if len(text) <= _SHOWN else text[:_SHOWN] + '..'}"
-    yield Item(Fate.DROPPED, "comment", remark.path, why)
+    yield Item(Outcome.DROPPED, "comment", remark.path, why)
 
 
 class _Chart:
@@ -117,7 +117,7 @@ class _Chart:
                 yield self._dropped("indicator", action, f"{association.indicator} does not act on the chart")
 
     def _dropped(self, what: str, path: str, why: str) -> Item:
-        return Item(Fate.DROPPED, what, f"{self._path} / {path}", why)
+        return Item(Outcome.DROPPED, what, f"{self._path} / {path}", why)
 
 
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
-from typing import Any, TypeVar
+from typing import Any, TypeVar, Unpack
 
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict
+from plcopen_sfc.analysis.equivalence import Searching, Verdict, VerdictKind
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -22,8 +22,9 @@ from plcopen_sfc.lowering.leftovers import without_leftovers
 from plcopen_sfc.lowering.losses import losses
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.placing import errors_of
-from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.lowering.proving import prove, refuse_untested
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
+from plcopen_sfc.lowering.step_data import ContactError
 from plcopen_sfc.lowering.texts import TEXTS
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
@@ -32,6 +33,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import Item
 from plcopen_sfc.semantics.charts.graph.parameters import OPERATING
+from plcopen_sfc.semantics.drawn import as_executed
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
 from plcopen_sfc.semantics.subjects import Subject, resolve
@@ -137,17 +139,21 @@ def lower(
     at_rest: Iterable[str] = (),
     lang: str = "en",
     verify: bool = True,
+    accept_untested: bool = False,
+    **searching: Unpack[Searching],
 ) -> LoweredPou:
     """Make program code of a chart: flip-flops (``flipflop``, ``fup``), a ``case``, step ``bits``, or what fits best.
 
     `subject` and `pou` as in `simulate`. `style`: ``exact`` does what the chart does, ``classic`` is the textbook form.
     `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others, also where `target` is
     text. `profile`: what the chart does; that of its tool if not given. `lang`: of titles and comments, ``en`` or
-    ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being at rest. All
-    others are those of `LoweringRules`.
+    ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being at rest;
+    `searching` says how (`equivalent`). `accept_untested`: take code of which not all was reached when it was compared.
+    All others are those of `LoweringRules`.
 
     Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot say, and where exact code is
-    found to be different; `ModelError` for an unknown name.
+    found to be different; `UntestedError` where it is equal, but steps or transitions were not reached that may be
+    reachable; `ModelError` for an unknown name.
     """
     chosen = _chosen(Construction, _ALIASES.get(str(construction), str(construction)))
     wanted_style = _chosen(Style, str(style))
@@ -174,27 +180,40 @@ def lower(
         without_version(target) if target is not None else None,
         frozenset([at_rest] if isinstance(at_rest, str) else at_rest),
     )
+    meant = as_executed(found, semantics)
     with collector_paused(), errors_of(found.project, found.pou, found.name):
-        made = construct(
-            found.pou,
-            chart,
-            found.project.dialect,
-            rules,
-            construction=chosen,
-            style=wanted_style,
-            language=spoken,
-            project=found.project,
-        )
-        made = with_actions(made, found.project.dialect, rules, spoken, found.project)
+
+        def code_of(construction: Construction) -> Constructed:
+            made = construct(
+                meant.pou,
+                meant.pou.sfc or chart,
+                found.project.dialect,
+                rules,
+                construction=construction,
+                style=wanted_style,
+                language=spoken,
+                project=meant.project,
+            )
+            return with_actions(made, found.project.dialect, rules, spoken, found.project)
+
+        try:
+            made = code_of(chosen)
+        except ContactError:
+            if chosen is not Construction.AUTO:
+                raise
+            made = code_of(Construction.BITS)
         if rules.target is not None and tool_of(rules.target, found.project.dialect) is Tool.S7:
             made = replace(made, pou=with_actions_inside(made.pou, found.project.dialect))
     if found.name == found.pou.name:
-        made = replace(made, pou=without_leftovers(found.pou, made.pou, found.project.dialect))
+        made = replace(made, pou=without_leftovers(meant.pou, made.pou, found.project.dialect))
     project, lowered_pou = _with(found, made.pou, made.blocks, made.data_types)
     if made.flags is not None:
         made.flags.put_into(project)
     code = Subject(project, made.pou, found.name)
-    proof = _proof(found, code, made, semantics, wanted_style) if verify else None
+    proof = _proof(found, code, made, semantics, wanted_style, **searching) if verify else None
+    if proof is not None:
+        with errors_of(found.project, found.pou, found.name):
+            refuse_untested(found.name, proof, accepted=accept_untested)
     lowered = LoweredPou(
         project,
         lowered_pou,
@@ -213,16 +232,24 @@ def lower(
         made.step_numbers,
         losses(found, [lowered_pou, *made.blocks], semantics, lang),
     )
-    return replace(lowered, faults=faults_of(found, lowered)) if verify else lowered
+    return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
 
 
-def _proof(chart: Subject, code: Subject, made: Constructed, profile: Profile, style: Style) -> Verdict:
+def _proof(
+    chart: Subject, code: Subject, made: Constructed, profile: Profile, style: Style, **searching: Unpack[Searching]
+) -> Verdict:
     """What comparing `code` with `chart` comes to. Raises `LoweringError` where exact code is different."""
     with errors_of(chart.project, chart.pou, chart.name):
         found = prove(
-            chart, code, profile, fixed=made.at_rest, left_out=made.left_out, step_flags=made.step_flags or None
+            chart,
+            code,
+            profile,
+            fixed=made.at_rest,
+            left_out=made.left_out,
+            step_flags=made.step_flags or None,
+            **searching,
         )
-        if found.outcome is Outcome.DIFFERENT and style is Style.EXACT:
+        if found.kind is VerdictKind.DIFFERENT and style is Style.EXACT:
             raise LoweringError(
                 f"the code does not do what the chart does: {found}",
                 hint="This is an error of plcopen_sfc: please report it with the chart.",

@@ -2,7 +2,7 @@
 
 Each command that could just have risen doubles them, and a block has a dozen. So there are searches while the inputs
 that operate a sequencer rest, and while only some of them are operated that act together: a sum instead of a product.
-All of them at once are searched as far as that is quick, else tested on random runs. The verdict says what is proven.
+All of them at once are searched as far as that is quick. The verdict says what is proven.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict
+from plcopen_sfc.analysis.equivalence import Verdict
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
@@ -29,9 +29,13 @@ _GROUPS = (
     ("SW_AUTO", "SW_TOP", "T_PUSH"),
     ("SW_AUTO", "SW_MAN"),
 )
-"""Inputs that act together, in upper case: the start and the end, acknowledging, the display, each mode.
+"""Inputs that act together, in upper case: the start and the end, acknowledging, the display, each mode."""
 
-Steps switched by hand are too many: each number of S_SEL is another state.
+_BY_HAND = frozenset({"SW_AUTO", "SW_MAN", "S_SEL", "S_ON", "S_OFF", "S_PREV", "S_NEXT"})
+"""Inputs by which steps are switched one by one, and looked at.
+
+They have too many states for a proof: each number of S_SEL is another one. But several steps of a sequence are active
+in manual mode only, and runs in which everything is operated rarely stay in it: mutants of the display survived there.
 """
 
 
@@ -50,20 +54,30 @@ def compared_while_operated(
     if not operated:
         return compared(fixed=fixed, cap=cap, runs=runs)
     at_rest = compared(fixed={**operating, **fixed}, cap=min(cap, _AT_REST), runs=1)
-    if at_rest.outcome is Outcome.DIFFERENT:
+    if at_rest.different or at_rest.interrupted:
         return at_rest
     groups = [group for group in _groups(operated) if len(group) < len(operated)]
     found = compared(fixed=fixed, cap=min(cap, _TOGETHER if groups else _EACH), runs=runs)
-    if not at_rest.proven or found.outcome is not Outcome.TESTED:
+    if found.proven or found.different or found.interrupted:
+        return found
+    found = found.joined(at_rest)
+    if not at_rest.proven:
         return found
     proven: list[str] = []
     for group in groups:
         others = {name: value for name, value in operating.items() if name not in group}
         each = compared(fixed={**others, **fixed}, cap=min(cap, _EACH), runs=1)
-        if each.outcome is Outcome.DIFFERENT:
+        if each.different or each.interrupted:
             return each
+        found = found.joined(each)
         if each.proven:
             proven.append(f"{' and '.join(group)} ({each.states} states)")
+    if any(name.upper() == "S_SEL" for name in operated):
+        others = {name: value for name, value in operating.items() if name.upper() not in _BY_HAND}
+        each = compared(fixed={**others, **fixed}, cap=1, runs=runs)
+        if each.different or each.interrupted:
+            return each
+        found = found.joined(each)
     known = f"while {', '.join(operated)} are FALSE it is proven: {at_rest.states} states"
     if proven:
         known += f"; and while only these of them are operated: {'; '.join(proven)}"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
+from time import monotonic
+from typing import Any, Unpack
 
-from plcopen_sfc.analysis.equivalence import Verdict, equivalent
-from plcopen_sfc.errors import Location, LoweringError, SfcError
+from plcopen_sfc.analysis.equivalence import Searching, Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis.limits import seconds
+from plcopen_sfc.errors import Location, LoweringError, SfcError, UntestedError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
 from plcopen_sfc.lowering.code.program import BOOL
@@ -22,6 +24,7 @@ from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import Subject
 
+_LEAST_LIMIT = 0.1
 _STATES = 20_000
 """What is searched in seconds to minutes, according to the size of the chart."""
 
@@ -37,6 +40,7 @@ def prove(
     cap: int = _STATES,
     runs: int = 100,
     scans: int = 200,
+    **searching: Unpack[Searching],
 ) -> Verdict:
     """What comparing `code` with `chart` comes to; arguments as in `equivalent`.
 
@@ -48,9 +52,24 @@ def prove(
     chart, code = compared_subjects(chart, code, profile)
     try:
         inputs = _renamed_inputs(chart, code, profile)
-        compared = partial(
-            equivalent, chart, code, profile, inputs=inputs, left_out=left_out, step_flags=step_flags, scans=scans
-        )
+        limit = seconds(searching.get("limit"))
+        start = monotonic()
+
+        def compared(**narrowed: Any) -> Verdict:
+            if limit is not None:
+                searching["limit"] = max(start + limit - monotonic(), _LEAST_LIMIT)
+            return equivalent(
+                chart,
+                code,
+                profile,
+                inputs=inputs,
+                left_out=left_out,
+                step_flags=step_flags,
+                scans=scans,
+                **searching,
+                **narrowed,
+            )
+
         operating = operating_inputs(chart, profile)
         found = compared_while_operated(compared, operating, fixed, cap, runs)
     except SfcError as error:
@@ -60,6 +79,21 @@ def prove(
     if failure:
         raise _incomparable(chart, failure)
     return found
+
+
+def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> None:
+    """Raise `UntestedError` where not all was reached, unless that is accepted; an interruption never is."""
+    if found.kind is not VerdictKind.UNTESTED or (accepted and not found.interrupted):
+        return
+    raise UntestedError(
+        f"the code is equal to the chart where both were run, but not all was reached: {found}",
+        verdict=found,
+        location=Location(path=name),
+        hint=""
+        if found.interrupted
+        else "accept_untested=True, --accept-untested takes it knowingly."
+        + (" free_inputs, --free make inputs of frozen variables." if found.frozen else ""),
+    )
 
 
 def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[Subject, Subject]:

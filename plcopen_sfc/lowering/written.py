@@ -7,8 +7,9 @@ So code may be whole when it is read back and yet not be in the file for anybody
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Unpack
 
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict
+from plcopen_sfc.analysis.equivalence import Searching, Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, ModelError
 from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou
@@ -23,28 +24,37 @@ _NO_CODE = frozenset(
     foreign_data_infos scales folder number markup worksheet""".split()
 )
 """Fields that no program is made of."""
-_MOST_LIKELY = ("networks", "bodies", "actions", "methods", "return_type", "sections", "variables", "type", "initial")
+_MOST_LIKELY = (
+    *("networks", "bodies", "body", "actions", "methods"),
+    *("return type", "sections", "variables", "type", "initial"),
+)
 """Which of all others a message names first."""
 _NAMED = 3
 _SHOWN = 100
 
 
-def prove_written(chart: Subject, lowered: LoweredPou, seen: Project, whole: Callable[[], Project]) -> Verdict:
+def prove_written(
+    chart: Subject,
+    lowered: LoweredPou,
+    seen: Project,
+    whole: Callable[[], Project],
+    **searching: Unpack[Searching],
+) -> Verdict:
     """What comparing the code in a file with `chart` comes to. `seen`: the file as its tool sees it (`load(as_tool=)`).
 
     `whole` loads the same file with what we carry in it. Raises `LoweringError` where `seen` lacks what the code needs,
     where it cannot be executed, and where exact code is different from the chart.
     """
     try:
-        found = _proved(chart, seen, lowered)
+        found = _proved(chart, seen, lowered, **searching)
     except (LoweringError, ModelError) as error:
-        if _is_equal(chart, carrying := whole(), lowered):
+        if _is_equal(chart, carrying := whole(), lowered, **searching):
             raise _carried(lowered, seen, carrying, error.message) from error
         raise
-    if found.outcome is not Outcome.DIFFERENT:
+    if found.kind is not VerdictKind.DIFFERENT:
         return found
     exact, carrying = lowered.style is Style.EXACT, whole()
-    if _is_equal(chart, carrying, lowered) if exact else not _is_same_code(carrying, seen, lowered):
+    if _is_equal(chart, carrying, lowered, **searching) if exact else not _is_same_code(carrying, seen, lowered):
         raise _carried(lowered, seen, carrying, str(found).partition("\n")[0])
     if exact:
         raise LoweringError(
@@ -53,7 +63,7 @@ def prove_written(chart: Subject, lowered: LoweredPou, seen: Project, whole: Cal
     return found
 
 
-def _proved(chart: Subject, written: Project, lowered: LoweredPou) -> Verdict:
+def _proved(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> Verdict:
     return prove(
         chart,
         resolve(written, lowered.name),
@@ -61,12 +71,13 @@ def _proved(chart: Subject, written: Project, lowered: LoweredPou) -> Verdict:
         fixed=lowered.at_rest,
         left_out=lowered.left_out,
         step_flags=lowered.step_flags or None,
+        **searching,
     )
 
 
-def _is_equal(chart: Subject, written: Project, lowered: LoweredPou) -> bool:
+def _is_equal(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> bool:
     try:
-        return _proved(chart, written, lowered).outcome is not Outcome.DIFFERENT
+        return _proved(chart, written, lowered, **searching).kind is not VerdictKind.DIFFERENT
     except (LoweringError, ModelError):
         return False
 
@@ -74,7 +85,7 @@ def _is_equal(chart: Subject, written: Project, lowered: LoweredPou) -> bool:
 def _is_same_code(whole: Project, seen: Project, lowered: LoweredPou) -> bool:
     one, other = (resolve(project, lowered.name) for project in (whole, seen))
     found = prove(one, other, lowered.profile, fixed={}, left_out=None, step_flags=None)
-    return found.outcome is not Outcome.DIFFERENT
+    return found.kind is not VerdictKind.DIFFERENT
 
 
 def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> LoweringError:
@@ -94,13 +105,15 @@ def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> Lo
 def _places(seen: Project, whole: Project, pou: str) -> Iterator[str]:
     """What its tool does not see of a file: what stands in the POU first, and what most likely matters."""
     found = differences(seen, whole, ignore=_NO_CODE)
-    for each in sorted(found, key=lambda each: (not each.path.startswith(f"pous[{pou}]"), _rank(each.path))):
+    for each in sorted(found, key=lambda each: (each.path.partition(" / ")[0] != f"POU {pou}", _rank(each.path))):
         yield f"{each.path} ({_short(each.right)})"
 
 
 def _rank(path: str) -> int:
-    last = path.rpartition(".")[2].partition("[")[0]
-    return _MOST_LIKELY.index(last) if last in _MOST_LIKELY else len(_MOST_LIKELY)
+    last = path.rpartition(" / ")[2]
+    return next(
+        (place for place, word in enumerate(_MOST_LIKELY) if f"{last} ".startswith(f"{word} ")), len(_MOST_LIKELY)
+    )
 
 
 def _short(value: object) -> str:

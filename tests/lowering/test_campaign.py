@@ -13,7 +13,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
@@ -59,16 +59,16 @@ def lowered(pou: m.Pou, profile: str) -> Iterator[tuple[str, m.Pou, dict[str, st
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
 @pytest.mark.parametrize("first", range(0, CHARTS, BATCH))
 def test_random_charts_are_proven(first: int, profile: str) -> None:
-    outcomes: Counter[tuple[str, Outcome]] = Counter()
+    outcomes: Counter[tuple[str, VerdictKind]] = Counter()
     for seed in range(first, first + BATCH):
         pou = random_chart(seed, codesys=profile == "codesys")
         for form, program, step_flags in lowered(pou, profile):
             found = equivalent(pou, program, profile, step_flags=step_flags or None, cap=1_500, runs=10, scans=100)
-            assert found.outcome is not Outcome.DIFFERENT, f"{pou.name} {profile} {form}: {found}"
+            assert found.kind is not VerdictKind.DIFFERENT, f"{pou.name} {profile} {form}: {found}"
             assert found.proven or "more than" in found.reason, f"{pou.name} {profile} {form}: {found}"
-            outcomes[form, found.outcome] += 1
+            outcomes[form, found.kind] += 1
     assert sum(outcomes.values()) >= 4 * BATCH  # step bits and flip-flops hold every chart
-    assert sum(count for (_, outcome), count in outcomes.items() if outcome is Outcome.PROVEN) > 2 * BATCH
+    assert sum(count for (_, outcome), count in outcomes.items() if outcome is VerdictKind.PROVEN) > 2 * BATCH
 
 
 def test_random_charts_have_every_shape_and_every_action_and_are_safe() -> None:
@@ -98,4 +98,4 @@ def test_the_order_of_steps_in_the_chart_does_not_matter(seed: int) -> None:
     Random(seed).shuffle(shuffled.sfc.steps)  # noqa: S311
     for form, program, step_flags in lowered(shuffled, "iec"):
         found = equivalent(pou, program, "iec", step_flags=step_flags or None, cap=1_500, runs=10, scans=100)
-        assert found.equal, f"{pou.name} {form}: {found}"
+        assert not found.different, f"{pou.name} {form}: {found}"

@@ -37,15 +37,12 @@ EVERY = 3
 """Of so many charts one is in the sample, in one form for one target; those of `LARGE` files are not."""
 WHOLE = Effort(cap=200, runs=2, scans=40)
 SAMPLE = {
-    "action without its time": (0, 1, 0, 0, 0, 0, 0, 0, 0),
     "broken connections": (0, 0, 0, 0, 0, 1, 1, 0, 0),
-    "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 3),
+    "nothing to compare": (0, 0, 0, 0, 0, 0, 0, 0, 1),
+    "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 2),
     "several steps at a time": (0, 0, 0, 0, 0, 0, 0, 1, 0),
 }
 REFUSED = {
-    "codesys23": {
-        "text that does not parse": (7, 7, 7, 7, 7, 7, 7, 7, 7),
-    },
     "iectext": {
         "chart that fails when it runs": (7, 7, 7, 7, 7, 7, 5, 7, 2),
         "code only in a comment": (0, 0, 0, 0, 0, 0, 0, 24, 8),
@@ -60,13 +57,13 @@ REFUSED = {
         "condition that is no BOOL": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "no regions": (1, 1, 1, 1, 1, 1, 1, 1, 1),
         "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 0, 30),
+        "rivals that fire together": (4, 4, 4, 4, 4, 4, 4, 4, 4),
         "several steps at a time": (3, 3, 3, 3, 3, 3, 3, 3, 3),
         "text that does not parse": (7, 7, 7, 7, 7, 7, 7, 7, 7),
         "text without networks": (0, 0, 0, 0, 0, 0, 12, 0, 0),
     },
     "simaticml": {
         "broken connections": (7, 7, 7, 7, 7, 7, 7, 7, 7),
-        "calls what the simulator does not know": (3, 3, 3, 3, 3, 5, 3, 3, 0),
         "code only in a comment": (0, 0, 0, 5, 0, 0, 3, 0, 0),
         "older TIA Portal": (0, 0, 0, 0, 0, 0, 0, 18, 30),
         "several steps at a time": (20, 20, 20, 20, 20, 20, 20, 20, 20),
@@ -78,18 +75,18 @@ REFUSED = {
 
 Of the other folders the reasons are known, and not counted.
 """
-CHARTS = 66
+CHARTS = 65
 _EVERYWHERE = {
     "action that is no BOOL": 1,
     "action without its time": 1,
     "broken connections": 2,
     "condition that is no BOOL": 1,
-    "text that does not parse": 2,
+    "text that does not parse": 1,
 }
 REFUSED_FORMS: dict[str, dict[str, int]] = {
     "auto ST": _EVERYWHERE,
-    "case ST": {**_EVERYWHERE, "several steps at a time": 24},
-    "regions ST": {**_EVERYWHERE, "no regions": 5, "several steps at a time": 10},
+    "case ST": {**_EVERYWHERE, "rivals that fire together": 3, "several steps at a time": 23},
+    "regions ST": {**_EVERYWHERE, "no regions": 5, "rivals that fire together": 3, "several steps at a time": 10},
     "bits ST": _EVERYWHERE,
     "flipflop ST": _EVERYWHERE,
     "flipflop FBD": {**_EVERYWHERE, "text that cannot be drawn": 1},
@@ -128,7 +125,7 @@ def test_a_sample_does_the_same_or_is_refused() -> None:
                 form, target = PAIRS[number // EVERY * 8 % len(PAIRS)]
                 results += sweep.results([form], [target], [name])
     assert refused(results) == SAMPLE
-    assert Counter(result.outcome for result in results)["proven"] > 10
+    assert Counter(result.outcome for result in results)["proven"] > 8
 
 
 @pytest.mark.parametrize("family", FAMILIES)

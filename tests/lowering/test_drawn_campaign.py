@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.semantics.subjects import resolve
@@ -77,7 +77,7 @@ def check(seed: int) -> None:
         runs=10,
         scans=60,
     )
-    assert found.outcome is not Outcome.DIFFERENT, f"{seed} {options}: {found}"
+    assert found.kind is not VerdictKind.DIFFERENT, f"{seed} {options}: {found}"
 
 
 @pytest.mark.parametrize("seed", range(14))

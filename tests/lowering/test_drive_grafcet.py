@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.subjects import resolve
@@ -42,7 +42,7 @@ def compare(pou: m.Pou) -> int:
                     continue
                 raise
             assert lowered.proof is not None
-            assert lowered.proof.outcome is Outcome.PROVEN, f"{profile.name} {construction}: {lowered.proof}"
+            assert lowered.proof.kind is VerdictKind.PROVEN, f"{profile.name} {construction}: {lowered.proof}"
             held += 1
     return held
 
@@ -51,7 +51,7 @@ def compare(pou: m.Pou) -> int:
 def test_one_block_drives_what_the_seed_has(construction: str, language: str) -> None:
     lowered = lower(seed(), construction, language=language, profile=ONCE, actions="block", lang="de")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     (block,) = blocks(lowered).values()
     assert block.name == "Ablauf_Ansteuerung"
     found = sections(block)
@@ -64,7 +64,7 @@ def test_one_block_drives_what_the_seed_has(construction: str, language: str) ->
 def test_stored_actions_have_a_block_in_the_loop(construction: str, language: str) -> None:
     lowered = lower(seed(), construction, language=language, profile=SHORT, actions="block")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     made = blocks(lowered)
     assert list(made) == ["Ablauf_StoredActions", "Ablauf_Actions"]
     assert sections(made["Ablauf_StoredActions"])["output"] == ["Q2"]
@@ -121,7 +121,7 @@ def test_blocks_come_back_from_the_file(target: str) -> None:
         again = sfc.loads(sfc.dumps(lowered.project, format=target))
         code = resolve(again, "Ablauf")
         found = equivalent(seed(), code, profile, left_out=lowered.left_out, step_flags=lowered.step_flags)
-        assert found.outcome is Outcome.PROVEN, str(found)
+        assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 def test_what_must_be_known_before_the_transitions_is_refused() -> None:

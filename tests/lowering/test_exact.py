@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import construct
@@ -39,7 +39,7 @@ def verdict(pou: m.Pou, construction: Construction, language: Language, profile:
 @pytest.mark.parametrize(("construction", "language"), FORMS)
 def test_the_training_chain(construction: Construction, language: Language, profile: str) -> None:
     found = verdict(training_chain(), construction, language, profile)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -60,7 +60,7 @@ def test_random_safe_charts(seed: int, profile: str) -> None:
         except LoweringError:
             assert construction is Construction.CASE
             continue
-        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+        assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -75,7 +75,7 @@ def test_timed_actions(qualifier: str, profile: str) -> None:
     pou = pou_with(chart)
     for construction, language in FORMS:
         found = verdict(pou, construction, language, profile)
-        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+        assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
 
 
 def test_minimum_times() -> None:
@@ -85,7 +85,7 @@ def test_minimum_times() -> None:
     chart.steps[1].min_time = "T#30ms"
     for construction, language in FORMS:
         found = verdict(pou, construction, language, "codesys")
-        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+        assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -96,7 +96,7 @@ def test_step_variables(profile: str) -> None:
     chart.transitions[2].condition = m.Expression(text="S3.T >= T#20ms AND NOT S1.X")
     for construction, language in FORMS:
         found = verdict(pou, construction, language, profile)
-        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+        assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
 
 
 def test_step_actions() -> None:
@@ -109,4 +109,4 @@ def test_step_actions() -> None:
     for construction in (Construction.FLIPFLOP, Construction.CASE, Construction.BITS):
         for profile in ("iec", "codesys"):
             found = verdict(pou, construction, Language.ST, profile)
-            assert found.outcome is Outcome.PROVEN, f"{construction} {profile}: {found}"
+            assert found.kind is VerdictKind.PROVEN, f"{construction} {profile}: {found}"

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, Verdict, equivalent
+from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import construct
@@ -57,7 +57,7 @@ def test_what_has_ended_is_executed_before_what_is_active(construction: Construc
     pou = chain("S1>S2 S2>S1", {"A": "n := 1;", "B": "n := 2;"})
     act(chart(pou), chart(pou).step("S1"), "A")
     act(chart(pou), chart(pou).step("S2"), "B")
-    assert verdict(pou, construction, profile).outcome is Outcome.PROVEN
+    assert verdict(pou, construction, profile).kind is VerdictKind.PROVEN
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -66,7 +66,7 @@ def test_all_actions_are_decided_on_before_any_is_executed(profile: str) -> None
     act(chart(pou), chart(pou).step("S1"), "A")
     act(chart(pou), chart(pou).step("S1"), "r", condition="q")
     act(chart(pou), chart(pou).step("S2"), "r", m.Qualifier.S, condition="NOT q")
-    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -76,7 +76,7 @@ def test_a_variable_is_not_written_before_all_actions_are_decided_on(profile: st
     act(chart(pou), chart(pou).step("S2"), "q", condition="c1")
     act(chart(pou), chart(pou).step("S2"), "r", m.Qualifier.S, condition="q")
     act(chart(pou), chart(pou).step("S1"), "r", m.Qualifier.R, condition="q")
-    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -85,7 +85,7 @@ def test_variables_that_bodies_share_with_actions(body: str, profile: str) -> No
     pou = chain("S1>S2 S2>S3 S3>S1", {"M": body})
     for step, target in (("S1", "q"), ("S2", "M"), ("S3", "M"), ("S3", "q")):
         act(chart(pou), chart(pou).step(step), target)
-    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -98,7 +98,7 @@ def test_code_in_place_is_executed_where_it_stands_in_the_chart(profile: str) ->
     )
     act(chart(pou), step, "A")
     act(chart(pou), chart(pou).step("S2"), "q")
-    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -107,7 +107,7 @@ def test_a_pulse_while_an_action_ends_is_executed_once(profile: str) -> None:
     act(chart(pou), chart(pou).step("S1"), "A")
     act(chart(pou), chart(pou).step("S2"), "A", m.Qualifier.P1)
     act(chart(pou), chart(pou).step("S1"), "B", m.Qualifier.P0)
-    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
 
 
 def test_an_output_that_something_else_writes_is_left_alone_in_codesys() -> None:
@@ -115,13 +115,13 @@ def test_an_output_that_something_else_writes_is_left_alone_in_codesys() -> None
     pou = chain("S1>S2 S2>S3 S3>S1")
     act(chart(pou), chart(pou).step("S1"), "q")
     chart(pou).step("S3").entry_action = m.StBody(text="q := TRUE;")
-    assert verdict(pou, profile="codesys").outcome is Outcome.PROVEN
+    assert verdict(pou, profile="codesys").kind is VerdictKind.PROVEN
     started = chain("S1>S2 S2>S1")
     assert started.interface is not None
     started.interface.sections[1].variables[1].initial = m.SimpleValue(text="TRUE")
     act(chart(started), chart(started).step("S2"), "q")
-    assert verdict(started, profile="codesys").outcome is Outcome.PROVEN
-    assert verdict(started, profile="iec").outcome is Outcome.PROVEN
+    assert verdict(started, profile="codesys").kind is VerdictKind.PROVEN
+    assert verdict(started, profile="iec").kind is VerdictKind.PROVEN
 
 
 def test_independent_actions_stay_one_after_the_other() -> None:
@@ -150,11 +150,11 @@ def test_comments_in_actions_are_kept(others: dict[str, str], profile: str) -> N
         act(chart(pou), chart(pou).step("S2"), name)
     text = text_of(pou, profile)
     assert " THEN\n    (* count *)\n    n := n + 1; // one more\nEND_IF;" in text
-    assert verdict(pou, profile=profile).equal
+    assert not verdict(pou, profile=profile).different
     pou.actions[0].body = m.StBody(text="// nothing yet")
-    assert verdict(pou, profile=profile).equal
+    assert not verdict(pou, profile=profile).different
     pou.actions[0].body = m.StBody(text="// of the step\nq := S1.X;")
-    assert verdict(pou, profile=profile).outcome is Outcome.PROVEN
+    assert verdict(pou, profile=profile).kind is VerdictKind.PROVEN
     assert "S1.X" not in text_of(pou, profile)
 
 
@@ -191,7 +191,7 @@ def test_random_actions_that_disturb_each_other(seed: int, profile: str) -> None
             condition = random.choice([None, None, "q", "NOT r", "c1"])
             act(chart(pou), step, target, m.Qualifier(qualifier), condition=condition)
     found = verdict(pou, random.choice([Construction.CASE, Construction.BITS, Construction.FLIPFLOP]), profile)
-    assert found.outcome is Outcome.PROVEN, f"{found}\n{text_of(pou, profile)}"
+    assert found.kind is VerdictKind.PROVEN, f"{found}\n{text_of(pou, profile)}"
 
 
 @pytest.mark.parametrize("profile", ["iec", "codesys"])
@@ -203,7 +203,7 @@ def test_an_action_that_does_nothing_has_no_code(profile: str) -> None:
     project = m.Project(pous=[pou])
     made = lower(project, "bits", profile=profile)
     assert made.proof is not None
-    assert made.proof.outcome is Outcome.PROVEN
+    assert made.proof.kind is VerdictKind.PROVEN
     assert isinstance(made.pou.body, m.StBody)
     paragraphs = made.pou.body.text.split("\n\n")
     assert [each for each in paragraphs if "Action" in each] == ["// Action S2_1\n// nothing yet"]

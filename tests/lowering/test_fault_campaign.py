@@ -10,7 +10,7 @@ import os
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.faults.kinds import Fault, FaultKind
 from plcopen_sfc.lowering.lower import faults_of, lower
@@ -47,7 +47,7 @@ def test_faults_are_named_where_textbook_code_differs(first: int) -> None:
                 runs=5,
                 scans=60,
             )
-            if verdict.outcome is Outcome.DIFFERENT:
+            if verdict.kind is VerdictKind.DIFFERENT:
                 assert found, f"{pou.name} {construction}: {verdict}"
             for fault in found:
                 possible = is_possible(fault, Net.of(chart_of(pou)), initialised=bool(lowered.at_rest))

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.equivalence import VerdictKind
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.lowering.faults.kinds import Fault, FaultKind
 from plcopen_sfc.lowering.faults.search import find_faults
@@ -282,7 +282,7 @@ def test_textbook_code_is_different_just_where_it_has_faults_and_exact_code_has_
         pytest.skip("several steps are active at a time")
     textbook = lower(project, construction, style="classic", language="ST")
     assert textbook.proof is not None
-    assert (textbook.proof.outcome is Outcome.DIFFERENT) == bool(textbook.faults)
+    assert (textbook.proof.kind is VerdictKind.DIFFERENT) == bool(textbook.faults)
     exact = lower(project, construction, language="ST", init="Init", verify=False)
     assert not same_rules(resolve(project), exact)
 

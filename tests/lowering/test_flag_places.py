@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.lower import lower
@@ -39,11 +39,11 @@ def test_it_does_what_the_chart_does(construction: str, language: str, target: s
         pytest.skip("text has no networks")
     lowered = lower(project(), construction, language=language, flags=flags, target=target)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert {f"S{n}.X" for n in range(1, 5)} <= set(lowered.proof.compared)
     again = sfc.loads(sfc.dumps(lowered.project, format=target))
     found = equivalent(project(), again, "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 @settings(deadline=None, max_examples=25)
@@ -182,9 +182,9 @@ def test_flags_of_sequencers_stand_there_too(construction: str, language: str, t
     lowered = lower(sequencer, construction, language=language, flags=flags, target=target, at_rest=["all"])
     assert lowered.construction in (Construction.BITS, Construction.FLIPFLOP)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
     assert not {variable.name for variable in lowered.pou.variables()} & {"X1", "X2", "X3", "X4"}
     again = sfc.loads(sfc.dumps(lowered.project, format=target), format=target)
     fixed = lowered.at_rest
     found = equivalent(sequencer, again, "s7graph", step_flags=lowered.step_flags, fixed=fixed)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
 from tests.lowering.charts import act, boolean, pou_with, training_chain
@@ -41,7 +41,7 @@ TEXTS = [
 def test_actions_with_branches_are_drawn(text: str, target: str, language: str) -> None:
     lowered = lower(with_action(text), "flipflop", language=language, target=target)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
 
 
 ASSIGNMENTS = st.sampled_from(["p := TRUE;", "p := FALSE;", "q := NOT q;", "p := q AND B5;", "q := B1 OR p;", ";"])
@@ -63,7 +63,7 @@ def test_whatever_the_branches_are(text: str, language: str) -> None:
     original = with_action(text)
     lowered = lower(original, "flipflop", language=language, target="plcopen-2.01", verify=False)
     found = equivalent(original, lowered.project, "iec", cap=5_000)
-    assert found.outcome is Outcome.PROVEN, f"{text}: {found}"
+    assert found.kind is VerdictKind.PROVEN, f"{text}: {found}"
 
 
 def test_what_must_not_be_asked_in_vain_is_refused() -> None:

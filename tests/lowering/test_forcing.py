@@ -9,7 +9,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.simulation import simulate
@@ -43,7 +43,7 @@ def three_levels() -> m.Pou:
 
 def proven(lowered: LoweredPou) -> bool:
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
     return True
 
 
@@ -60,7 +60,7 @@ def test_with_what_starts_the_chain_anew_all_forms_do_the_same(pou: m.Pou, profi
     bits = made["bits", "ST"]
     for each in list(made.values())[:3]:
         found = equivalent(bits.project, each.project, profile)
-        assert found.outcome is Outcome.PROVEN, str(found)
+        assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 @pytest.mark.parametrize("profile", PROFILES, ids=lambda profile: profile.name)
@@ -123,7 +123,7 @@ def test_several_blocks_of_one_project(target: str, first: str) -> None:
             left_out=made.left_out,
             step_flags=made.step_flags,
         )
-        assert found.outcome is Outcome.PROVEN, str(found)
+        assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD"])

@@ -10,7 +10,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.chains.bits import StepBits
 from plcopen_sfc.lowering.code.memory import BitMemory
@@ -64,7 +64,7 @@ def compare(pou: m.Pou, profiles: Sequence[Profile] = (ONCE, SHORT)) -> LoweredP
             if lowered is None:
                 continue
             assert lowered.proof is not None
-            assert lowered.proof.outcome is Outcome.PROVEN, f"{profile.name} {construction}: {lowered.proof}"
+            assert lowered.proof.kind is VerdictKind.PROVEN, f"{profile.name} {construction}: {lowered.proof}"
             assert any(name.endswith(".X") for name in lowered.proof.compared)
     return lower(pou, "bits", profile=PROFILES["grafcet"], verify=False)
 
@@ -252,11 +252,11 @@ def test_a_search_for_stability_is_a_jump_back_where_it_is_drawn(target: str | N
     assert [node.label for node in nodes if isinstance(node, m.Jump)] == ["NaechsterLauf"]
     if target is None:
         assert lowered.proof is not None
-        assert lowered.proof.outcome is Outcome.PROVEN
+        assert lowered.proof.kind is VerdictKind.PROVEN
         return
     again = sfc.loads(sfc.dumps(lowered.project, format=target))
     found = equivalent(pou, again, SHORT, left_out=lowered.left_out, step_flags=lowered.step_flags)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 def test_the_label_stands_in_the_first_network_of_an_evolution() -> None:
@@ -276,7 +276,7 @@ def test_charts_that_are_held_and_set_free_are_drawn(situation: str) -> None:
     chart.partial_charts[1].network.step("1").actions = [action("onActivation", "n", value="NOT n")]
     lowered = lower(pou_with(chart, "c1 c2 c3 stop", "Q n"), "flipflop", profile=SHORT)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
 @pytest.mark.parametrize("kind", ["conditional", "onEvent"])
@@ -285,7 +285,7 @@ def test_actions_that_need_several_evolutions_are_drawn(kind: str) -> None:
     chart.step("1").actions = [action(kind, condition="↑b" if kind == "conditional" else "NOT ↑b")]
     lowered = lower(pou_with(chart, "a b", "Q"), "flipflop", profile=SHORT)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
 @pytest.mark.parametrize(("construction", "language"), [("bits", "ST"), ("flipflop", "ST"), ("flipflop", "FBD")])
@@ -297,7 +297,7 @@ def test_an_event_in_the_second_evolution_of_the_first_scan(construction: str, l
     pou = pou_with(m.SfcNetwork(partial_charts=charts), "a b c", "Q")
     lowered = lower(pou, construction, language=language, profile=SHORT)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -357,7 +357,7 @@ def test_what_was_written_and_read_again_is_proven_too(form: str) -> None:
         lowered = lower(original, construction, language=language, profile=profile, target=form, verify=False)
         again = sfc.loads(sfc.dumps(lowered.project, format=form), format=form)
         found = equivalent(original, again, profile, outputs=["Q", "R"])
-        assert found.outcome is Outcome.PROVEN, f"{construction}: {found}"
+        assert found.kind is VerdictKind.PROVEN, f"{construction}: {found}"
 
 
 @pytest.mark.parametrize("flags", ["M20.0", "%MX20.0", "Merker"])

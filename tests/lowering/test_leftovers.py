@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.equivalence import VerdictKind
 from plcopen_sfc.model.dialect import Dialect
 from tests.lowering.charts import act, pou_with
 
@@ -27,7 +27,7 @@ END_PROGRAM
 def test_textual_code_of_iec_61131_3_has_no_actions_that_only_the_chart_used(construction: str) -> None:
     lowered = sfc.lower(sfc.loads(PRESS, format="iec-text"), construction, target="iec-text")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert [action.name for action in lowered.pou.actions] == ["Spare"]  # the chart did not use it
     text = sfc.dumps(lowered.project, format="iec-text").decode()
     assert "Even := NOT Even;" in text
@@ -51,7 +51,7 @@ def test_transition_objects_go_with_the_chart() -> None:
     chart.transitions[0].condition = m.NamedCondition(name="MayStart")
     lowered = sfc.lower(project, "case")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert lowered.pou.transitions == []
 
 
@@ -91,7 +91,7 @@ def test_a_stored_action_is_not_reset_a_second_time(qualifier: str) -> None:
     pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=[level]))
     lowered = sfc.lower(pou, "bits", profile="iec")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     body = lowered.pou.body
     assert isinstance(body, m.StBody)
     assert body.text.count("NOT X_Off") == 1, body.text  # the flip-flop
@@ -119,7 +119,7 @@ def test_a_transition_that_always_fires_needs_no_question() -> None:
     chart.add_transition(end, work, "a")  # never
     lowered = sfc.lower(pou_with(chart), "case")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     body = lowered.pou.body
     assert isinstance(body, m.StBody)
     assert body.text.splitlines() == [

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction
 from plcopen_sfc.lowering.lower import lower
@@ -26,7 +26,7 @@ def test_the_copy_has_code_where_the_project_has_a_chart() -> None:
     assert lowered.construction is Construction.CASE
     assert isinstance(lowered.project.pou("Ablauf").body, m.StBody)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert {"Q1", "Q2", "Q3", "S1.X", "S2.X", "S3.X", "S4.X"} <= set(lowered.proof.compared)
 
 
@@ -34,7 +34,7 @@ def test_the_textbook_chain_is_different_and_says_with_which_inputs() -> None:
     lowered = lower(project(), "fup", style="classic", init="Init", lang="de")
     assert lowered.construction is Construction.FLIPFLOP
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.DIFFERENT
+    assert lowered.proof.kind is VerdictKind.DIFFERENT
     assert lowered.proof.counterexample is not None
     assert lowered.proof.counterexample.shortest
 
@@ -45,7 +45,7 @@ def test_what_was_written_and_read_again_is_proven_too(construction: str, form: 
     original = project()
     again = sfc.loads(sfc.dumps(lower(original, construction, verify=False).project, format=form), format=form)
     found = equivalent(original, again, "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 @pytest.mark.parametrize("form", ["plcopen-2.01", "codesys", "iec-text", "json"])
@@ -54,7 +54,7 @@ def test_networks_that_were_written_and_read_again_are_proven_too(language: str,
     original = project()
     lowered = lower(original, "flipflop", language=language, verify=False)
     found = equivalent(original, sfc.loads(sfc.dumps(lowered.project, format=form), format=form), "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 def test_what_is_not_known_is_refused() -> None:

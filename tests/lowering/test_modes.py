@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate
@@ -67,7 +67,7 @@ def test_at_rest_it_is_the_chart(form: tuple[str, str], profile: str, mode: str)
     modes = MODES if mode == "all" else (mode,)
     lowered = lower(project(), form[0], language=form[1], profile=profile, init="Init", modes=modes)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert lowered.at_rest["Init"] is False
     assert lowered.at_rest.get("Enable", True) is True
 
@@ -152,7 +152,7 @@ def test_starting_anew_is_stronger_than_selecting(key: tuple[tuple[str, str], st
 def test_parallel_steps(form: tuple[str, str], profile: str) -> None:
     lowered = lower(parallel(), form[0], language=form[1], profile=profile, modes=MODES)
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     rows = pressed([True, False, False], WithoutConditions=True)
     rest: list[dict[str, object]] = [{"Select": True, "SelectedStep": 4}, {}]
     seen = active(lowered, [*rows, *rest], profile)
@@ -168,7 +168,7 @@ def test_networks_with_modes_come_back_from_files(target: str, language: str) ->
     lowered = lower(project(), "flipflop", language=language, target=target, modes=MODES, lang="de", verify=False)
     again = sfc.loads(sfc.dumps(lowered.project, format=target))
     found = equivalent(project(), again, "iec", fixed=lowered.at_rest)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
     assert set(lowered.at_rest) == {"Freigabe", "Einzelschritt", "OhneBedingungen", "Weiterschalten", "Anwahl"}
 
 
@@ -207,18 +207,18 @@ def test_selecting_is_the_same_in_every_construction(profile: str, states: str) 
     bits = lower(driven(), "bits", profile=profile, init="Init", modes=modes, verify=False)
     made = lower(driven(), "regions", profile=profile, init="Init", modes=modes, states=states)
     assert made.proof is not None
-    assert made.proof.outcome is Outcome.PROVEN
+    assert made.proof.kind is VerdictKind.PROVEN
     found = equivalent(bits.project, made.project, profile)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
     wrong = lower(driven(), "bits", profile=profile, init="Init", verify=False)
-    assert equivalent(wrong.project, made.project, profile).outcome is Outcome.DIFFERENT
+    assert equivalent(wrong.project, made.project, profile).kind is VerdictKind.DIFFERENT
 
 
 def test_an_enumeration_is_selected_by_numbers() -> None:
     made = lower(project(), "case", modes=["select"], states="enumeration")
     bits = lower(project(), "bits", modes=["select"])
     found = equivalent(bits.project, made.project, "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
     assert "SelectedStep: INT" in sfc.dumps(made.project, format="iec-text").decode().replace(" :", ":")
 
 
@@ -257,7 +257,7 @@ def test_names_that_are_taken_get_a_number() -> None:
 def test_what_cannot_be_stepped_by_hand_is_refused() -> None:
     regions = lower(parallel(), "regions", modes=["enable", "advance"])
     assert regions.proof is not None
-    assert regions.proof.outcome is Outcome.PROVEN
+    assert regions.proof.kind is VerdictKind.PROVEN
     with pytest.raises(LoweringError, match="no step that could be selected"):
         lower(m.SfcNetwork(), "bits", modes=["select"])
     with pytest.raises(LoweringError, match="search for stability"):

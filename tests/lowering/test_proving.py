@@ -27,16 +27,18 @@ def test_texts_that_are_wrong_in_their_types_are_no_error_of_the_lowering() -> N
     assert lower(pou, "bits", profile="iec", verify=False).proof is None
 
 
-def test_functions_that_nobody_knows_prevent_the_proof_only() -> None:
+def test_functions_that_nobody_knows_are_named() -> None:
     pou = training_chain()
     chart = pou.sfc
     assert chart is not None
-    chart.transitions[0].condition = m.Expression(text="Weigh(B1) > 3")
-    with pytest.raises(LoweringError, match=r"cannot be compared with the chart: .*Weigh"):
-        lower(pou, "case", profile="iec")
-    body = lower(pou, "case", profile="iec", verify=False).pou.body
-    assert isinstance(body, m.StBody)
-    assert "Weigh(B1) > 3" in body.text
+    chart.transitions[0].condition = m.Expression(text="Weigh(B1) AND B2")
+    lowered = lower(pou, "case", profile="iec")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    assert lowered.proof.unknown == ("Weigh",)
+    assert "unknown, taken as functions of what they are given: Weigh" in str(lowered)
+    assert isinstance(lowered.pou.body, m.StBody)
+    assert "Weigh(B1) AND B2" in lowered.pou.body.text
 
 
 @pytest.mark.parametrize("target", ["plcopen", "codesys"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.equivalence import VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.lower import lower
@@ -28,7 +28,7 @@ def test_assignments_are_executed_while_their_step_is_active() -> None:
     for profile in ("iec", "codesys"):
         for construction, language in FORMS[::2]:
             found = verdict(pou, construction, language, profile)
-            assert found.equal, f"{profile} {construction} {language}: {found}"
+            assert not found.different, f"{profile} {construction} {language}: {found}"
             assert {"n", "k"} <= set(found.compared)
 
 
@@ -41,7 +41,7 @@ def test_whether_a_step_will_be_active_is_whether_it_is_where_programs_ask() -> 
     chart.steps[2].actions.clear()
     for construction, language in FORMS[::2]:
         found = verdict(pou, construction, language, "codesys")
-        assert found.outcome is Outcome.PROVEN, str(found)
+        assert found.kind is VerdictKind.PROVEN, str(found)
     with pytest.raises(LoweringError, match="_x"):
         verdict(pou, Construction.BITS, Language.ST, "iec")
 
@@ -56,7 +56,7 @@ def test_simple_steps_of_codesys_23_are_flags() -> None:
     chart.transitions[1].condition = m.Expression(text="B2 AND S2 AND NOT S3")
     for construction, language in FORMS:
         found = verdict(pou, construction, language, "codesys23")
-        assert found.outcome is Outcome.PROVEN, f"{construction} {language}: {found}"
+        assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
 
 
 @pytest.mark.parametrize("text", ["Level", "NOT (B1 AND Level)", "B1 OR NOT Level"])
@@ -128,3 +128,20 @@ def test_a_stored_action_without_a_value_is_of_a_boolean_variable() -> None:
         with pytest.raises(LoweringError, match=f"{name} is of type INT"):
             lower(m.Project(pous=[pou]), profile="grafcet", verify=False)
         pou.sfc.steps[0].actions[0].value = "Q1 + 1"
+
+
+def test_0_and_1_are_conditions() -> None:
+    """As IEC 61131-3 ed. 2 and Beremiz write FALSE and TRUE."""
+    pou = training_chain()
+    chart = pou.sfc
+    assert chart is not None
+    for transition, text in zip(chart.transitions, ("1", "B2 AND (1 OR 0)", "NOT 0", "(1) XOR B4"), strict=True):
+        transition.condition = m.Expression(text=text)
+    chart.steps[2].actions[0].condition = m.Expression(text="1")
+    for construction, language in FORMS:
+        found = verdict(pou, construction, language, "iec")
+        assert found.kind is VerdictKind.PROVEN, f"{construction} {language}: {found}"
+    code = lower(pou, "bits", verify=False).code
+    assert isinstance(code, m.StBody)
+    assert "T1_2 := X1;" in code.text
+    assert "T3_4 := X3 AND NOT FALSE;" in code.text

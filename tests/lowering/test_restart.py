@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.equivalence import VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate
@@ -54,7 +54,7 @@ def test_at_rest_the_code_does_what_the_chart_does(construction: str, language: 
         project(), construction, language=language, profile=profile, init="Init", stop="NOT NOT_AUS", reset_actions=True
     )
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert lowered.left_out == "Restart"
     assert [v.name for v in lowered.pou.interface.variables() if v.name in ("Init", "NOT_AUS")] == ["Init", "NOT_AUS"]
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.chains.states import step_numbers
@@ -46,7 +46,7 @@ def test_all_are_proven(dialect: str, states: str, profile: str) -> None:
             continue
         lowered = lower(original, states=states, profile=profile)
         assert lowered.proof is not None
-        assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+        assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
         assert "S1.X" in lowered.proof.compared
 
 
@@ -60,7 +60,7 @@ def test_what_was_written_and_read_again_is_proven_too(states: str, form: str) -
         return
     again = sfc.loads(sfc.dumps(lower(original, states=states, verify=False).project, format=form), format=form)
     found = equivalent(original, again, "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 def test_constants_are_those_of_the_block() -> None:
@@ -92,7 +92,7 @@ def test_tia_portal_knows_them_as_constants(dialect: str) -> None:
     assert "VAR CONSTANT" in source.decode("utf-8-sig")
     assert not [item for item in report.items if "section" in item.what]
     again = sfc.loads(written.encode(), format="simaticml")
-    assert equivalent(original, again, "iec").outcome is Outcome.PROVEN
+    assert equivalent(original, again, "iec").kind is VerdictKind.PROVEN
 
 
 def test_an_enumeration_is_a_type_of_its_own_whose_name_is_free() -> None:
@@ -133,7 +133,7 @@ def test_big_numbers_need_a_bigger_type() -> None:
     pou = chain("S1>S40000 S40000>S1")
     lowered = lower(project(pou))
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN
+    assert lowered.proof.kind is VerdictKind.PROVEN
     assert lowered.pou.interface is not None
     state = next(v for v in lowered.pou.interface.variables() if v.name == "step_number")
     assert state.type == m.ElementaryType(name=m.Elementary.DINT)
@@ -165,7 +165,7 @@ def test_variables_of_these_names_are_not_hidden() -> None:
     for states in ("numbers", "constants", "enumeration"):
         lowered = lower(project(pou), states=states)
         assert lowered.proof is not None
-        assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+        assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
 def test_the_chart_of_an_action_has_an_enumeration_of_its_own() -> None:
@@ -180,5 +180,5 @@ def test_the_chart_of_an_action_has_an_enumeration_of_its_own() -> None:
     act(chart, chart.steps[1], "Inner")
     lowered = lower(project(pou), "case", pou="Ablauf", states="enumeration")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
     assert [kind.name for kind in lowered.project.data_types] == ["Ablauf_Step", "Ablauf_Step_2"]

@@ -13,7 +13,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.formats.codesys.schema import validate
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
@@ -50,7 +50,7 @@ def written(target: str, language: str, **options: str) -> tuple[LoweredPou, byt
 def test_what_comes_back_from_the_file_is_proven(target: str, language: str, profile: str) -> None:
     lowered, content = written(target, language, profile=profile, init="Init")
     found = equivalent(project(), sfc.loads(content), profile, fixed=lowered.at_rest)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD"])
@@ -176,7 +176,7 @@ def test_networks_of_others_stand_below_each_other_in_files_of_tc6(form: str) ->
     orders = [node.execution_order for node in sheet.nodes if node.execution_order]
     assert sorted(orders) == list(range(1, len(orders) + 1))
     found = equivalent(project(), again, "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)
 
 
 NAMES = st.sampled_from(["a", "b", "c"])
@@ -231,4 +231,4 @@ def test_numbers_that_are_written_under_a_condition_keep_their_values(target: st
     lowered = lower(plant, "flipflop", language="FBD", target=target, profile="iec", verify=False)
     again = sfc.loads(sfc.dumps(lowered.project, format=target), format=target)
     found = equivalent(plant, again, "iec", cap=5_000, runs=20)
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.kind is VerdictKind.PROVEN, str(found)

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
 from plcopen_sfc.semantics.net import Net
 from tests.lowering import training_chain as chain
 from tests.samples import FIXTURES
@@ -71,7 +71,7 @@ def test_the_networks_of_the_textbook_in_files(name: str) -> None:
     """Dialects have other names for pins; the flags do the same."""
     again = sfc.load(chain.FOLDER / name)
     verdict = equivalent(chain.lowered("flipflop", None).project, again, "iec")
-    assert verdict.outcome is Outcome.PROVEN, str(verdict)
+    assert verdict.kind is VerdictKind.PROVEN, str(verdict)
 
 
 def test_a_network_for_each_step_in_tia_portal() -> None:
@@ -91,7 +91,7 @@ def test_a_network_for_each_step_in_tia_portal() -> None:
 def test_exact_code_is_proven_from_every_file(construction: str, name: str) -> None:
     lowered = sfc.lower(sfc.load(chain.FOLDER / name), construction, profile="iec")
     assert lowered.proof is not None
-    assert lowered.proof.outcome is Outcome.PROVEN, str(lowered.proof)
+    assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
 
 
 def test_the_block_of_s7_graph_is_the_same_chart() -> None:
@@ -103,4 +103,4 @@ def test_the_block_of_s7_graph_is_the_same_chart() -> None:
         if name.name.startswith(("OFF_", "INIT_", "ACK_", "S_", "SW_", "T_")) and name.name != "S_SEL"
     }
     verdict = equivalent(project, lowered.project, "s7graph", fixed=still)
-    assert verdict.outcome is Outcome.PROVEN, str(verdict)
+    assert verdict.kind is VerdictKind.PROVEN, str(verdict)

@@ -15,18 +15,19 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
 from plcopen_sfc.lowering.actions.ownership import OwnVariables, WrittenPaths, standard_instances
-from plcopen_sfc.lowering.actions.stepwise import StepwiseControl
+from plcopen_sfc.lowering.actions.sequential import SequentialControl
 from plcopen_sfc.lowering.code.emitting import comment_lines
 from plcopen_sfc.lowering.code.logic import FALSE, TRUE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.memory import Memory
 from plcopen_sfc.lowering.code.program import Code, StepValue, TextNetwork
 from plcopen_sfc.lowering.reading.source import ActionSource, ChartSource
 from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.semantics.profile import BooleanTargets
+from plcopen_sfc.semantics.profile import ActionControl as ActionControlKind
+from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets
 
 
 def add_actions(
-    source: ChartSource, code: Code, control: ActionControl | StepwiseControl, memory: Memory, rules: LoweringRules
+    source: ChartSource, code: Code, control: ActionControl | SequentialControl, memory: Memory, rules: LoweringRules
 ) -> None:
     """Append what drives and executes the actions, in the order in which the profile does."""
     actions = _in_order(source, rules)
@@ -40,6 +41,8 @@ def add_actions(
     for action in actions:
         if action.target is None and not action.statements:
             execution.explain(action)
+    if isinstance(control, SequentialControl):
+        code.add(rules.texts.steps_before, control.remember())
 
 
 def add_conditions(source: ChartSource, code: Code, memory: Memory, active: StepValue, rules: LoweringRules) -> None:
@@ -54,10 +57,18 @@ def add_conditions(source: ChartSource, code: Code, memory: Memory, active: Step
 
 
 def _in_order(source: ChartSource, rules: LoweringRules) -> list[ActionSource]:
-    actions = list(source.actions)
-    if rules.profile.alphabetic_actions:
-        actions.sort(key=lambda action: "" if action.in_place else action.name.casefold())
-    return actions
+    order = rules.profile.action_order
+    variables_first = rules.profile.action_control is ActionControlKind.SEQUENTIAL
+    declared = {action.name.casefold(): number for number, action in enumerate(source.pou.actions)}
+
+    def place(action: ActionSource) -> tuple[bool, int, str]:
+        name = "" if action.in_place else action.name.casefold()
+        late = variables_first and action.target is None
+        if order is ActionOrder.ALPHABETIC:
+            return late, 0, name
+        return late, declared.get(name, -1) if order is ActionOrder.DECLARED else 0, ""
+
+    return sorted(source.actions, key=place)
 
 
 class _Execution:
@@ -65,7 +76,7 @@ class _Execution:
         self,
         source: ChartSource,
         code: Code,
-        control: ActionControl | StepwiseControl,
+        control: ActionControl | SequentialControl,
         memory: Memory,
         rules: LoweringRules,
     ) -> None:
@@ -91,7 +102,9 @@ class _Execution:
                 executed = disjunction([lasting, single, ended])
             self._add(action, executed, statements)
             return
-        if self._always or self._owned.is_false_at_rest(action.target):
+        if isinstance(self._control, SequentialControl):
+            self._decide(action, self._control, statements)
+        elif self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
         else:
             driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
@@ -99,6 +112,16 @@ class _Execution:
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
         self._code.add(self._texts.action(action.name), statements, self._said(action))
+
+    def _decide(self, action: ActionSource, control: SequentialControl, statements: list[Statement]) -> None:
+        """Write a variable where its associations decide on it."""
+        assert action.target is not None  # noqa: S101
+        decision = control.decision(action, statements)
+        if control.never_holds(action) and self._owned.is_false_at_rest(action.target):
+            statements.append(assignment(action.target, decision.on))
+            return
+        statements += self._memory.conditional("", decision.off, [assignment(action.target, FALSE)])
+        statements += self._memory.conditional("", decision.on, [assignment(action.target, TRUE)])
 
     # -- all decided on, then all executed
 
@@ -109,16 +132,23 @@ class _Execution:
         acting: list[tuple[ActionSource, Expression]] = []
         idle: list[Statement] = []
         for action in actions:
-            lasting, single = self._control.outputs(action, deciding)
             name = action.name
+            if action.target is not None and isinstance(self._control, SequentialControl):
+                decision = self._control.decision(action, deciding)
+                off = self._memory.named(self._texts.with_suffix(name, "end"), decision.off, deciding)
+                driven = self._memory.named(f"{name}_Q", decision.on, deciding)
+                idle += self._memory.conditional("", off, [assignment(action.target, FALSE)])
+                acting.append((replace(action, statements=(assignment(action.target, TRUE),)), driven))
+                continue
+            lasting, single = self._control.outputs(action, deciding)
             if action.target is not None:
                 driven = self._memory.named(f"{name}_Q", disjunction([lasting, single]), deciding)
-                off, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
+                rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
                 if self._always:
-                    idle += self._memory.conditional("", negation(driven), off)
+                    idle += self._memory.conditional("", negation(driven), rest)
                 else:
                     ended = self._memory.falling(self._texts.with_suffix(name, "end"), driven, deciding)
-                    ending += self._memory.conditional("", ended, off)
+                    ending += self._memory.conditional("", ended, rest)
                 acting.append((replace(action, statements=(on,)), driven))
                 continue
             if not is_constant(single, FALSE):

@@ -12,8 +12,8 @@ from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
 from plcopen_sfc.lowering.actions.drive import DriveBlock, Signal, without_texts
 from plcopen_sfc.lowering.actions.executing import add_actions, add_conditions
+from plcopen_sfc.lowering.actions.sequential import SequentialControl, stepwise_timed
 from plcopen_sfc.lowering.actions.step_code import add_changes, add_main_actions
-from plcopen_sfc.lowering.actions.stepwise import StepwiseControl, stepwise_timed
 from plcopen_sfc.lowering.chains.flags import FlagCode
 from plcopen_sfc.lowering.chains.modes import Modes
 from plcopen_sfc.lowering.chains.restart import declare_restart
@@ -70,7 +70,7 @@ class Chain(ABC):
         self.times = StepTimes(code, self.active, names.__getitem__)
         for watch in source.watches:
             self.times.elapsed(watch.step)
-        if self.profile.action_control is Control.PER_STEP:
+        if self.profile.action_control is Control.SEQUENTIAL:
             for step in stepwise_timed(source):
                 self.times.elapsed(step)
         self.source = resolve_steps(source, self.active, self.times, rules.profile, self._may_fire)
@@ -160,10 +160,13 @@ class Chain(ABC):
             return
         add_actions(self.source, self.code, self._control(self.code, self.memory, ending), self.memory, self.rules)
 
-    def _control(self, code: Code, memory: Memory, ending: Expression) -> ActionControl | StepwiseControl:
+    def _control(self, code: Code, memory: Memory, ending: Expression) -> ActionControl | SequentialControl:
         """What drives actions that stand in `code`."""
-        if self.profile.action_control is Control.PER_STEP:
-            return StepwiseControl(self.net, code, memory, self.times, active=self.active, ending=ending)
+        if self.profile.action_control is Control.SEQUENTIAL:
+            entered = self.profile.initial_steps_entered
+            return SequentialControl(
+                self.net, code, memory, self.times, active=self.active, ending=ending, entered=entered
+            )
         return ActionControl(memory, self.active, ending)
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:

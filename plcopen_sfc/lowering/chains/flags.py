@@ -181,12 +181,12 @@ class FlagCode:
             longer = n.Operation(Operator.GREATER, (times.elapsed(watch.step), watch.time))
             allowed = [negation(error), *([limit] if limit is not None else [])]
             late = conjunction([active(watch.step), *allowed, longer])
-            report = [
+            report = [  # the reasons first: transitions may ask for SFCError and the others themselves
+                *self._analysis(watch),
+                *(self._table.filled(watch.reasons) if self._table is not None else []),
                 *self._assigned(SfcFlag.ERROR, TRUE),
                 *self._assigned(SfcFlag.ERROR_STEP, self._text(step.step.name)),
                 *self._assigned(SfcFlag.ERROR_POU, self._text(self._source.pou.name)),
-                *self._analysis(watch),
-                *(self._table.filled(watch.reasons) if self._table is not None else []),
             ]
             statements = self._memory.conditional(
                 self._texts.with_suffix(self._texts.flag_name(step.step), "late"), late, report

@@ -55,11 +55,11 @@ class StepFlags(Chain):
     def choose(self) -> None:
         """Append a bit for each transition: enabled, its condition TRUE, and no rival before it has fired."""
         parts: list[CodeNetwork] = []
+        rivals = exclusive_rivals(self.net, self.profile)
         for transition in self.net.transitions:
             statements: list[Statement] = []
-            rivals = exclusive_rivals(self.net, transition, self.profile)
             enabled = [self.enabled(transition)]
-            free = [negation(self.fired[i]) for i in rivals]
+            free = [negation(self.fired[i]) for i in rivals[transition.index]]
             free += [negation(each) for each in self.blocking]
             statements += self.prepared(transition.index, conjunction([*enabled, *free]))
             condition = self.source.conditions[transition.index]
@@ -83,15 +83,18 @@ class StepFlags(Chain):
         return firing_together(self.net, self.profile) is None and isinstance(find_regions(self.net), Regions)
 
     def reentered(self) -> Mapping[int, Expression]:
-        """Steps that are left and entered in one scan, by the bits of the transitions.
+        """Steps whose time starts anew though they are active, by the bits of the transitions.
 
-        In a safe chart one transition does both; where it is not known to be safe two of them can.
+        They are left and entered in one scan. In a safe chart one transition does both; where it is not known to be
+        safe two of them can.
         """
         found: dict[int, Expression] = {}
         for step in range(len(self.net.steps)):
             leaving, entering = self.net.leaving[step], self.net.entering[step]
             loops = disjunction(self.fired[i] for i in leaving if i in entering)
             both = [disjunction(self.fired[i] for i in side) for side in (leaving, entering)]
+            if self.profile.entering_restarts_time:
+                both = both[1:]
             again = loops if self.is_safe else disjunction([loops, conjunction(both)])
             if not is_constant(again, FALSE):
                 found[step] = again

@@ -40,7 +40,7 @@ def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRul
     """How networks are drawn. Boxes of S7 have the names of IEC 61131-3; who writes the file knows the others."""
     rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
     own = {system: block for block, system in S7_INSTANCES.items()}
-    instances = {name: own.get(kind, kind) for name, kind in rules.instances.items()}
+    instances = {name: own.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
     operands = {print_node(name, dialect): block for name, block in code.operands.items()}
     return replace(rules, instances=instances, operands=operands)
 

@@ -83,6 +83,7 @@ class Code:
     tool: Tool | None = None
     culture: str = ""
     operands: dict[n.Expression, str] = field(default_factory=dict)
+    instances: Mapping[str, str] = field(default_factory=dict)
     flags: FlagPlaces | None = None
     first_scan: n.Name | None = None
     texts: Texts = field(default_factory=Texts)

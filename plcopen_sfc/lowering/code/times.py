@@ -38,7 +38,8 @@ class StepTimes:
 
     def is_over(self, step: int, time: Expression) -> Expression:
         """Whether a step has been active for `time`."""
-        if FOREVER in self._timers.get(step, {}):
+        # the output of a TON stays TRUE when its PT grows
+        if FOREVER in self._timers.get(step, {}) or not isinstance(time, n.Literal):
             return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
         return n.Member(self._timer(step, time), n.Name("Q"))
 

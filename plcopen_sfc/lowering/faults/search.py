@@ -147,7 +147,7 @@ class _Observed:
         return self.program.snapshot()
 
     def _seen(self) -> _Seen:
-        values = tuple(map(bool, self.program.observed()))
+        values = tuple(map(bool, self.program.observed_now()))
         steps, before, behind, restarts = accumulate(self._counts)
         return _Seen(
             _bits(range(steps), values[:steps]),
@@ -192,7 +192,7 @@ class _FewInputs(Branching):
 
     def read(self, name: str) -> Any:
         """The value of an input in this scan."""
-        enough = list(self.values.values()).count(True) >= self._most
+        enough = sum(value is True for value in self.values.values()) >= self._most
         if enough and name not in self.values and self._domains[name].signal.kind is SignalKind.BOOL:
             self.values[name] = False
         return super().read(name)
@@ -346,7 +346,7 @@ class _Showing:
                     {name: row[name] for name in read},
                     net.names(active),
                     net.names(seen.marking),
-                    dict(zip(outputs, map(bool, self._chart.observed()), strict=True)),
+                    dict(zip(outputs, map(bool, self._chart.observed_now()), strict=True)),
                     {name: values[name] for name in outputs},
                 )
             )

@@ -42,7 +42,7 @@ from plcopen_sfc.lowering.reading.source import ChartSource
 from plcopen_sfc.lowering.rules import ActionPlace
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.net import indexes
-from plcopen_sfc.semantics.profile import BooleanTargets, Evolution, Profile
+from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets, Evolution, Profile
 
 _INDENT = "    "
 
@@ -357,7 +357,7 @@ def _bits(source: ChartSource) -> set[str]:
 
 def _outputs(profile: Profile) -> Profile:
     """How continuous actions are executed: each output in every scan, in the order of the chart (4.8.2)."""
-    return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, alphabetic_actions=False)
+    return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, action_order=ActionOrder.FIRST_USE)
 
 
 def add_grafcet(chain: Chain) -> None:

@@ -105,6 +105,7 @@ class _Reader(TextReader):
             actions=(),
             step_code=(),
             minimum_times={},
+            instances=self.instances,
             interlocks=interlocks,
             supervisions=supervisions,
             rows=rows,

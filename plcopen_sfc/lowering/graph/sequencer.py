@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -23,7 +24,7 @@ from plcopen_sfc.lowering.graph.checks import Asked, StepChecks
 from plcopen_sfc.lowering.graph.commands import Commands
 from plcopen_sfc.lowering.graph.reports import add_reports
 from plcopen_sfc.lowering.graph.shown import show
-from plcopen_sfc.lowering.graph.source import GraphSource
+from plcopen_sfc.lowering.graph.source import GraphSource, Row
 from plcopen_sfc.lowering.graph.step_data import Phase, Questions, StepSign, step_quantity
 from plcopen_sfc.lowering.graph.texts import graph_texts
 from plcopen_sfc.lowering.graph.times import StepClock
@@ -217,7 +218,7 @@ class Sequencer(ABC):
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
         self._add_checks_behind(self._alarms() if self._checked_late else "")
         signals = StepSignals(self.active, self.touched, self.event, self._released, self.clock.over, self.gone)
-        actions = Actions(self.source, self.code, self.texts, self.own_texts, signals)
+        actions = Actions(self._with_resolved_rows(), self.code, self.texts, self.own_texts, signals)
         actions.add_coils()
         self.add_leaving(actions.leaving())
         self.add_acting(actions.acting())
@@ -229,6 +230,17 @@ class Sequencer(ABC):
             for step, name in sorted(self._registered.items())
         ]
         self.add_events(place, registered)
+
+    def _with_resolved_rows(self) -> GraphSource:
+        """The sequencer with what stands for the data of steps in its actions."""
+
+        def resolved(row: Row) -> Row:
+            target, value = (
+                self.resolve(tree, Phase.ACT) if tree is not None else None for tree in (row.target, row.value)
+            )
+            return replace(row, target=target, value=value, statements=tuple(self.resolved(row.statements, Phase.ACT)))
+
+        return replace(self.source, rows=tuple(tuple(map(resolved, rows)) for rows in self.source.rows))
 
     def _restarted(self) -> list[Statement]:
         return self.clock.restarted(lambda step: self.event(step, ActionEvent.S1))

@@ -125,6 +125,11 @@ class Questions:
                     self._asked[found].append(text)
                     self._asking.add(id(text.tree))
             _check_names(text, text.tree, names, self.steps)
+        for step, rows in enumerate(source.rows):
+            for row in rows:
+                if row.target is not None and step_quantity(row.target, self.steps) is not None:
+                    path = f"step {source.net.steps[step].path} / action {row.name}"
+                    raise LoweringError("data of steps are written", location=Location(path=path))
 
     def __contains__(self, quantity: tuple[int, str]) -> bool:
         return quantity in self._asked

@@ -57,8 +57,10 @@ class StepClock:
 
     def _limit(self, step: int, asked: set[str], durations: Sequence[Expression]) -> Expression:
         """The time that the timer of a step measures: one that is beyond all that it is compared with."""
-        if not asked and all(duration == durations[0] for duration in durations):
-            return durations[0]
+        first = durations[0] if durations else None
+        # a TON whose PT changes while it runs is another one in every controller
+        if not asked and isinstance(first, n.Literal) and all(duration == first for duration in durations):
+            return first
         times = [_nanoseconds(duration) for duration in durations]
         times += [_nanoseconds(constant) for constant in self._questions.compared(step, asked)]
         if "U" in asked and self._is_checked(step):

@@ -23,7 +23,7 @@ from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
 from plcopen_sfc.model.types import Elementary, ElementaryType
 from plcopen_sfc.semantics.charts.flags import flags_in_use
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
-from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
+from plcopen_sfc.semantics.profile import ActionControl, Evolution, Profile, ScanOrder
 
 
 def read_chart(
@@ -81,7 +81,8 @@ class _Reader(TextReader):
         if profile.initial_situation_held:
             self.refuse(f"the initial situation is held under the profile {profile.name}: that is not lowered", "")
         used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
-        if not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
+        shared = profile.action_control is ActionControl.PER_ACTION
+        if shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
             self.refuse(f"R does not end the times of SD and SL under {profile.name}: that is not lowered", "")
         if not profile.initial_steps_entered:
             for step in self._net.steps:
@@ -118,6 +119,7 @@ class _Reader(TextReader):
             dict(self._minimum_times()),
             tuple(self._watches()),
             self._flags,
+            instances=self.instances,
         )
         return replace(source, undeclared_flags=self._undeclared(source.names()))
 

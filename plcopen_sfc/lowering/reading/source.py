@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 from plcopen_sfc.languages.dialects import Dialect
@@ -118,7 +118,7 @@ class ChartSource:
     need. `minimum_times` are those of steps, by index; `watches` their longest times where these are watched. `flags`
     are the SFC flags in use, `undeclared_flags` those that only the tool declares. `waited` are, by transition, the
     minimum times of its steps that have passed; they are known when step variables are. `grafcet`: what only IEC 60848
-    has.
+    has. `instances` are the types of the instances in drawings by name.
     """
 
     pou: Pou
@@ -135,6 +135,7 @@ class ChartSource:
     flags: frozenset[SfcFlag] = frozenset()
     undeclared_flags: frozenset[SfcFlag] = frozenset()
     grafcet: GrafcetSource | None = None
+    instances: Mapping[str, str] = field(default_factory=dict)
 
     def changed(self, change: Change) -> ChartSource:
         """The same chart with `change` applied to every text but the targets of actions."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import NamedTuple, NoReturn
 
 from plcopen_sfc.errors import Location, LoweringError
@@ -17,6 +18,7 @@ from plcopen_sfc.languages.networks import (
 )
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
+from plcopen_sfc.lowering.code.logic import FALSE, TRUE
 from plcopen_sfc.lowering.reading.called import Targets
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition
@@ -39,6 +41,8 @@ class TextReader:
         self.chart = chart
         self.dialect = dialect
         self.helpers = [*helpers]
+        self.instances: dict[str, str] = {}
+        """The types of the instances in drawings, as texts name them: of global ones only a drawing may tell."""
         self._taken = [helper.name for helper in self.helpers]
         self._readers: dict[int, Callable[[Condition], NetworkExpression]] = {}
 
@@ -60,6 +64,7 @@ class TextReader:
         for wrong in found.obstacles:
             self.refuse(f"it cannot be read: {wrong.message}", path)
         self.helpers += found.helpers
+        self.instances |= found.instances
         self._taken += [helper.name for helper in found.helpers]
 
     def logic(self) -> tuple[n.Statement, ...]:
@@ -82,7 +87,7 @@ class TextReader:
         self._accept(found, path)
         if found.tree is None:
             self.refuse("the condition has no value", path)
-        return ConditionText(n.bare(found.tree), self._staying(found.before, path))
+        return ConditionText(_as_truth(n.bare(found.tree)), self._staying(found.before, path))
 
     def expression(self, text: str, path: str) -> n.Expression:
         """An expression."""
@@ -116,4 +121,24 @@ class TextReader:
             for node in walk(statement):
                 if isinstance(node, n.Return | n.Goto | n.Label):
                     self.refuse("RETURN and jumps are not lowered: in the code they would leave more than this", path)
+                if isinstance(node, n.EmbeddedCode):
+                    self.refuse("code in C ({{ .. }}) is not lowered: it is not known what it does", path)
         return statements
+
+
+_TRUTHS = {"0": FALSE, "1": TRUE}
+_JOINING = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
+
+
+def _as_truth(tree: n.Expression) -> n.Expression:
+    """A condition with FALSE and TRUE for 0 and 1, which IEC 61131-3 ed. 2 has for them too, and other dialects not."""
+    match tree:
+        case n.Literal(text) if text in _TRUTHS:
+            return _TRUTHS[text]
+        case n.Parenthesized(inner):
+            return replace(tree, inner=_as_truth(inner))
+        case n.Unary(n.Operator.NOT, operand):
+            return replace(tree, operand=_as_truth(operand))
+        case n.Operation(operator, operands) if operator in _JOINING:
+            return replace(tree, operands=tuple(map(_as_truth, operands)))
+    return tree
