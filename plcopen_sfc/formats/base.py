@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib import import_module
@@ -48,6 +48,10 @@ class WriteOptions:
     file that it was read from, to keep to its habits.
     `untouched` names bodies (``Main``, ``Main.Fill``) whose charts are not written because they stay as they are in the
     file that is patched. `baseline` is the project as it was read, by which a writer sees what was edited.
+    `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
+    `Codec.added_objects`.
+    `marks` are what to keep beside objects that were rewritten, by their `id()`.
+    `missing_is_true`: the project means TRUE by a transition without condition, as S7-GRAPH does.
     """
 
     version: str = ""
@@ -56,15 +60,23 @@ class WriteOptions:
     source: bytes = b""
     untouched: frozenset[str] = frozenset()
     baseline: Project | None = None
+    whole: Project | None = None
+    added: bool = False
+    marks: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+    missing_is_true: bool = False
 
 
 class Codec(Protocol):
     """The module of a format. One that does not write has no ``write``.
 
     One with ``adapt(project, options, report)`` changes a copy of the project, before it is written, into what the
-    format makes of it: numbers that its tool requires, names that it gives. One with ``normalize(data)`` takes out of a
-    file what its tool does not look at. One with ``as_tool_sees(data, file=..)`` takes out what only this package
-    reads; without it a file holds nothing of the kind.
+    format makes of it: numbers that its tool requires, names that it gives. One with ``rewrite(project, options,
+    report)`` gives a copy that says in terms of its tool what the project means, and marks for `WriteOptions`, from
+    which its reader makes the project again; its ``is_rewritten(project, content)`` tells if a file is such a copy. One
+    with ``normalize(data)`` takes out of a file what its tool does not look at. One with ``added_objects(project)``
+    writes objects for its tool that the project has otherwise, and that are no objects of it when the file is read
+    again. One with ``as_tool_sees(data,
+    file=..)`` takes out what only this package reads; without it a file holds nothing of the kind.
     """
 
     def read(self, data: bytes, *, file: str | None = None) -> Reading:
@@ -101,7 +113,8 @@ class XmlCodec(Codec, Protocol):
 class Format:
     """One format in the table of formats.
 
-    `module` is imported when the format is used. `recognises` looks at the start of a file (see
+    `tool` is what reports call the tools that execute its files; empty: none does. `module` is imported when the format
+    is used. `recognises` looks at the start of a file (see
     `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
     is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`: the module is
     an `XmlCodec`, a `TextCodec`. `folders`: a folder of its files is one project; the module has
@@ -111,6 +124,7 @@ class Format:
 
     name: str
     title: str
+    tool: str
     module: str
     extensions: tuple[str, ...]
     recognises: Callable[[Any], bool]

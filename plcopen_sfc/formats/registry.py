@@ -3,30 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnknownVersionError
 from plcopen_sfc.formats.base import DrawingNeed, Format
+from plcopen_sfc.formats.head import Head, head_of
+from plcopen_sfc.formats.unread import refuse_by_content, refuse_by_name
 from plcopen_sfc.model.dialect import Dialect
-
-_ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
-HEAD = 65536
-"""How many bytes of a file are looked at to recognise its format."""
-
-
-@dataclass(frozen=True)
-class Head:
-    """What recognising needs to know of a file: its first text, and the root element where it is XML."""
-
-    text: str
-    root: str = ""
-    namespace: str = ""
-    data: bytes = b""
-    xhtml_prefix: bool = False
-
-    def mentions(self, text: str) -> bool:
-        """Whether `text` occurs anywhere in the file, in any of the encodings that XML uses."""
-        return any(text.encode(codec) in self.data for codec in ("utf-8", "utf-16-le", "utf-16-be"))
 
 
 def _is_tc6(head: Head) -> bool:
@@ -43,7 +25,7 @@ def _is_native(head: Head) -> bool:
 
 
 _TEXT_UNIT = re.compile(
-    r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\{[^}]*+\})\s*+)*+"
+    r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\{\{.*?\}\}|\{[^}]*+\})\s*+)*+"
     r"(?:PROGRAM|FUNCTION_BLOCK|FUNCTION|TYPE|VAR_GLOBAL|CONFIGURATION)\b(?!\s*[\":=])",
     re.DOTALL | re.IGNORECASE,
 )
@@ -81,6 +63,7 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="codesys",
         title="CODESYS V3 and TwinCAT 3 PLCopenXML",
+        tool="CODESYS",
         module="plcopen_sfc.formats.codesys.codec",
         extensions=(".xml",),
         recognises=_is_codesys,
@@ -101,6 +84,7 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="plcopen",
         title="PLCopen TC6 XML",
+        tool="TC6 tools",
         module="plcopen_sfc.formats.plcopen.codec",
         extensions=(".xml",),
         recognises=lambda head: _is_tc6(head) and not _is_codesys(head),
@@ -123,6 +107,7 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="simaticml",
         title="SimaticML of TIA Portal Openness",
+        tool="TIA Portal",
         module="plcopen_sfc.formats.simaticml.codec",
         extensions=(".xml",),
         recognises=_is_simaticml,
@@ -150,6 +135,7 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="json",
         title="the model itself",
+        tool="",
         module="plcopen_sfc.formats.native.codec",
         extensions=(".json",),
         recognises=_is_native,
@@ -158,6 +144,7 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="scl",
         title="external sources of TIA Portal and STEP 7 in SCL",
+        tool="TIA Portal",
         module="plcopen_sfc.formats.scl.codec",
         extensions=(".scl",),
         recognises=_is_scl,
@@ -168,6 +155,7 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="iec-text",
         title="IEC 61131-3 as text, with SFC",
+        tool="tools that read the text",
         module="plcopen_sfc.formats.iectext.codec",
         extensions=(".st", ".iecst", ".sfc"),
         recognises=_is_iec_text,
@@ -178,6 +166,7 @@ FORMATS: tuple[Format, ...] = (
             "comments",
             "the rest in pragmas",
         ),
+        flavours=("matiec",),
         text=True,
     ),
 )
@@ -218,11 +207,17 @@ TIA_FORMAT = "simaticml"
 
 
 def recognise(data: bytes, *, file: str | None = None) -> Format:
-    """The format of a file's content. Raises `UnknownFormatError`, or what is wrong with the XML where it is XML."""
-    head = _head(data)
+    """The format of a file's content.
+
+    Raises `UnreadFormatError` for files of tools that are not read, `UnknownFormatError`, or what is wrong with the XML
+    where it is XML.
+    """
+    head = head_of(data)
+    refuse_by_content(head, file)
     found = next((f for f in FORMATS if f.recognises(head)), None)
     if found is not None:
         return found
+    refuse_by_name(head, file)
     if head.text.lstrip().startswith("{"):
         raise UnknownFormatError(
             "JSON, but not a model that plcopen_sfc has saved", location=Location(file), hint=_HINT
@@ -237,26 +232,7 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
 
 def recognised_as(kind: Format, start: bytes) -> bool:
     """Whether the first `HEAD` bytes of a file look like `kind`."""
-    return kind.recognises(_head(start))
+    return kind.recognises(head_of(start))
 
 
 _HINT = "`plcopen-sfc formats` lists what can be read; give the format by name to insist on one."
-
-
-def _head(data: bytes) -> Head:
-    start = data[:HEAD]
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
-        text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
-    elif start[:2] in (b"<\0", b"\0<"):
-        text = start[: len(start) // 2 * 2].decode("utf-16-le" if start[:1] == b"<" else "utf-16-be", errors="replace")
-    else:
-        text = start.decode("utf-8-sig", errors="replace")
-    plain = re.sub(r"<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\])?\s*>", "", text, flags=re.DOTALL)
-    match = _ROOT.search(plain)
-    if match is None or plain[: match.start()].strip():
-        return Head(text, data=data)
-    prefix, root, attributes = match.groups()
-    name = f"xmlns:{prefix}" if prefix else "xmlns"
-    declared = re.search(rf"\s{re.escape(name)}\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", attributes)
-    namespace = (declared.group(1) or declared.group(2) or "") if declared else ""
-    return Head(text, root, namespace, data, "http://www.w3.org/1999/xhtml" in attributes)

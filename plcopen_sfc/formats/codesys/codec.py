@@ -11,16 +11,18 @@ from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
 from plcopen_sfc.formats.codesys.declarations import drop_stale
 from plcopen_sfc.formats.codesys.dialect import CODESYS
-from plcopen_sfc.formats.plcopen import adapting
+from plcopen_sfc.formats.plcopen import adapting, host
 from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
+from plcopen_sfc.formats.plcopen.rewritten import Marks
 from plcopen_sfc.formats.plcopen.versions import V2_01
 from plcopen_sfc.formats.xml import tool_view, writing
 from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.languages.embedded_code import embedded_code
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Outcome
 
 as_tool_sees = tool_view.as_tool_sees
 
@@ -44,9 +46,16 @@ def lines(content: bytes, project: Project) -> dict[str, int]:
     return source_lines(content, project)
 
 
-def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
-    """Make of `project`, a copy, what this format makes of it."""
-    adapting.adapt(project, options, report)
+def rewrite(project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+    """A copy of `project` that says what the tool is to execute in its terms, and what to keep of the source where."""
+    for place in embedded_code(project):
+        report.add(Outcome.NOT_EXECUTED, "code in C", place, "CODESYS and TwinCAT do not compile {{ .. }}")
+    return adapting.rewrite(project, host.CODESYS, options, report)
+
+
+def is_rewritten(project: Project, content: bytes) -> bool:
+    """True if the file `content` of `project` holds what was rewritten, or an edit made that necessary."""
+    return adapting.is_rewritten(project, content, host.CODESYS)
 
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

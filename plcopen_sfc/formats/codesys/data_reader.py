@@ -15,6 +15,7 @@ from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.plcopen.body_reader import defer, read_body, read_pou
 from plcopen_sfc.formats.plcopen.project_reader import read_resource
 from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext, attributes, carried, read_common
+from plcopen_sfc.formats.plcopen.rewritten import sources_of_section
 from plcopen_sfc.formats.plcopen.types_reader import read_data_type_declaration, read_interface, read_section
 from plcopen_sfc.formats.xml.carrying import markup
 from plcopen_sfc.model.network import BlockCall
@@ -241,7 +242,9 @@ def read_global_variables(ctx: ReadContext, data: etree._Element, fields: Fields
     element = _only(data, "globalVars")
     if element is None or owner != "project":
         return False
-    fields.setdefault("global_variables", []).append(read_section(ctx, element, "global"))
+    section = read_section(ctx, element, "global")
+    if sources_of_section(section) is None:
+        fields.setdefault("global_variables", []).append(section)
     return True
 
 

@@ -42,6 +42,7 @@ NATIVE_FIELDS = {
     "pou": frozenset({"object_id", "methods"}),
     "interface": frozenset({"declaration"}),
     "action": frozenset({"object_id", "exclude", "symbol", "comment"}),
+    "action_object": frozenset({"object_id"}),
     "transition_object": frozenset({"object_id"}),
     "method": frozenset({"object_id"}),
     "dataType": frozenset({"object_id", "declaration", "place"}),

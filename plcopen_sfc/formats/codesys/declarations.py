@@ -12,7 +12,7 @@ from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import Interface, VariableSection
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _Declared = Interface | DataTypeDeclaration | VariableSection
 
@@ -28,7 +28,7 @@ def drop_stale(project: Project, baseline: Project, report: ConversionReport) ->
         if _content(thing) != _content(old):
             stale.add(id(thing))
             why = "it no longer says what is declared; the tool builds it anew, without pragmas and comments between"
-            report.add(Fate.APPROXIMATED, "declaration text", path, why)
+            report.add(Outcome.APPROXIMATED, "declaration text", path, why)
     return frozenset(stale)
 
 

@@ -57,7 +57,6 @@ _OF_VENDOR = {
 _PAYLOADS = {names.PREFIX + key: tag for key, tag in (_OF_TC6 | _OF_VENDOR).items()}
 # Where TC6's own grammar begins again inside of foreign data.
 _TC6_AGAIN = frozenset(_OF_TC6.values()) | {"interface", "body", "addData"}
-_VENDOR = frozenset(_OF_VENDOR.values())
 
 _ANY_TEXT = re.compile(r"[\s\S]*")
 _SWITCH = re.compile(r"TRUE|FALSE", re.IGNORECASE)
@@ -111,14 +110,14 @@ def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
 
 
 def _judge(element: etree._Element) -> Severity:
-    """An error, unless the element belongs to the vendor and not to TC6."""
+    """An error, unless the element belongs to the vendor and not to TC6, as the description of a device does."""
     node: etree._Element | None = element
     while node is not None:
         local = etree.QName(node).localname if isinstance(node.tag, str) else ""
         parent = node.getparent()
         in_data = parent is not None and isinstance(parent.tag, str) and etree.QName(parent).localname == "data"
         if in_data:
-            return Severity.WARNING if local in _VENDOR else Severity.ERROR
+            return Severity.ERROR if local in _OF_TC6.values() else Severity.WARNING
         if local in _TC6_AGAIN:
             return Severity.ERROR
         node = parent

@@ -24,6 +24,8 @@ from plcopen_sfc.formats.iectext.printing import (
     foreign_pragmas,
     is_text_body,
     label,
+    missing,
+    outcome_of,
     pragma,
     pragmas,
     split,
@@ -34,11 +36,11 @@ from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
-from plcopen_sfc.model.body import Body
+from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _STEP_QUALIFIERS = {"entry": "P1", "main": "N", "exit": "P0"}
 WriteAction = Callable[[str, Body, str], str]
@@ -79,7 +81,7 @@ class ChartWriter:
         else:
             self.explicit, self.unused = _explicit_ids(ids)
         if self.explicit:
-            self.printer.note(Fate.CARRIED, "ids", self.path, "IEC text knows names only")
+            self.printer.note(Outcome.EXTENSION_DATA, "ids", self.path, "IEC text knows names only")
         transitions = list(self.chart.transitions)
         shown: set[int] = set()
         known = {step.id for step in self.chart.steps}
@@ -123,7 +125,7 @@ class ChartWriter:
     def step(self, index: int, step: Step) -> str:
         """``STEP name: associations END_STEP``, and the actions in place that belong to it."""
         path = f"{self.path} / step {step.name}"
-        self.printer.note(Fate.KEPT, "step", path)
+        self.printer.note(Outcome.KEPT, "step", path)
         in_place: list[tuple[str, Body]] = []
         lift = self._lifter(self.names[index], in_place)
         leave = frozenset({"id", "actions", *(f"{kind}_action" for kind in STEP_ACTIONS)})
@@ -139,7 +141,7 @@ class ChartWriter:
             value = getattr(step, f"{kind}_action")
             if value is not None:
                 lines += self._step_action(kind, value, in_place, self.names[index], inner)
-                self.printer.note(Fate.TRANSLATED, f"{kind} action", path, "an association with a pragma")
+                self.printer.note(Outcome.TRANSLATED, f"{kind} action", path, "an association with a pragma")
         for number, association in enumerate(step.actions):
             lines += self._association(association, number, in_place, index, path)
         keyword = "INITIAL_STEP" if step.initial else "STEP"
@@ -165,8 +167,8 @@ class ChartWriter:
         """The changes to write beside an element; those too big for it are left for the end of the unit."""
         near, late = split(changes(said, meant))
         for change in (*near, *late):
-            if change.path[0] != "id":
-                self.printer.note(Fate.CARRIED, label(change), path, "IEC text cannot say it")
+            if change.path[0] not in ("id", "target", "body", *_BEYOND):
+                self.printer.note(outcome_of(change), label(change), path, "IEC text cannot say it")
         if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
             self.late += [Change(("chart", *place, *change.path), change.value) for change in late]
         else:
@@ -200,16 +202,46 @@ class ChartWriter:
         if alone and body is not None:
             wanted["target"] = self.printer.new_name(f"{name}_action_{number + 1}")
             in_place.append((wanted["target"], body))
+        beyond = [key for key in _BEYOND if key in meant] + (["step"] if step.negated else [])
+        place = f"{path} / {association.target or wanted.get('target', '')}"
+        guarded = self._guarded(association, step) if beyond == ["condition"] else None
+        if guarded is not None:
+            wanted["target"] = self.printer.new_name(f"{name}_{association.target}")
+            in_place.append((wanted["target"], guarded))
+            self.printer.note(Outcome.TRANSLATED, "action", place, "in an action; the association in pragmas")
+        elif beyond:
+            wanted["target"] = missing(self.printer, association.target or name)
+            for key in beyond:
+                why = "no text says it; the text does not compile there"
+                self.printer.note(Outcome.NOT_EXECUTED, key, place, why)
         shown, said = self._call(wanted)
-        if alone:
+        if guarded is not None:
+            said["body"] = {"body_of": said.pop("target")}
+        elif alone and beyond:
+            meant["body"] = {"body_of": in_place[-1][0]}
+        elif alone:
             meant["body"] = said["body"] = {"body_of": said.pop("target")}
-        self.printer.note(Fate.KEPT, "association", f"{path} / {association.target or wanted.get('target', '')}")
+        self.printer.note(Outcome.KEPT, "association", f"{path} / {association.target or wanted.get('target', '')}")
         comment = meant.get("comment")
         beside = format_comment(comment, inner) if isinstance(comment, str) else None
         if beside is not None:
             said["comment"] = comment
         near = self._near(said, meant, ("steps", Numbered(step.id), "actions", Numbered(association.id)), path)
         return f"{inner}{shown};" + (f" {beside}" if beside else "") + _beside(near, inner + INDENT)
+
+    def _guarded(self, association: ActionAssociation, step: Step) -> Body | None:
+        """A body that does what N does with a variable under a condition.
+
+        It is executed once more when the step is left (IEC 61131-3, 6.7.4.6), which makes the variable FALSE.
+        """
+        target, condition = association.target or "", association.condition
+        plain = association.qualifier in (Qualifier.N, Qualifier.NONE) and association.body is None
+        if not plain or not self.printer.is_name(target) or target.casefold() in self.printer.actions:
+            return None
+        if not isinstance(condition, Expression) or not self.printer.is_expression(condition.text.strip()):
+            return None
+        text = f"({condition.text.strip()})"
+        return StBody(text=f"{target} := {step.name}.X AND {'NOT ' if condition.negated else ''}{text};")
 
     def _call(self, wanted: Fields) -> tuple[str, Fields]:
         """``target(qualifier, time, indicator)`` as far as it can be written, and what a reader takes from it."""
@@ -237,7 +269,7 @@ class ChartWriter:
     def transition(self, transition: Transition) -> str:
         """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
         path = f"{self.path} / transition {self.labels[transition.id]}"
-        self.printer.note(Fate.KEPT, "transition", path)
+        self.printer.note(Outcome.KEPT, "transition", path)
         in_place: list[tuple[str, Body]] = []
         name = transition.name if self.printer.is_name(transition.name) else ""
         meant = plain_fields(transition, leave=frozenset({"id", "condition"}))
@@ -282,14 +314,14 @@ class ChartWriter:
             meant["condition"] = plain_fields(condition)
             text = (condition.text if isinstance(condition, Expression) else condition.name).strip()
             if not self.printer.is_expression(text):
-                return "", {}
+                return self._nothing_right(transition, inner)
             said: Fields = {"kind": "expression", "text": text}
             if condition.negated:
                 shown = f"NOT {text}" if self.printer.is_name(text) else f"NOT ({text})"
                 back: Fields = {"text": shown}
                 unnegated(back)
                 if back["text"] != text:
-                    return "", {}
+                    return self._nothing_right(transition, inner)
                 text = shown
             if said["text"].casefold() in self.named:
                 said = {"kind": "named", "name": said["text"]}
@@ -302,19 +334,37 @@ class ChartWriter:
                 meant["condition"] = plain_fields(condition)
                 shown = f"{inner}:\n{indented(text, inner + INDENT)}\n"
                 return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
-        shown_text = self._shown(transition) if self.unique and _is_drawn(condition) else None
-        if shown_text is not None:
-            self.printer.note(Fate.TRANSLATED, "condition", self.path, "shown as an expression; the drawing in pragmas")
-            self.late += drawn_changes(
-                plain_fields(condition), shown_text, ("chart", "transitions", Numbered(transition.id))
-            )
-            return f"{inner}:= {shown_text};\n", {}
+        if self.unique and _is_drawn(condition):
+            return self._drawn(transition, inner), {}
         meant["condition"] = plain_fields(condition, self._lifter(wish, in_place))
-        return "", {}
+        return self._nothing_right(transition, inner)
 
-    def _shown(self, transition: Transition) -> str | None:
-        text = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
-        return text if text is not None and self.printer.is_expression(text) else None
+    def _drawn(self, transition: Transition, inner: str) -> str:
+        """The lines that show a drawn condition; the drawing stands at the end of the unit."""
+        path = f"{self.path} / transition {self.labels[transition.id]}"
+        found = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
+        shown, lines = "", ""
+        if found is not None and found[1]:
+            code, comes_back = self.printer.code(found[0])
+            if comes_back and code.whole() == code.text:
+                shown, lines = code.text, f"{inner}:\n{indented(code.text, inner + INDENT)}\n"
+        elif found is not None and self.printer.is_expression(found[0]):
+            shown, lines = found[0], f"{inner}:= {found[0]};\n"
+        if lines:
+            self.printer.note(Outcome.TRANSLATED, "condition", path, "shown as text; the drawing in pragmas")
+        else:
+            lines, said = self._nothing_right(transition, inner)
+            shown = said["condition"]["text"]
+        place = ("chart", "transitions", Numbered(transition.id))
+        self.late += drawn_changes(plain_fields(transition.condition) if transition.condition else {}, shown, place)
+        return lines
+
+    def _nothing_right(self, transition: Transition, inner: str) -> tuple[str, Fields]:
+        """A condition that does not compile: without one the transition would be always true."""
+        text = missing(self.printer, self.labels[transition.id])
+        path = f"{self.path} / transition {self.labels[transition.id]}"
+        self.printer.note(Outcome.NOT_EXECUTED, "condition", path, "no text says it; the text does not compile there")
+        return f"{inner}:= {text};\n", {"condition": {"kind": "expression", "text": text}}
 
 
 def _is_drawn(condition: Condition | None) -> bool:
@@ -324,6 +374,8 @@ def _is_drawn(condition: Condition | None) -> bool:
     return isinstance(condition, WiredCondition)
 
 
+_BEYOND = ("event", "value", "negated", "kind", "condition", "forcing")
+"""Fields of an association that decide when it acts, or what it does, and that no text says."""
 _MOST_GAPS = 8
 
 

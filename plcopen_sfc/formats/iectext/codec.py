@@ -5,11 +5,13 @@ from __future__ import annotations
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location
 from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.iectext.compiled import compiled_text
 from plcopen_sfc.formats.iectext.lines import source_lines
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.project_writer import write_project
 from plcopen_sfc.formats.iectext.slices import file_slices
 from plcopen_sfc.formats.iectext.tool_view import without_own_pragmas
+from plcopen_sfc.formats.matiec.fitting import fit_project
 from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
@@ -53,6 +55,13 @@ def slices(content: bytes) -> tuple[SourceText, Slice]:
     return source, file_slices(project, src, to_pieces(project, WriteOptions(), ConversionReport()))
 
 
+def fit(project: Project, _flavour: str, report: ConversionReport) -> None:
+    """Change `project`, a copy, into what matiec executes."""
+    fit_project(project, report)
+
+
 def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-    """Write a text anew."""
+    """Write a text anew; for matiec, of a project that was fitted."""
+    if options.flavour:
+        return compiled_text(project).encode()
     return (write_project(project, options, report).whole() + "\n").encode()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 
+from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.formats.iectext.config_reader import CONFIG_NAME, ON_PLACE, config_fields
 from plcopen_sfc.formats.iectext.declarations_writer import said_listing, write_said_section
 from plcopen_sfc.formats.iectext.layout import INDENT, indented
@@ -17,15 +17,14 @@ from plcopen_sfc.languages.pragmas.remainder import Named, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
 from plcopen_sfc.model.variables import VariableSection
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
-_ISO_DURATION = re.compile(r"PT(?:(\d+)H)?(?:(\d+)M)?(?:(\d+)(?:\.(\d+))?S)?")
 _LISTS = frozenset({"resources", "global_variables", "access_variables", "config_variables", "tasks", "instances"})
 
 
 def write_configuration(printer: Printer, configuration: Configuration) -> str:
     """``CONFIGURATION name .. END_CONFIGURATION``."""
-    printer.note(Fate.KEPT, "configuration", f"configuration {configuration.name}")
+    printer.note(Outcome.KEPT, "configuration", f"configuration {configuration.name}")
     writer = _Writer(printer)
     lines = writer.configuration(configuration, [])
     return lines.rstrip("\n")
@@ -33,7 +32,9 @@ def write_configuration(printer: Printer, configuration: Configuration) -> str:
 
 def write_application(printer: Printer, application: Resource) -> str:
     """An application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
-    printer.note(Fate.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource")
+    printer.note(
+        Outcome.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource"
+    )
     writer = _Writer(printer)
     around = Configuration(name=application.name, resources=[application])
     return writer.configuration(around, [Change(("application",), True)]).rstrip("\n")
@@ -126,7 +127,7 @@ class _Writer:
                     said.setdefault("carried", {}).setdefault("data", []).append(data)
         near, late = split([*(extra or []), *changes(said, meant)])
         for change in (*near, *late):
-            self.printer.note(Fate.CARRIED, label(change), thing.name, "IEC text cannot say it")
+            self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text cannot say it")
         if place is None:
             near += late
         else:
@@ -137,7 +138,7 @@ class _Writer:
         name = self._name(task.name)
         said: Fields = {}
         arguments = []
-        for keyword, shown in (("SINGLE", task.single), ("INTERVAL", _literal(task.interval))):
+        for keyword, shown in (("SINGLE", task.single), ("INTERVAL", duration_literal(task.interval))):
             if shown is not None and self._is_argument(shown):
                 arguments.append(f"{keyword} := {shown}")
                 said[keyword.lower()] = shown
@@ -158,16 +159,3 @@ class _Writer:
         said: Fields = {} if type_name == name else {"type_name": type_name}
         text = self._top(instance, name, indent, said=said)
         return f"{text}{indent}PROGRAM {name}{f' WITH {task}' if task is not None else ''} : {type_name};\n"
-
-
-def _literal(interval: str | None) -> str | None:
-    """An interval as a literal of IEC 61131-3; TC6 files may have it as ISO 8601 says."""
-    found = _ISO_DURATION.fullmatch(interval or "")
-    if found is None or not any(found.groups()):
-        return interval
-    hours, minutes, seconds, fraction = found.groups()
-    text = (f"{hours}h" if hours else "") + (f"{minutes}m" if minutes else "")
-    microseconds = int((fraction or "").ljust(6, "0")[:6])
-    total = int(seconds or 0) * 1000 + microseconds // 1000
-    text += f"{total}ms" if total or not (text or microseconds % 1000) else ""
-    return "T#" + text + (f"{microseconds % 1000}us" if microseconds % 1000 else "")

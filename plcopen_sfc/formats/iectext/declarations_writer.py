@@ -10,6 +10,7 @@ from plcopen_sfc.formats.iectext.layout import INDENT, newlines
 from plcopen_sfc.formats.iectext.outline import Kind, Part, outline
 from plcopen_sfc.formats.iectext.printing import Printer
 from plcopen_sfc.formats.iectext.source import Source, unwrapped
+from plcopen_sfc.formats.strings import with_quotes
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
@@ -112,6 +113,8 @@ def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
 
 def write_said_section(printer: Printer, section: VariableSection, indent: str) -> tuple[str, Fields]:
     """A section as text, and what a reader takes from it."""
+    quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
+    section = section.model_copy(update={"variables": quoted})
     text = write_section(section, printer.dialect, indent)
     said = _said_section(printer, text)
     if said is not None and len(said.get("variables", [])) == len(section.variables):

@@ -14,7 +14,10 @@ from plcopen_sfc.languages.networks import body_statements, condition_expression
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.languages.pragmas.remainder import Segment, additions
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.nodes import Assignment, Name, Statements
+from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
@@ -25,18 +28,34 @@ _LONG = 80
 
 def shown_condition(
     chart: SfcNetwork, transition: Transition, dialect: Dialect, objects: Iterable[NamedTransition]
-) -> str | None:
-    """The condition as an expression; None where it cannot be one, such as with a timer."""
+) -> tuple[str, bool] | None:
+    """The condition as an expression, or, where blocks are called before it, as statements (True).
+
+    None where no text says it: it needs variables that nobody has declared, such as for edges.
+    """
     found = condition_expression(chart, transition, dialect, transitions=objects)
-    if found.tree is None or found.before or found.helpers or not found.complete:
+    if found.tree is None or found.helpers or found.obstacles:
         return None
-    return print_node(found.tree, dialect)
+    if not found.before:
+        return print_node(found.tree, dialect), False
+    if any(isinstance(statement, Assignment) for statement in found.before):
+        return None  # which of the assignments gives the condition could not be told
+    name = transition.name if is_plain(transition.name) else "Condition"
+    statements = Statements((*found.before, Assignment(Name(name), found.tree)))
+    return print_node(statements, dialect), True
+
+
+def shown_named_condition(transition: NamedTransition, dialect: Dialect) -> tuple[str, bool] | None:
+    """The condition of a transition object that is drawn."""
+    chart = SfcNetwork(transitions=[Transition(id=0, name=transition.name)])
+    chart.transitions[0].condition = NamedCondition(name=transition.name)
+    return shown_condition(chart, chart.transitions[0], dialect, [transition])
 
 
 def shown_body(body: FbdBody | LdBody, dialect: Dialect) -> str | None:
-    """The body as statements; None where they would not say everything, or need variables that nobody has declared."""
+    """The body as statements; None where they cannot say it, or need variables that nobody has declared."""
     found = body_statements(body, dialect)
-    if found.helpers or found.open_ends or not found.complete:
+    if found.helpers or found.obstacles:
         return None
     return print_node(found.tree, dialect) or None
 
@@ -53,7 +72,8 @@ def put_drawing(fields: Fields, field: str) -> bool:
     if not isinstance(drawing, dict):
         return True
     mark = drawing.pop(_SHOWN, None)
-    said = fields.get(field) or {}
+    found: Fields = fields.get(field) or {}
+    said: Fields = found.get("body", found)  # a condition may be statements
     if _mark(str(said.get("text", said.get("name", "")))) != mark:
         return False
     fields[field] = drawing

@@ -15,13 +15,13 @@ from plcopen_sfc.formats.text import Piece, numbered
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
-from plcopen_sfc.model.body import IlBody, SfcBody, StBody
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _CLOSERS = frozenset(k for k in KEYWORDS if k.startswith("END_"))
 _OF_HEADS = frozenset({":", "EXTENDS", "IMPLEMENTS"})
 _RESERVED = MODIFIERS | {"FROM", "PRIORITY", "WITH", "ON", "EXTENDS", "IMPLEMENTS"}
-_FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}")
+_FOREIGN_PRAGMA = re.compile(r"\{(?!\s*plcopen_sfc\b)[^{}\x00\r]*\}|\{\{(?:(?!\}\})[^\x00\r])*\}\}")
 _WIDE = 160
 _APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
 
@@ -40,10 +40,14 @@ class Printer:
     report: ConversionReport
     used: set[str] = field(default_factory=set)
     """Names in the POU that is being written, in lower case, which an action in place must not take."""
+    actions: frozenset[str] = frozenset()
+    """The actions of that POU, in lower case."""
+    variables: frozenset[str] = frozenset()
+    """The names of all variables of the project, in lower case: an initial value of a string may be one of them."""
 
-    def note(self, fate: Fate, what: str, path: str, why: str = "") -> None:
-        """Note the fate of an item."""
-        self.report.add(fate, what, path, why)
+    def note(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
+        """Note the outcome of an item."""
+        self.report.add(outcome, what, path, why)
 
     def is_name(self, name: str) -> bool:
         """Whether `name` can stand as a name of ours: one word that is no keyword."""
@@ -102,6 +106,25 @@ class Printer:
         if found.tokens and found.tokens[0].value.upper() in _OF_HEADS:  # it would belong to the head before it
             return lines, False
         return lines, self._stays_loose(lines.text)
+
+
+def missing(printer: Printer, what: str) -> str:
+    """A name that is declared nowhere: other tools refuse a text in which nothing right can stand at its place."""
+    return printer.new_name(f"NOT_EXECUTED_{what}")
+
+
+EXECUTED = frozenset(
+    "min_time interlock supervision macro encloses negated partial_charts permanent_pre permanent_post".split()
+)
+"""Fields that a controller executes. In pragmas nobody but this package sees them."""
+
+
+def outcome_of(change: Change) -> Outcome:
+    """What becomes of something that stands in a pragma."""
+    fields = [part for part in change.path if isinstance(part, str) and part != "chart"]
+    if fields[:1] == ["exclude"]:
+        return Outcome.APPROXIMATED
+    return Outcome.NOT_EXECUTED if fields[:1] and fields[0] in EXECUTED else Outcome.EXTENSION_DATA
 
 
 def pragma(change: Change) -> str:
@@ -165,4 +188,4 @@ def foreign_pragmas(fields: Fields, said: Fields, indent: str) -> str:
 
 def is_text_body(thing: BaseModel) -> bool:
     """Whether `thing` is a body that can stand in an action."""
-    return isinstance(thing, StBody | IlBody | SfcBody)
+    return isinstance(thing, StBody | IlBody | SfcBody | FbdBody | LdBody)

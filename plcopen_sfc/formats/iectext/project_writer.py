@@ -11,12 +11,13 @@ from plcopen_sfc.formats.iectext.printing import Printer, numbered_pieces, pragm
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.source import unwrapped
 from plcopen_sfc.formats.iectext.unit_writer import write_pou
+from plcopen_sfc.formats.strings import variable_names
 from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 VERSION = 1
 _UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", "applications"})
@@ -24,13 +25,13 @@ _UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", 
 
 def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> Piece:
     """The text of a project."""
-    printer = Printer(project.dialect, report)
+    printer = Printer(project.dialect, report, variables=frozenset(variable_names(project)))
     said: Fields = {}
     meant = plain_fields(project, leave=_UNITS)
     foreign = _foreign_units(meant, said)
     found = [Change(("project", *c.path), c.value, c.instead) for c in changes(said, meant)]
     for change in found:
-        printer.note(Fate.CARRIED, str(change.path[1]).replace("_", " "), "project", "IEC text cannot say it")
+        printer.note(Outcome.EXTENSION_DATA, str(change.path[1]).replace("_", " "), "project", "IEC text cannot say it")
     near, late = split(found)
     late += [change for change in near if Append() in change.path]
     near = [change for change in near if Append() not in change.path]
@@ -72,7 +73,7 @@ def _foreign_units(meant: Fields, said: Fields) -> list[str]:
 
 def _type(printer: Printer, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:
     text, said, meant = write_said_type(printer, declaration)
-    printer.note(Fate.KEPT, "data type", f"data type {declaration.name}")
+    printer.note(Outcome.KEPT, "data type", f"data type {declaration.name}")
     near, far = split(changes(said, meant))
     if unique:
         place = ("project", "data_types", Named(declaration.name))

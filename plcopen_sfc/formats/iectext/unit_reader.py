@@ -284,6 +284,9 @@ def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place
         fields["body"] = condition.get("body", {"language": "ST"})
     remark.put_into(fields)
     fields = _with_changes(src, remark, fields, path)
+    if not put_drawing(fields, "body"):
+        message = "the text of this condition was changed; the drawing that it was made from is left out"
+        src.note("IEC213", message, part.start, path, Severity.WARNING)
     body = _body(fields.pop("body", None), fields.pop("chart", None))
     return fields | ({"body": body} if body is not None else {})
 

@@ -7,7 +7,7 @@ from pydantic import BaseModel
 from plcopen_sfc.formats.iectext.chart_reader import body_fields
 from plcopen_sfc.formats.iectext.chart_writer import ChartWriter
 from plcopen_sfc.formats.iectext.declarations_writer import write_interface
-from plcopen_sfc.formats.iectext.drawn import drawn_changes, shown_body
+from plcopen_sfc.formats.iectext.drawn import drawn_changes, shown_body, shown_named_condition
 from plcopen_sfc.formats.iectext.layout import INDENT, Block, indented
 from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
 from plcopen_sfc.formats.iectext.printing import (
@@ -16,7 +16,9 @@ from plcopen_sfc.formats.iectext.printing import (
     foreign_pragmas,
     is_text_body,
     label,
+    missing,
     numbered_pieces,
+    outcome_of,
     pragmas,
     split,
 )
@@ -26,7 +28,7 @@ from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou, PouKind
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _KEYWORDS = {
     PouKind.PROGRAM: "PROGRAM",
@@ -40,8 +42,9 @@ _PARTS = frozenset({"bodies", "body", "actions", "transitions", "methods", "inte
 def write_pou(printer: Printer, pou: Pou) -> Piece:
     """A program, function block or function."""
     printer.used = {name.casefold() for name in _names(pou)}
+    printer.actions = frozenset(action.name.casefold() for action in pou.actions)
     path = f"POU {pou.name}"
-    printer.note(Fate.KEPT, "POU", path)
+    printer.note(Outcome.KEPT, "POU", path)
     return _Unit(printer, pou, _KEYWORDS[pou.kind], path, indent="", objects=pou.transitions).piece()
 
 
@@ -104,7 +107,7 @@ class _Unit:
         near, late = split([*(extra or []), *changes(said, meant)])
         for change in (*near, *late):
             if change.path[0] not in ("body", "in_place"):
-                self.printer.note(Fate.CARRIED, label(change), self.path, "IEC text cannot say it")
+                self.printer.note(outcome_of(change), label(change), self.path, "IEC text cannot say it")
         late += self.late
         top += pragmas(near, self.indent)
         pieces = [Piece(("head", ""), (top + head).rstrip("\n"))]
@@ -136,7 +139,7 @@ class _Unit:
 
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> Piece:
         path = f"{self.path} / {keyword.lower()} {thing.name}"
-        self.printer.note(Fate.KEPT, keyword.lower(), path)
+        self.printer.note(Outcome.KEPT, keyword.lower(), path)
         return _Unit(self.printer, thing, keyword, path, indent=self.inner, objects=self.objects).piece()
 
     def _lift(self, thing: BaseModel) -> Fields | None:
@@ -163,17 +166,30 @@ class _Unit:
             if comes_back:
                 return self._statements(lines, meant, said)
             return []
-        if isinstance(body, FbdBody | LdBody) and self.keyword != "TRANSITION":
-            shown = shown_body(body, self.printer.dialect)
-            lines, comes_back = self.printer.code(shown or "")
-            if shown is not None and comes_back and lines.whole() == lines.text:
-                self.printer.note(Fate.TRANSLATED, "body", self.path, "shown as statements; the drawing in pragmas")
-                self.late += drawn_changes(plain_fields(body), lines.text, ())
-                pieces = self._statements(lines, meant, said)
-                meant["body"] = said["body"]
-                return pieces
-        meant["body"] = plain_fields(body)
-        return []
+        shown = self._shown(body) if isinstance(body, FbdBody | LdBody) else None
+        if shown is not None:
+            self.printer.note(Outcome.TRANSLATED, "body", self.path, "shown as text; the drawing in pragmas")
+        else:
+            why = "no text says it; the text does not compile there"
+            self.printer.note(Outcome.NOT_EXECUTED, "body", self.path, why)
+        name = missing(self.printer, self.thing.name) if shown is None else ""
+        lines = shown or Block(name if self.keyword == "TRANSITION" else f"{name} := TRUE;")
+        self.late += drawn_changes(plain_fields(body), lines.text, ())
+        pieces = self._statements(lines, meant, said)
+        meant["body"] = said["body"]
+        return pieces
+
+    def _shown(self, body: FbdBody | LdBody) -> Block | None:
+        """The lines that say what a body draws."""
+        if isinstance(self.thing, NamedTransition):
+            found = shown_named_condition(self.thing, self.printer.dialect)
+            text = found[0] if found is not None else None
+            if found is not None and not found[1]:
+                return Block(found[0]) if self.printer.is_expression(found[0]) else None
+        else:
+            text = shown_body(body, self.printer.dialect)
+        lines, comes_back = self.printer.code(text or "")
+        return lines if text is not None and comes_back and lines.whole() == lines.text else None
 
     def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from plcopen_sfc.errors import EncodingError, FormatError, Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _VERSION = 1
 
@@ -47,5 +47,5 @@ def write(project: Project, _options: WriteOptions, report: ConversionReport) ->
         "version": _VERSION,
         "project": project.model_dump(mode="json", exclude_none=True),
     }
-    report.add(Fate.KEPT, "project", project.name)
+    report.add(Outcome.KEPT, "project", project.name)
     return (json.dumps(content, ensure_ascii=False, indent=1) + "\n").encode()

@@ -3,14 +3,49 @@
 from __future__ import annotations
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.model.body import FbdBody
+from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, report_types
+from plcopen_sfc.formats.plcopen.global_lists import declare_lists, has_lists
+from plcopen_sfc.formats.plcopen.host import Host
+from plcopen_sfc.formats.plcopen.rewriting import needs_rewriting, rewrite_charts
+from plcopen_sfc.formats.plcopen.rewritten import REWRITTEN_FIELD, Marks
+from plcopen_sfc.model.body import FbdBody, SfcBody
 from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.network import Coil, Node, OutputVariable
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 
-def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
+def rewrite(project: Project, host: Host, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+    """A copy of `project` that says what the `host` is to execute in its terms, and what to keep of the source where.
+
+    `project` itself, which is changed, where that changes nothing that the source says.
+    """
+    _adapt_coils(project, options, report)
+    if not options.same:
+        report_types(project, host, report)
+    lists = has_lists(project) and not host.is_codesys
+    if not lists and not has_globals(project) and not any(needs_rewriting(c.network, host) for c in project.charts()):
+        return project, {}
+    copy = project.model_copy(deep=True)
+    marks: Marks = {}
+    if lists:
+        declare_lists(copy, report, marks)
+    rewrite_charts(copy, project, host, report, marks)
+    add_globals(copy, host, report, marks)
+    return copy, marks
+
+
+def is_rewritten(project: Project, content: bytes, host: Host) -> bool:
+    """True if the file `content` holds what was rewritten, or an edit of `project` made that necessary."""
+    if f'"{REWRITTEN_FIELD}"'.encode() in content or has_globals(project):
+        return True
+    if not host.is_codesys and project.global_variables:
+        return True
+    bodies = (body for _, body in project.bodies_read() if isinstance(body, SfcBody) and not body.is_untouched)
+    return any(needs_rewriting(body.chart, host) for body in bodies)
+
+
+def _adapt_coils(project: Project, options: WriteOptions, report: ConversionReport) -> None:
     """Write coils of FBD, which TIA Portal draws there, as output variables: TC6 knows coils in LD only."""
     if options.same:
         return
@@ -27,7 +62,7 @@ def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> 
             coils = sum(isinstance(node, Coil) for node in network.nodes)
             if coils:
                 network.nodes = [_output(node) for node in network.nodes]
-                report.add(Fate.TRANSLATED, "coil", place, "an output variable: FBD of TC6 has no coils")
+                report.add(Outcome.TRANSLATED, "coil", place, "an output variable: FBD of TC6 has no coils")
 
 
 def _output(node: Node) -> Node:

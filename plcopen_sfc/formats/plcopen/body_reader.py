@@ -21,6 +21,7 @@ from plcopen_sfc.formats.plcopen.reading import (
     take_choice,
     take_required,
 )
+from plcopen_sfc.formats.plcopen.rewritten import drop_added, restore_chart, restore_texts, take_marks
 from plcopen_sfc.formats.plcopen.types_reader import read_interface
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -47,8 +48,12 @@ def defer(fields: Fields) -> Fields | SfcBody:
 
 
 def _read_chart(unread: UnreadChart) -> SfcNetwork:
+    fields = _chart_fields(unread)
+    marks = take_marks(fields)
     try:
-        return SfcNetwork.model_validate(_chart_fields(unread))
+        chart = SfcNetwork.model_validate(fields)
+        restore_chart(chart, marks, unread.edited)
+        return chart
     except ValidationError as error:
         raise misfit(error, unread.ctx.file) from error
 
@@ -88,6 +93,7 @@ def read_body(ctx: ReadContext, element: etree._Element) -> Fields:
             fields["text"], markup = read_code(ctx, child)
             if markup is not None:
                 fields["markup"] = markup
+    restore_texts(fields)
     if fields.get("language") == "opaque":  # carried from another format; the empty ST is only there to be valid
         fields.pop("text", None)
         fields.pop("markup", None)
@@ -97,7 +103,10 @@ def read_body(ctx: ReadContext, element: etree._Element) -> Fields:
         carry_attributes(fields, left)
     if "language" not in fields:
         ctx.error("XML206", "a body is in none of the languages ST, SFC, FBD, LD and IL", element)
-        fields.update(language="opaque", source="plcopen", content="")
+        kept = fields.get("carried", {})
+        fields.update(language="opaque", source="plcopen", content="".join(kept.pop("elements", [])))
+        if not any(kept.values()):
+            fields.pop("carried", None)
     return fields
 
 
@@ -148,5 +157,10 @@ def read_pou(ctx: ReadContext, element: etree._Element, place: str) -> Fields:
             read_common(ctx, fields, child, local, "pou")
     carry_attributes(fields, left)
     ctx.place.pop()
+    for name in ("actions", "transitions"):
+        fields[name], edited = drop_added(fields[name])
+        for chart in (body.get("chart") for body in fields["bodies"]):
+            if isinstance(chart, UnreadChart):
+                chart.edited |= edited
     fields["bodies"] = [defer(body) for body in fields["bodies"]]
     return fields

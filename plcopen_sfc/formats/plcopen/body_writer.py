@@ -8,6 +8,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.plcopen.chart_writer import ChartWriter
 from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
+from plcopen_sfc.formats.plcopen.reading import NEUTRAL
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
 from plcopen_sfc.formats.plcopen.writing import WriteContext, data_left, finish, sub, write_code, xhtml_child
 from plcopen_sfc.formats.xml.carrying import add_markup, left_over
@@ -15,7 +16,7 @@ from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _WHAT = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
 _CHART = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
@@ -47,7 +48,8 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         chart_left = left_over(body.chart, chart_native) | data_left(ctx, body.chart.carried)
         for part in chart_left:
             why = f"TC6 {ctx.version.name} has no place for it"
-            ctx.note(Fate.CARRIED, f"chart {part.replace('_', ' ')}", why=why)
+            outcome = Outcome.NOT_EXECUTED if part == "partial_charts" else Outcome.EXTENSION_DATA
+            ctx.note(outcome, f"chart {part.replace('_', ' ')}", why=why)
         if body.chart.drawing is not None and body.chart.drawing.places is Places.COMPUTED:
             chart_left["drawing"] = {"places": Places.COMPUTED.value}
         also = {"chart": chart_left} if chart_left else {}
@@ -62,13 +64,13 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         if len(body.networks) == 1 and known and not left_over(body.networks[0], network_native):
             native = native | {"networks"}
     elif isinstance(body, OpaqueBody):
-        code = sub(ctx, element, "ST")
-        if body.source == "plcopen":
-            add_markup(element, body.content)
+        if body.source == "plcopen":  # it was in no language that TC6 knows, and is not now
+            add_markup(element, body.content.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
+            native = native | {"source", "content"}
         else:  # of another format: carried, and said to be no ST
-            xhtml_child(ctx, code)
+            xhtml_child(ctx, sub(ctx, element, "ST"))
             also = {"language": body.language}
-            ctx.note(Fate.CARRIED, "body", "", f"a body of {body.source}; other tools see an empty one")
+            ctx.note(Outcome.EXTENSION_DATA, "body", "", f"a body of {body.source}; other tools see an empty one")
     if body.language in _WHAT:
         features = ["chart in an action"] if body.language == "SFC" and "." in ctx.body_name else []
         ctx.keep(_WHAT[body.language], "", *features)
@@ -86,7 +88,7 @@ def write_part(ctx: WriteContext, parent: etree._Element, part: Action | NamedTr
     # the schema requires a body
     write_body(ctx, element, "body", part.body if part.body is not None else StBody(), {})
     ctx.keep("action" if name == "action" else "transition object")
-    finish(ctx, element, part, name if name == "action" else "transition_object", frozenset({"name", "body"}))
+    finish(ctx, element, part, f"{name}_object", frozenset({"name", "body"}))
     ctx.body_name = outer
     ctx.place.pop()
 

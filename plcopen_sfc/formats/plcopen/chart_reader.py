@@ -29,6 +29,7 @@ from plcopen_sfc.formats.plcopen.reading import (
     take_required,
 )
 from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.text import is_direct
 
 QUALIFIERS = ("P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL")
 
@@ -184,11 +185,12 @@ class ChartReader:
     def _inline_condition(self, element: etree._Element, symbol: Fields) -> Fields:
         body = self.read_body(self.ctx, element) or {"language": "ST", "text": ""}
         name = element.get("name", "")
-        plain = set(body) <= {"language", "text"}
+        markup = body.get("markup")
+        plain = set(body) <= {"language", "text", "markup"} and (markup is None or is_direct(markup))
         if body["language"] == "ST" and plain:
             if name:
                 symbol["name"] = name
-            return {"kind": "expression", "text": body["text"]}
+            return {"kind": "expression", "text": body["text"], "markup": markup}
         return {"kind": "body", "body": body, "name": name}
 
     def read_jump(self, element: etree._Element) -> None:

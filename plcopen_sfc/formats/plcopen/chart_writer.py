@@ -28,7 +28,7 @@ from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, N
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, StepActionKind, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 BodyWriter = Callable[[WriteContext, etree._Element, str, Body, dict[str, str]], None]
 
@@ -227,8 +227,10 @@ class ChartWriter:
             return
         pin = symbol.condition if isinstance(condition, Expression) else condition.input
         if pin is None:
-            text = condition.text if isinstance(condition, Expression) else ""
-            self.write_body(ctx, element, "inline", StBody(text=text), {"name": symbol.name or ""})
+            body = StBody(text="")
+            if isinstance(condition, Expression):
+                body = StBody(text=condition.text, markup=condition.markup)
+            self.write_body(ctx, element, "inline", body, {"name": symbol.name or ""})
         elif ctx.version.first_generation:
             for connection in pin.connections:
                 write_connection(ctx, element, connection)
@@ -318,9 +320,13 @@ class ChartWriter:
         self.associations[entry.association], self.owner[entry.association] = association, step
         self.write_action(parent, entry, association, {STEP_ACTION_FIELD: kind.value})
         why = f"an association with qualifier {qualifier.value}"
-        if kind is StepActionKind.MAIN:
-            why += "; other than a main action, it has a final scan when the step is left"
-        self.ctx.note(Fate.TRANSLATED, f"{kind.value} action", f"step {step.name}", why)
+        outcome = Outcome.TRANSLATED
+        if kind is StepActionKind.MAIN and isinstance(action, str):
+            outcome = Outcome.APPROXIMATED
+            why += "; other than a main action, it is executed once more when the step was left"
+        elif kind is StepActionKind.MAIN:
+            why += ", whose statements are executed only while the step is active"
+        self.ctx.note(outcome, f"{kind.value} action", f"step {step.name}", why)
 
     def write_action(
         self,

@@ -5,11 +5,13 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.base import Reading, WriteOptions
-from plcopen_sfc.formats.plcopen import adapting
+from plcopen_sfc.formats.matiec.fitting import fit_project
+from plcopen_sfc.formats.plcopen import adapting, host
 from plcopen_sfc.formats.plcopen.beremiz import BEREMIZ
 from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
+from plcopen_sfc.formats.plcopen.rewritten import Marks
 from plcopen_sfc.formats.plcopen.versions import V2_01, version_named
 from plcopen_sfc.formats.plcopen.writing import Dialect
 from plcopen_sfc.formats.xml import tool_view, writing
@@ -30,9 +32,19 @@ def lines(content: bytes, project: Project) -> dict[str, int]:
     return source_lines(content, project)
 
 
-def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
-    """Make of `project`, a copy, what this format makes of it."""
-    adapting.adapt(project, options, report)
+def rewrite(project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+    """A copy of `project` that says what the tool is to execute in its terms, and what to keep of the source where."""
+    return adapting.rewrite(project, host.TC6, options, report)
+
+
+def is_rewritten(project: Project, content: bytes) -> bool:
+    """True if the file `content` of `project` holds what was rewritten, or an edit made that necessary."""
+    return adapting.is_rewritten(project, content, host.TC6)
+
+
+def fit(project: Project, _flavour: str, report: ConversionReport) -> None:
+    """Change `project`, a copy, into what Beremiz and OpenPLC execute."""
+    fit_project(project, report, keeps_drawings=True)
 
 
 def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:

@@ -23,6 +23,7 @@ from plcopen_sfc.formats.plcopen.reading import (
     take_integer,
     take_required,
 )
+from plcopen_sfc.formats.plcopen.rewritten import is_added_configuration, sources_of_section
 from plcopen_sfc.formats.plcopen.types_reader import (
     read_access_section,
     read_config_section,
@@ -90,6 +91,8 @@ def read_project(
             reader(ctx, child, fields)
         else:
             read_common(ctx, fields, child, local, "project")
+    if ctx.global_variables:
+        fields["global_variables"] = [*fields.get("global_variables", ()), *ctx.global_variables]
     for required in ("fileHeader", "contentHeader", "types", "instances"):
         if root.find(ctx.version.qualified[required]) is None:
             ctx.error("XML207", f"<project> has no <{required}>", root)
@@ -196,7 +199,7 @@ def _instances(ctx: ReadContext, element: etree._Element, fields: Fields) -> Non
                 configuration = read_configuration(ctx, part)
                 if configuration.pop(APPLICATION_FIELD, False) and len(configuration["resources"]) == 1:
                     fields["applications"].extend(configuration["resources"])
-                else:
+                elif not is_added_configuration(configuration):
                     fields["configurations"].append(configuration)
             else:
                 carry_element(ctx, fields, part)
@@ -208,6 +211,15 @@ _PARTS = {
     "types": _types,
     "instances": _instances,
 }
+
+
+def _global_variables(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
+    section = read_section(ctx, element, "global")
+    sources = sources_of_section(section)
+    if sources is None:
+        fields["global_variables"].append(section)
+    else:
+        ctx.global_variables += sources
 
 
 def read_configuration(ctx: ReadContext, element: etree._Element) -> Fields:
@@ -222,7 +234,7 @@ def read_configuration(ctx: ReadContext, element: etree._Element) -> Fields:
             resource = child.get("name", "")
             fields["resources"].append(read_resource(ctx, child, f"configuration/{name}/resource/{resource}"))
         elif local == "globalVars":
-            fields["global_variables"].append(read_section(ctx, child, "global"))
+            _global_variables(ctx, child, fields)
         elif local == "accessVars":
             fields["access_variables"] = read_access_section(ctx, child)
         elif local == "configVars":
@@ -249,7 +261,7 @@ def read_resource(ctx: ReadContext, element: etree._Element, place: str) -> Fiel
         if local == "task":
             fields["tasks"].append(_task(ctx, child))
         elif local == "globalVars":
-            fields["global_variables"].append(read_section(ctx, child, "global"))
+            _global_variables(ctx, child, fields)
         elif local == "pouInstance":
             fields["instances"].append(_instance(ctx, child))
         else:

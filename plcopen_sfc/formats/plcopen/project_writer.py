@@ -21,7 +21,7 @@ from plcopen_sfc.formats.plcopen.types_writer import (
 from plcopen_sfc.formats.plcopen.versions import NO_TIME, XHTML
 from plcopen_sfc.formats.plcopen.writing import Dialect, WriteContext, decimal, finish, sub, write_text
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Scaling, Task
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _HEADER = frozenset(
     {"name", "header", "version", "modified", "organization", "author", "language", "content_comment"}
@@ -67,7 +67,9 @@ def write_project(
             holder = Configuration(name=application.name, resources=[application])
             write_configuration(ctx, configurations, holder, is_application=True)
     native = _HEADER | {"data_types", "pous", "configurations", "applications", "dialect"}  # the format has its dialect
-    if project.header.created != _time(ctx, project.header.created):
+    if project.header.created != _time(ctx, project.header.created) or (
+        project.header.carried is not None and not ctx.takes_markup
+    ):
         native = native - {"header"}
     if project.modified is not None and project.modified != (_time(ctx, project.modified) or None):
         native = native - {"modified"}
@@ -176,7 +178,7 @@ def write_configuration(
         if configuration.config_variables is not None:
             write_config_section(ctx, element, configuration.config_variables)
     if is_application:
-        ctx.note(Fate.TRANSLATED, "application", why="a configuration with one resource; TC6 has no application")
+        ctx.note(Outcome.TRANSLATED, "application", why="a configuration with one resource; TC6 has no application")
     else:
         ctx.keep("configuration")
     also = {APPLICATION_FIELD: True} if is_application else None

@@ -32,13 +32,18 @@ _XHTML_TAG = f"{{{XHTML}}}"
 
 
 class UnreadChart:
-    """An ``SFC`` element that nobody has looked at yet. `late` are fields that other elements say of the chart."""
+    """An ``SFC`` element that nobody has looked at yet.
+
+    `late` are fields that other elements say of the chart, `edited` the added actions and transition objects of its POU
+    that somebody has changed (`plcopen_sfc.formats.plcopen.rewritten`).
+    """
 
     def __init__(self, ctx: ReadContext, element: etree._Element) -> None:
         self.ctx = ctx
         self.element = element
         self.place = list(ctx.place)
         self.late: Fields = {}
+        self.edited: set[str] = set()
 
     def update(self, fields: Fields) -> None:
         """Add what was found outside of the chart's own element."""
@@ -83,6 +88,8 @@ class ReadContext:
         self.finish_chart: Callable[[ReadContext, Fields], None] | None = None
         self.pous: list[Fields] = []
         self.data_types: list[Fields] = []
+        self.global_variables: list[Fields] = []
+        """Lists of global variables of the project for which those of a configuration stand."""
         self.resource_place = ""
         """What `Pou.place` says of POUs in the resource being read."""
         self.place: list[str] = []
@@ -273,11 +280,19 @@ def take_flag(ctx: ReadContext, element: etree._Element, left: dict[str, str], n
 def take_choice(
     ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str, choices: Iterable[str]
 ) -> str | None:
-    """Take an attribute that has one of `choices`. Another value is left, and so carried, with a warning."""
+    """Take an attribute that has one of `choices`. Another value is left, and so carried, with a warning.
+
+    One that differs by its case only is taken, with a warning: some tools write ``pouType="PROGRAM"``.
+    """
     text = left.get(name)
     if text is None:
         return None
     if text not in choices:
+        meant = next((choice for choice in choices if choice.casefold() == text.casefold()), None)
+        if meant is not None:
+            ctx.warn("XML202", f"{name}={text!r} is spelled {meant!r}; it is taken for that", element)
+            del left[name]
+            return meant
         ctx.warn("XML202", f"{name}={text!r} is none of {', '.join(choices)}; it is kept as it is", element)
         return None
     del left[name]

@@ -51,7 +51,11 @@ def _type(ctx: ReadContext, element: etree._Element, local: str) -> Fields | Non
     if local in Elementary.__members__:
         return {"kind": "elementary", "name": local}
     if local in ("string", "wstring"):
-        return {"kind": "string", "wide": local == "wstring", "length": element.get("length")}
+        fields: Fields = {"kind": "string", "wide": local == "wstring", "length": element.get("length")}
+        for comment in element:
+            if ctx.comment_reader is not None:
+                ctx.comment_reader(ctx, comment, fields, "string")
+        return fields
     reader = _TYPES.get(local)
     return reader(ctx, element) if reader else None
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.types_reader import SECTIONS
 from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub
+from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
 from plcopen_sfc.model.types import (
     ArrayType,
     ArrayValue,
@@ -23,7 +26,7 @@ from plcopen_sfc.model.types import (
     Variable,
 )
 from plcopen_sfc.model.variables import AccessSection, ConfigSection, Interface, SectionKind, VariableSection
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _SECTION_ELEMENTS = {SectionKind(kind): name for name, kind in SECTIONS.items()}
 _NEVER = frozenset({"kind"})
@@ -35,12 +38,7 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, holder: str, kind
     if isinstance(kind, ElementaryType):
         _elementary(ctx, element, kind)
     elif isinstance(kind, StringType):
-        sub(
-            ctx,
-            element,
-            "wstring" if kind.wide else "string",
-            {"length": kind.length} if kind.length is not None else {},
-        )
+        _string(ctx, element, kind)
     elif isinstance(kind, DerivedType):
         finish(
             ctx, sub(ctx, element, "derived", {"name": kind.name}), kind, "derived", _NEVER | {"name"}, documents=False
@@ -65,13 +63,45 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, holder: str, kind
         write_data_type(ctx, subrange, "baseType", kind.base)
 
 
+def _string(ctx: WriteContext, element: etree._Element, kind: StringType) -> None:
+    string = sub(ctx, element, "wstring" if kind.wide else "string")
+    length = kind.length
+    if length is None:
+        return
+    if ctx.version.first_generation and not length.isdecimal():
+        string.append(etree.Comment(COMMENT_MARK + json.dumps({"length": length}).replace("--", "-\\u002d")))
+        number = _constant(ctx, length)
+        if number is None:
+            why = f"TC6 {ctx.version.name} takes a number only: the tool's own length is used"
+            ctx.note(Outcome.NOT_EXECUTED, "length of a string", length, why)
+            return
+        why = f"its value {number}: TC6 {ctx.version.name} takes a number only"
+        ctx.note(Outcome.TRANSLATED, "length of a string", length, why)
+        length = number
+    string.set("length", length)
+
+
+def _constant(ctx: WriteContext, name: str) -> str | None:
+    """The number that a global constant has as a decimal; None where there is no such one."""
+    wanted = name.rpartition(".")[2].casefold()
+    project = ctx.project
+    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+    lists = [*project.global_variables, *(s for c in project.configurations for s in c.global_variables)]
+    for section in (*lists, *(s for resource in resources for s in resource.global_variables)):
+        for variable in section.variables if section.constant else ():
+            value = variable.initial
+            if variable.name.casefold() == wanted and isinstance(value, SimpleValue) and (value.text or "").isdecimal():
+                return value.text
+    return None
+
+
 def _elementary(ctx: WriteContext, element: etree._Element, kind: ElementaryType) -> None:
     name = kind.name.value
     if name not in ctx.version.elements:
         # TC6 does not list the 64 bit times and the characters, 1.01 no generic types either: named like a user type
         sub(ctx, element, "derived", {"name": name})
         ctx.note(
-            Fate.TRANSLATED, "data type", name, f"TC6 {ctx.version.name} does not list it; written as a derived type"
+            Outcome.TRANSLATED, "data type", name, f"TC6 {ctx.version.name} does not list it; written as a derived type"
         )
     else:
         sub(ctx, element, name)
@@ -128,11 +158,15 @@ def write_section(ctx: WriteContext, parent: etree._Element, section: VariableSe
     attributes = {"name": section.name} if section.name is not None else {}
     attributes.update({flag: "true" for flag in _FLAGS if getattr(section, flag)})
     element = sub(ctx, parent, name or "localVars", attributes)
+    also: dict[str, bool] = {}
     if name is not None:
         native = native | {"kind"}
+    elif section.kind is SectionKind.CONSTANT and not section.constant:
+        element.set("constant", "true")  # TIA Portal has a section for constants, TC6 a flag
+        also = {"constant": False}
     for variable in section.variables:
         write_variable(ctx, element, variable)
-    finish(ctx, element, section, "globalVars", native)
+    finish(ctx, element, section, "globalVars", native, also=also)
 
 
 def write_interface(ctx: WriteContext, parent: etree._Element, interface: Interface) -> None:

@@ -24,8 +24,8 @@ from plcopen_sfc.formats.xml.foreign import Markup, markup_of
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.text import MarkupText, MultilingualText, Text
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, is_direct
+from plcopen_sfc.report import ConversionReport, Outcome
 
 Written = tuple[str, UnknownDataRule, etree._Element]
 """One ``addData/data``: its name, its rule, and its content."""
@@ -74,6 +74,8 @@ class WriteContext:
         self.report = report
         self.untouched = options.untouched
         self.same = options.same
+        self.marks = options.marks
+        """What to keep beside objects that were rewritten or added, by their `id()`."""
         """Whether the project was read from this format in this version."""
         self.counts_ids = options.same and _IDS.search(options.source) is None
         """Whether TC6 1.01 gets no ids in comments: the file has none either, and they come back by counting."""
@@ -99,11 +101,11 @@ class WriteContext:
     def keep(self, what: str, name: str = "", *features: str) -> None:
         """Put an item into the report: kept, or approximated where the dialect lacks one of its `features`."""
         lacking = [self.dialect.lacks[feature] for feature in (what, *features) if feature in self.dialect.lacks]
-        self.note(Fate.APPROXIMATED if lacking else Fate.KEPT, what, name, "; ".join(lacking))
+        self.note(Outcome.APPROXIMATED if lacking else Outcome.KEPT, what, name, "; ".join(lacking))
 
-    def note(self, fate: Fate, what: str, name: str = "", why: str = "") -> None:
-        """Put the fate of an item into the report."""
-        self.report.add(fate, what, " / ".join((*self.place, name) if name else self.place), why)
+    def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
+        """Put the outcome of an item into the report."""
+        self.report.add(outcome, what, " / ".join((*self.place, name) if name else self.place), why)
 
 
 def sub(
@@ -133,8 +135,13 @@ def xhtml_child(ctx: WriteContext, parent: etree._Element) -> etree._Element:
 
 
 def write_code(ctx: WriteContext, parent: etree._Element, text: str, markup: str | None) -> None:
-    """Write program text into ``ST`` or ``IL``: with its markup as long as that still says the same."""
-    if markup is not None and _text_of(markup).strip() == text.strip():
+    """Write program text into ``ST`` or ``IL``: with its markup as long as that still says the same.
+
+    Old versions of Beremiz wrote the text into ``ST`` itself; it stays there in files of that version only.
+    """
+    if is_direct(markup) and ctx.same:
+        parent.text = legal(text)
+    elif markup is not None and not is_direct(markup) and _text_of(markup).strip() == text.strip():
         add_markup(parent, markup)
     else:
         xhtml_child(ctx, parent).text = legal(text)
@@ -185,6 +192,7 @@ def finish(
     `native` are the fields of `thing` that the caller has written; `documents`: the element may have documentation.
     `also` is more to carry: parts of fields.
     """
+    also = {**ctx.marks.get(id(thing), {}), **(also or {})}
     carried: Carried | None = getattr(thing, "carried", None)
     if ctx.takes_markup:
         add_unknown(ctx, element, carried)
@@ -203,11 +211,11 @@ def finish(
     if documents:
         native = native | {"comment"}
     native = native | own
-    left = left_over(thing, native) | (also or {})
+    left = left_over(thing, native) | also
     if owner in _WITHOUT_DATA:
         left |= data_left(ctx, carried)
     comment: Text | None = getattr(thing, "comment", None)
-    if documents and isinstance(comment, MultilingualText):  # documentation is in one language
+    if isinstance(comment, MultilingualText):  # documentation is in one language, a comment of CODESYS too
         left["comment"] = comment.model_dump(mode="json")
     if not ctx.version.first_generation and owner not in _WITHOUT_DATA:
         _add_data(ctx, element, written, carried if ctx.takes_markup else None, left)
@@ -215,20 +223,30 @@ def finish(
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
     own_name = str(getattr(thing, "name", None) or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(own_name) else own_name
-    for name in left.keys() - (also or {}).keys():
-        why = f"TC6 {ctx.version.name} has no place for it"
-        if name in _CHANGES:
-            ctx.note(Fate.APPROXIMATED, _label(name), subject, f"{why}; {_CHANGES[name]}")
+    for name in left.keys() - also.keys():
+        why = _WHY.get(name, f"TC6 {ctx.version.name} has no place for it")
+        if name in _CHANGES and not (name == "exclude" and owner in _REWRITTEN):
+            outcome, change = _CHANGES[name]
+            ctx.note(outcome, _label(name), subject, f"{why}; {change}")
         else:
-            ctx.note(Fate.CARRIED, _label(name), subject, why)
+            ctx.note(Outcome.EXTENSION_DATA, _label(name), subject, why)
     if documents:
         write_text(ctx, element, "documentation", comment)
 
 
 _WITHOUT_DATA = frozenset({"parameter"})
 """Elements without ``addData`` in every version of TC6: what they carry stands in an XML comment."""
-_CHANGES = {"exclude": "other tools execute what CODESYS leaves out"}
-"""Fields that are carried, but without which a chart does something else."""
+_REWRITTEN = frozenset({"step", "transition", "action"})
+"""Elements whose exclusion from the build `plcopen_sfc.formats.plcopen.rewriting` has seen to."""
+_WHY = {"priority": "CODESYS tries transitions from left to right, and they stand in that order"}
+"""Fields for which TC6 has a place that not all of its tools read."""
+_CHANGES = {
+    "exclude": (Outcome.APPROXIMATED, "other tools execute what CODESYS leaves out"),
+    "encloses": (Outcome.NOT_EXECUTED, "other tools execute no enclosed charts"),
+    "methods": (Outcome.NOT_EXECUTED, "other tools neither declare nor execute them"),
+    "global_variables": (Outcome.NOT_EXECUTED, "other tools do not declare them"),
+}
+"""Fields that are kept as extension data, but without which a machine does something else."""
 
 
 def data_left(ctx: WriteContext, carried: Carried | None) -> dict[str, Any]:

@@ -7,6 +7,7 @@ is lost: the text is read as it stands, and what it does not say of the model is
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from plcopen_sfc.formats.scl.blocks import KEYWORDS
 from plcopen_sfc.formats.scl.reader import read_source
@@ -15,13 +16,18 @@ from plcopen_sfc.formats.text import Piece, SourceText, numbered
 from plcopen_sfc.languages.declarations import split_units, write_data_type, write_type, write_variable
 from plcopen_sfc.languages.declarations.comments import LINE_END, comment_lines
 from plcopen_sfc.languages.declarations.kept import keep, kept
-from plcopen_sfc.languages.declarations.names import is_quoted_in_scl
+from plcopen_sfc.languages.declarations.names import SECTION_KEYWORDS, is_quoted_in_scl
 from plcopen_sfc.languages.declarations.writing import indent_of, section_head, section_rest
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.pragmas import Change, changes, plain_fields
-from plcopen_sfc.languages.s7_globals import data_blocks_of
+from plcopen_sfc.languages.pragmas.remainder import Append, Named
+from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, uncalled
+from plcopen_sfc.languages.s7_types import S7Types, s7_types
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import Carried
-from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.compare import path_of
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import Text, plain
@@ -29,14 +35,12 @@ from plcopen_sfc.model.types import (
     ArrayType,
     DataTypeDeclaration,
     DerivedType,
-    EnumType,
     PointerType,
     StructType,
-    SubrangeType,
     Variable,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _SCL = Dialect.SCL
 _INDENT = indent_of(_SCL)
@@ -53,31 +57,80 @@ def write_pieces(project: Project, report: ConversionReport) -> Piece:
     written = Piece(("file", ""), pieces=tuple(pieces))
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
     left = [] if back == project else list(changes(plain_fields(back), plain_fields(project)))
+    types = s7_types(project)
+    other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(project, types)))}
     for change in left:
-        _report(change, report)
+        _report(project, change, report, says_the_same=change.path not in other)
     if left:
         rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
         pieces.append(Piece(("rest", ""), rest, apart=True))
     return Piece(("file", ""), pieces=tuple(pieces))
 
 
-_PROGRAM = frozenset(
-    """bodies actions transitions methods kind type initial interface dimensions base global_variables configurations
-    applications tag_tables""".split()
-)
-"""Fields without which a controller does something else."""
+_EXECUTED = {
+    "type": "SCL has no such type: what it declares instead does not compile, or is another type",
+    "initial": "SCL does not say this start value: it starts with the usual value of its type",
+    "interface": "SCL has no such declaration",
+    "tag_tables": "a source declares no tags and user constants: they must be in the project already",
+}
+"""Fields that a controller executes, and what it does without them."""
 _REMARKS = frozenset({"comment", "carried", "global_id", "object_id", "title", "attributes", "declaration"})
 """Fields that change nothing of that, wherever they stand."""
+_REPORTED = frozenset(
+    """global_variables configurations applications bodies actions methods transitions kind address""".split()
+)
+"""Fields of which the report tells otherwise what becomes of what is executed."""
 
 
-def _report(change: Change, report: ConversionReport) -> None:
-    path, _, _ = str(change).partition(" := ")
+def _report(project: Project, change: Change, report: ConversionReport, *, says_the_same: bool) -> None:
+    path = path_of(project, _keys(project, change))
     fields = [segment for segment in change.path if isinstance(segment, str)]
-    if _PROGRAM.isdisjoint(fields) or not _REMARKS.isdisjoint(fields):
-        report.add(Fate.CARRIED, fields[-1], path, "SCL has no words for it; it stands in a comment")
+    why = next((_EXECUTED[field] for field in reversed(fields) if field in _EXECUTED), None)
+    if says_the_same:
+        report.add(Outcome.TRANSLATED, fields[-1], path, "in the types of S7")
+    elif why is None or not (_REMARKS | _REPORTED).isdisjoint(fields):
+        report.add(Outcome.EXTENSION_DATA, fields[-1], path, "SCL has no words for it; it stands in a comment")
     else:
-        why = "SCL has no words for it; it stands in a comment, of which TIA Portal takes no notice"
-        report.add(Fate.APPROXIMATED, fields[-1], path, why)
+        report.add(Outcome.NOT_EXECUTED, fields[-1], path, why)
+
+
+def _as_written(project: Project, types: S7Types) -> Project:
+    """A copy of `project` with the types, values and numbers that its text has for those of the project."""
+    copy = project.model_copy(deep=True)
+    for pou in copy.pous:
+        if pou.interface is not None:
+            pou.interface.sections = [_in_scl(section, pou) for section in pou.interface.sections]
+    interfaces = [*(pou.interface for pou in copy.pous), *(block.interface for block in copy.data_blocks)]
+    for interface in (each for each in interfaces if each is not None):
+        if interface.return_type is not None:
+            interface.return_type = types.type(interface.return_type)
+        for section in interface.sections:
+            section.variables = [_in_s7(variable, types) for variable in section.variables]
+    for declaration in copy.data_types:
+        declaration.type, declaration.initial = _struct(declaration, types), None
+    for body in (pou.body for pou in copy.pous):
+        if isinstance(body, StBody):
+            body.text = _without_constants(body.text, types)
+    return copy
+
+
+def _keys(project: Project, change: Change) -> Iterator[str | int]:
+    """Yield the fields and indices that lead to what `change` is about."""
+    thing: Any = project
+    for segment in change.path:
+        if isinstance(segment, str):
+            thing = thing.get(segment) if isinstance(thing, dict) else getattr(thing, segment)
+            yield segment
+            continue
+        name = segment.name if isinstance(segment, Named) else None
+        if isinstance(segment, Append) and isinstance(change.value, dict):
+            name = change.value.get("name")
+        named = (index for index, item in enumerate(thing) if name is not None and getattr(item, "name", None) == name)
+        index = segment if isinstance(segment, int) else next(named, None)
+        if index is None:
+            return
+        thing = thing[index]
+        yield index
 
 
 def _named(pieces: Iterator[Piece]) -> Iterator[Piece]:
@@ -88,60 +141,140 @@ def _named(pieces: Iterator[Piece]) -> Iterator[Piece]:
 
 
 def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
+    types = s7_types(project)
     for declaration in project.data_types:
-        report.add(Fate.KEPT, "data type", f"type {declaration.name}")
-        yield Piece(("type", declaration.name), _data_type(declaration), apart=True)
+        report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
+        yield Piece(("type", declaration.name), _data_type(declaration, types), apart=True)
     for pou in project.pous:
-        report.add(Fate.KEPT, "POU", f"POU {pou.name}")
-        _note_foreign(pou, report)
-        yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou))), apart=True)
+        report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
+        _note_foreign(pou, types, report)
+        for what, name, why in _not_executed(pou):
+            report.add(Outcome.NOT_EXECUTED, what, " / ".join(filter(None, (f"POU {pou.name}", name))), why)
+        yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou, types))), apart=True)
     for block in project.data_blocks:
-        report.add(Fate.KEPT, "data block", f"data block {block.name}")
-        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
+        report.add(Outcome.KEPT, "data block", f"data block {block.name}")
+        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block, types))), apart=True)
+    for name, why in left_out(project):
+        report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
+    for table in tag_tables_of(project):
+        for name in [*(tag.name for tag in table.tags), *(constant.name for constant in table.constants)]:
+            why = "a source declares no tags and user constants: it must be in the project already"
+            report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
+    for what, name, why in uncalled(project):
+        report.add(Outcome.NOT_EXECUTED, what, name, why)
     for block in data_blocks_of(project):
-        report.add(Fate.TRANSLATED, "global variables", block.name, "a data block")
-        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block))), apart=True)
+        report.add(Outcome.TRANSLATED, "global variables", block.name, "a data block")
+        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block, types))), apart=True)
 
 
-def _note_foreign(pou: Pou, report: ConversionReport) -> None:
+def _not_executed(pou: Pou) -> Iterator[tuple[str, str, str]]:
+    """What a block does in other tools, and an SCL source does not say: kind, name, and what that means."""
+    if pou.kind is PouKind.PROGRAM:
+        yield "program", "", "a function block; no organization block calls it, and it has no instance data block"
+    keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
+    for number, body in enumerate(pou.bodies):
+        if not isinstance(body, StBody) or number:
+            what = "chart" if isinstance(body, SfcBody) else "body"
+            yield what, "", "the block is empty and does nothing: SCL says programs in structured text only"
+        elif not _stays_inside(body.text, keyword):
+            yield "body", "", "the block is empty and does nothing: its text would end the block before its end"
+    for action in pou.actions:
+        if action.body is not None:
+            why = "blocks of S7 have no actions: what calls it does not execute it"
+            yield "POU action", f"action {action.name}", why
+    for method in pou.methods:
+        yield "method", f"method {method.name}", "blocks of S7 have no methods: what calls it does not execute it"
+
+
+def _note_foreign(pou: Pou, types: S7Types, report: ConversionReport) -> None:
     """Say which declarations of a block are written although TIA Portal does not know them."""
     sections = pou.interface.sections if pou.interface is not None else []
     for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
         words = section_head(section, _SCL)[-1]
-        if section.kind in _FOREIGN_SECTIONS or section.persistent:
-            report.add(Fate.APPROXIMATED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
+        if section.persistent:
+            why = "its variables are kept when the power fails, and not when the block is loaded again"
+            report.add(Outcome.APPROXIMATED, "section", f"POU {pou.name} / {words}", why)
+        if section.kind in _FOREIGN_SECTIONS:
+            report.add(Outcome.NOT_EXECUTED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
         for variable in section.variables:
-            inner = variable.type
+            path = f"POU {pou.name} / {variable.name}"
+            if variable.initial is not None and _in_scl(section, pou).kind is SectionKind.TEMP:
+                why = "temporary variables have no start value in S7"
+                report.add(Outcome.NOT_EXECUTED, "initial", path, why)
+            if (variable.address or "").startswith("%"):
+                why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
+                report.add(Outcome.NOT_EXECUTED, "address", path, why)
+            inner = types.type(variable.type)
             while isinstance(inner, ArrayType):
                 inner = inner.base
-            if isinstance(inner, EnumType | SubrangeType | PointerType):
-                path = f"POU {pou.name} / {variable.name}"
-                report.add(Fate.APPROXIMATED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
+            if isinstance(inner, PointerType):
+                report.add(Outcome.NOT_EXECUTED, "type", path, f"TIA Portal has no type {write_type(inner, _SCL)}")
 
 
 _FOREIGN_SECTIONS = frozenset({SectionKind.GLOBAL, SectionKind.ACCESS})
 
 
-def _data_type(declaration: DataTypeDeclaration) -> str:
-    if not isinstance(declaration.type, StructType):  # SCL declares structures only
-        declaration = declaration.model_copy(update={"type": StructType()})
-    return write_data_type(declaration, _SCL)
+def _data_type(declaration: DataTypeDeclaration, types: S7Types) -> str:
+    return write_data_type(declaration.model_copy(update={"type": _struct(declaration, types)}), _SCL)
+
+
+def _struct(declaration: DataTypeDeclaration, types: S7Types) -> StructType:
+    """The structure for a data type: SCL declares no others."""
+    if isinstance(declaration.type, StructType):
+        members = [_in_s7(member, types) for member in declaration.type.members]
+        return declaration.type.model_copy(update={"members": members})
+    return StructType(members=[Variable(name="Value", type=types.type(declaration.type))])
+
+
+def _in_s7(variable: Variable, types: S7Types) -> Variable:
+    """A variable with the type and the start value that S7 has for its own."""
+    type_ = types.type(variable.type)
+    if isinstance(type_, StructType):
+        type_ = type_.model_copy(update={"members": [_in_s7(member, types) for member in type_.members]})
+    address = None if (variable.address or "").startswith("%") else variable.address  # AT says another variable in SCL
+    return variable.model_copy(update={"type": type_, "initial": types.start(variable), "address": address})
+
+
+def _in_scl(section: VariableSection, pou: Pou) -> VariableSection:
+    """A section in the words of SCL: functions have no static variables, and temporary ones no start values."""
+    texts = dict(kept(section.carried))
+    if texts.get("keyword", "VAR") not in SECTION_KEYWORDS.values() and texts.get("keyword") != "STRUCT":
+        section = section.model_copy(update={"carried": None})
+    if section.persistent:
+        section = section.model_copy(update={"persistent": False, "retain": True})
+    temporary = pou.kind is PouKind.FUNCTION and section.kind is SectionKind.LOCAL and not section.constant
+    if section.kind is not SectionKind.TEMP and not temporary:
+        return section
+    variables = [variable.model_copy(update={"initial": None}) for variable in section.variables]
+    return section.model_copy(update={"kind": SectionKind.TEMP, "retain": False, "variables": variables})
+
+
+def _without_constants(text: str, types: S7Types) -> str:
+    """A text with the numbers of values of enumerations: a source declares no user constants."""
+    if not types.constants:
+        return text
+    edits = []
+    for token in tokenize(text, _SCL).tokens:
+        value = types.named(token.value.strip('"')) if token.value.startswith('"') else None
+        if value is not None:
+            edits.append(Edit(*token.span, str(value.number)))
+    return apply_edits(text, edits)
 
 
 # -- blocks
 
 
-def _pou(pou: Pou) -> Iterator[Piece]:
+def _pou(pou: Pou, types: S7Types) -> Iterator[Piece]:
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     result = pou.interface.return_type if pou.interface is not None else None
-    written = f" : {write_type(result, _SCL) if result is not None else 'Void'}"
+    written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
     yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
     yield from _comment(pou.comment)
     for section in pou.interface.sections if pou.interface is not None else []:
         if section.kind is not SectionKind.EXTERNAL:  # S7 declares in no block what is global
-            yield _section(section)
+            yield _section(_in_scl(section, pou), types)
     yield Piece(("begin", ""), "BEGIN")
-    text = pou.body.text if isinstance(pou.body, StBody) else ""
+    text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""
     yield Piece(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
     yield Piece(("end", ""), f"END_{keyword}")
 
@@ -173,13 +306,13 @@ def _comment(comment: Text | None) -> Iterator[Piece]:
         yield Piece(("comment", ""), "\n".join(comment_lines(text, _SCL)))
 
 
-def _section(section: VariableSection) -> Piece:
+def _section(section: VariableSection, types: S7Types) -> Piece:
     head = section_head(section, _SCL)
     struct = kept(section.carried).get("keyword") == "STRUCT"
     words = "STRUCT" if struct else head[-1]
     lines = [*head[:-1], words]
     pieces = [Piece(("head", ""), "\n".join(_INDENT + line for line in lines))]
-    pieces += _named(_variable(variable) for variable in section.variables)
+    pieces += _named(_variable(_in_s7(variable, types)) for variable in section.variables)
     ending = [*section_rest(section, 2 * _INDENT), f"{_INDENT}{'END_STRUCT;' if struct else 'END_VAR'}"]
     pieces.append(Piece(("end", ""), "\n".join(ending)))
     return Piece(("section", head[-1]), pieces=tuple(pieces))
@@ -192,7 +325,7 @@ def _variable(variable: Variable) -> Piece:
 # -- data blocks
 
 
-def _data_block(block: DataBlock) -> Iterator[Piece]:
+def _data_block(block: DataBlock, types: S7Types) -> Iterator[Piece]:
     texts = kept(block.carried)
     sections = block.interface.sections if block.interface is not None else []
     type_name = ""
@@ -202,10 +335,10 @@ def _data_block(block: DataBlock) -> Iterator[Piece]:
     for piece in _head("DATA_BLOCK", block.name, "", block.title, block.carried):
         yield Piece(piece.key, piece.text + type_name)
     yield from _comment(block.comment)
-    variables = [variable for section in sections for variable in section.variables]
+    variables = [_in_s7(variable, types) for section in sections for variable in section.variables]
     assigned = "inline" not in texts and all(can_be_assigned(variable.initial) for variable in variables)
     for section in sections:
-        yield _section(_without_values(section) if assigned else section)
+        yield _section(_without_values(section) if assigned else section, types)
     yield Piece(("begin", ""), "BEGIN")
     values = "\n".join(_INDENT + line for line in write_start_values(variables)) if assigned else ""
     yield Piece(("body", ""), texts.get("begin", values), verbatim="begin" in texts)

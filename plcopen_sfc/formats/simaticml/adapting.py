@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from plcopen_sfc.formats.simaticml.block_calls import put_standard_blocks, say_calls
 from plcopen_sfc.formats.simaticml.coils import put_coils
 from plcopen_sfc.formats.simaticml.flip_flops import put_operands
+from plcopen_sfc.formats.simaticml.hints import HINT
 from plcopen_sfc.formats.simaticml.structured_text_writer import CALL
 from plcopen_sfc.formats.simaticml.topology_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
 from plcopen_sfc.formats.simaticml.types import version_of
+from plcopen_sfc.languages.s7_globals import tag_tables_of
+from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
-from plcopen_sfc.model.body import BodyBase, StBody
-from plcopen_sfc.model.network import LogicNetwork
+from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import WiredCondition
+from plcopen_sfc.model.network import Connection, LogicNetwork
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.text import MultilingualText
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 TAB = 4
 _TEXTS = ("comment", "title", "alarm")
@@ -44,8 +48,40 @@ def adapt(project: Project, report: ConversionReport) -> None:
         _languages(thing, language)
     _without_tabs(project, report)
     _say_instances(project)
+    _say_constants(project)
     for chart in project.charts():
+        _shift_logic(chart.network)
         _numbers(chart.network, chart.report_path, report)
+
+
+_APART = 1 << 20
+"""Ids from which on no step, transition or action of a file gets one when it is read."""
+
+
+def _shift_logic(chart: SfcNetwork) -> None:
+    """Give what is drawn beside the steps ids that those of steps do not meet when the file is read."""
+    old = {node.id for node in chart.logic}
+    if not old or min(old) >= _APART:
+        return
+    for node in chart.logic:
+        node.id += _APART
+    symbols = chart.drawing.symbols if chart.drawing is not None else []
+    wired = [t.condition for t in chart.transitions if isinstance(t.condition, WiredCondition)]
+    for thing in (*chart.logic, *wired, *symbols):
+        for wire in _wires(thing):
+            wire.source += _APART if wire.source in old else 0
+
+
+def _wires(thing: Any) -> Iterator[Connection]:
+    """All wires in an element of a network, a condition or a symbol."""
+    if isinstance(thing, Connection):
+        yield thing
+    elif isinstance(thing, Model):
+        for value in thing.__dict__.values():
+            yield from _wires(value)
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from _wires(item)
 
 
 def _without_tabs(project: Project, report: ConversionReport) -> None:
@@ -53,7 +89,7 @@ def _without_tabs(project: Project, report: ConversionReport) -> None:
     for name, pou, body in project.bodies():
         if isinstance(body, StBody) and "\t" in body.text and body.markup is None:
             body.text = body.text.expandtabs(TAB)
-            report.add(Fate.TRANSLATED, "text", pou.report_path_of(name), "tabs are blanks")
+            report.add(Outcome.TRANSLATED, "text", pou.report_path_of(name), "tabs are blanks")
 
 
 def _say_instances(project: Project) -> None:
@@ -65,6 +101,38 @@ def _say_instances(project: Project) -> None:
             if called:
                 body.carried = body.carried or Carried()
                 body.carried.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
+
+
+def _say_constants(project: Project) -> None:
+    """Say of names in texts and networks which are those of user constants."""
+    names = user_constants(project)
+    for pou in project.pous if names else ():
+        for body in pou.bodies:
+            if isinstance(body, StBody):
+                say_constants(body, body.text, names)
+            elif isinstance(body, FbdBody | LdBody):
+                for network in body.networks:
+                    say_constants(network, network_text(network), names)
+
+
+def user_constants(project: Project) -> list[str]:
+    """The names of the user constants that enumerations and constant global variables become."""
+    tables = tag_tables_of(project)
+    names = [each.name for each in s7_types(project).constants]
+    return [*names, *(constant.name for table in tables for constant in table.constants)]
+
+
+def say_constants(thing: StBody | LogicNetwork, text: str, names: Iterable[str]) -> None:
+    """Say of a program with the operands in `text` which of them are user constants."""
+    found = {f'{HINT}"{name}"': "GlobalConstant" for name in names if f'"{name}"' in text}
+    if found:
+        thing.carried = thing.carried or Carried()
+        thing.carried.attributes |= found
+
+
+def network_text(network: LogicNetwork) -> str:
+    """The texts of a network, one after the other."""
+    return str(network.model_dump(include={"nodes"}))
 
 
 def _say_versions(project: Project) -> None:
@@ -102,7 +170,7 @@ def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
         if not transition.name:
             transition.name = _free(f"Trans{transition.number}", taken)
             why = "it got a name, as S7-GRAPH requires"
-            report.add(Fate.TRANSLATED, "transition", f"{place} / transition {transition.name}", why)
+            report.add(Outcome.TRANSLATED, "transition", f"{place} / transition {transition.name}", why)
     if not chart.sequences and chart.steps:
         chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
     _limits(chart, place, report)
@@ -145,7 +213,7 @@ def _limits(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
     for what, count, most in counts:
         if count > most:
             why = f"an S7-GRAPH block has up to {most} {what}, this one {count}; TIA Portal may refuse it"
-            report.add(Fate.APPROXIMATED, "chart", place, why)
+            report.add(Outcome.APPROXIMATED, "chart", place, why)
 
 
 def _number(things: Iterable[Any]) -> None:

@@ -24,7 +24,7 @@ from plcopen_sfc.formats.simaticml.writing import (
 from plcopen_sfc.model.base import Carried, Element
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.network import LogicNetwork, OutputVariable
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 UNIT = "SW.Blocks.CompileUnit"
 
@@ -62,7 +62,8 @@ def write_units(ctx: WriteContext, parent: etree._Element, body: Body) -> None:
         native |= {"source", "content"}
     else:
         what = "IL body" if isinstance(body, IlBody) else "body"
-        ctx.note(Fate.CARRIED, what, why="TIA Portal has no such language")
+        why = "the block is empty and does nothing: it is in no language that is written for TIA Portal"
+        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
         keep_fields(unit, {"body": body.model_dump(mode="json", exclude_none=True)})
         return
     finish(ctx, unit, body, frozenset(native), also=also)

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.formats.base import Reading, WriteOptions
-from plcopen_sfc.formats.simaticml import adapting, layout, normalizing
+from plcopen_sfc.formats.simaticml import adapting, layout, normalizing, project_writer
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
 from plcopen_sfc.formats.simaticml.fitting import fit_alarms
 from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE
@@ -26,6 +26,7 @@ from plcopen_sfc.report import ConversionReport
 
 standard_folder = layout.standard_folder
 new_document = layout.new_document
+added_objects = project_writer.added_objects
 as_tool_sees = tool_view.as_tool_sees
 
 

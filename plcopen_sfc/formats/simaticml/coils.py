@@ -12,6 +12,7 @@ from plcopen_sfc.formats.simaticml.operands import literal_type, parse_operand
 from plcopen_sfc.formats.simaticml.parts import RESULTS
 from plcopen_sfc.formats.simaticml.power import put_in_series
 from plcopen_sfc.formats.simaticml.types import write_type
+from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.body import Body, FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition
 from plcopen_sfc.model.network import (
@@ -45,7 +46,8 @@ def types_of(project: Project, pou: Pou) -> dict[str, str]:
     Names are in lower case.
     """
     tags = {f'"{tag.name.lower()}"': tag.type for table in project.tag_tables for tag in table.tags}
-    return tags | {f"#{variable.name.lower()}": write_type(variable.type) for variable in pou.variables()}
+    types = s7_types(project)
+    return tags | {f"#{variable.name.lower()}": write_type(types.type(variable.type)) for variable in pou.variables()}
 
 
 def put_coils(project: Project) -> None:

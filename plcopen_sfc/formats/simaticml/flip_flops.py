@@ -21,7 +21,7 @@ from plcopen_sfc.model.network import Block, BlockVariable, InputPin
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _FLIP_FLOPS = frozenset({"RS", "SR"})
 _EDGES = frozenset({"R_TRIG", "F_TRIG"})
@@ -59,7 +59,7 @@ def _put_flip_flops(
     kept = {name for _, found in parsed for name in _otherwise_used(found.tree, instances)}
     for name in kept:
         why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
-        report.add(Fate.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
+        report.add(Outcome.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
     changed = {name: variable for name, variable in instances.items() if name not in kept}
     for piece, found in parsed:
         new = render(found, transform(found.tree, lambda node: _value(node, changed)))
@@ -74,7 +74,7 @@ def _put_flip_flops(
     for variable in changed.values():
         variable.type, variable.initial = ElementaryType(name=Elementary.BOOL), None
         why = "flip-flops of TIA Portal keep their state in a variable of type BOOL"
-        report.add(Fate.TRANSLATED, "instance", f"POU {pou.name} / {variable.name}", why)
+        report.add(Outcome.TRANSLATED, "instance", f"POU {pou.name} / {variable.name}", why)
 
 
 def _instances(pou: Pou, types: frozenset[str]) -> dict[str, Variable]:

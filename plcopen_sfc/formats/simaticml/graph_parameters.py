@@ -11,7 +11,7 @@ from lxml import etree
 from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.writing import WriteContext, sub
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _PARAMETERS = {
     "Input": {
@@ -50,7 +50,7 @@ def add_system_parts(ctx: WriteContext, sections: etree._Element) -> None:
             member = sub(section, "Member", {"Name": parameter, "Datatype": datatype})
             keep_added(member)
             section.insert(at, member)
-    ctx.note(Fate.TRANSLATED, "interface", why="it got the standard parameters of S7-GRAPH")
+    ctx.note(Outcome.TRANSLATED, "interface", why="it got the standard parameters of S7-GRAPH")
 
 
 def _section(sections: etree._Element, name: str) -> etree._Element | None:

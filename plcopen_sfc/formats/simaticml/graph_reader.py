@@ -7,8 +7,10 @@ import copy
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.actions_reader import read_action
+from plcopen_sfc.formats.simaticml.added import is_added
 from plcopen_sfc.formats.simaticml.networks import read_flgnet_body
 from plcopen_sfc.formats.simaticml.reading import (
+    ASSOCIATION,
     TRUTHS,
     Fields,
     NotUnderstoodError,
@@ -231,14 +233,27 @@ class _ChartReader:
     def _actions(self, step: Fields, element: etree._Element) -> None:
         shell = _shell(element)
         rows = children(element)
-        for row in rows:
-            if local(row) != "Action":
+        for row in element:
+            if not isinstance(row.tag, str):
+                step["actions"] += [{**said, "id": self.new_id()} for said in self._said_beside(row)]
+            elif local(row) != "Action":
                 shell.append(copy.deepcopy(row))
+            elif self.ctx.trusting and is_added(row):
+                continue
             elif row is not rows[-1] or len(row) or row.attrib:  # the last row of the editor is an empty one
                 action = {"id": self.new_id(), **read_action(row)}
                 read_comments(self.ctx, row, action)
-                step["actions"].append(action)
+                said = action.pop(ASSOCIATION, None)
+                step["actions"].append(action if said is None else {**said, "id": action["id"]})
         _keep_shell(step, shell)
+
+    def _said_beside(self, comment: etree._Element) -> list[Fields]:
+        """The association in a comment between the rows, which no row says."""
+        holder = etree.Element("Actions")
+        holder.append(copy.deepcopy(comment))
+        fields: Fields = {}
+        read_comments(self.ctx, holder, fields)
+        return [fields[ASSOCIATION]] if ASSOCIATION in fields else []
 
     def _supervised(self, step: Fields, element: etree._Element, kind: str) -> None:
         shell = _shell(element)

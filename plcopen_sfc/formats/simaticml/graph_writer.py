@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from collections.abc import Sequence as Sequence_
 from dataclasses import dataclass
 
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.actions_reader import row_fields
-from plcopen_sfc.formats.simaticml.actions_writer import AS_EVENTS, SAYABLE, write_row
+from plcopen_sfc.formats.simaticml.actions_writer import write_row
+from plcopen_sfc.formats.simaticml.adapting import network_text, say_constants, user_constants
 from plcopen_sfc.formats.simaticml.added import keep_added
-from plcopen_sfc.formats.simaticml.conditions import condition_body
+from plcopen_sfc.formats.simaticml.conditions import condition_body, drawn_condition, untranslated_body
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
-from plcopen_sfc.formats.simaticml.networks import write_flgnet_body
-from plcopen_sfc.formats.simaticml.reading import children, local
+from plcopen_sfc.formats.simaticml.networks import is_sayable, write_flgnet_body
+from plcopen_sfc.formats.simaticml.reading import ASSOCIATION, children, local
+from plcopen_sfc.formats.simaticml.rows import RowPlanner, Rows
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, write_link
 from plcopen_sfc.formats.simaticml.topology_reader import usual_order
 from plcopen_sfc.formats.simaticml.topology_rules import (
@@ -34,10 +37,14 @@ from plcopen_sfc.formats.simaticml.writing import (
     verbatim,
     write_languages,
 )
-from plcopen_sfc.model.actions import ActionAssociation, Qualifier
+from plcopen_sfc.formats.xml.carrying import left_over
+from plcopen_sfc.formats.xml.foreign import Markup, markup_of
+from plcopen_sfc.languages.networks import chart_statements, condition_reader
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import Body, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Symbol
 from plcopen_sfc.model.network import Coil, InputPin, LeftPowerRail, LogicNetwork
 from plcopen_sfc.model.network import Connection as Wire
@@ -45,12 +52,13 @@ from plcopen_sfc.model.sfc import (
     AlarmCategory,
     PermanentOperation,
     Sequence,
+    SfcFlag,
     SfcNetwork,
     Step,
     Supervised,
     Transition,
 )
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _ALL_CATEGORIES = 4
 """The schema version from which on all categories are written."""
@@ -96,6 +104,13 @@ class _ChartWriter:
         self.transition_numbers = _numbers((t.id, t.number) for t in chart.transitions)
         self._labels = chart.labels()
         self.last_transition = max(self.transition_numbers.values(), default=0)
+        self.of_tia = markup_of(ctx.project) is Markup.SIMATICML
+        pou = next((pou for pou in ctx.project.pous if pou.name == ctx.body_name), None)
+        self.rows = RowPlanner(ctx.project, pou, of_tia=self.of_tia)
+        transitions = pou.transitions if pou is not None else []
+        self.condition_of = condition_reader(chart, Dialect.SCL, transitions=transitions)
+        self.steps = {step.id: step for step in chart.steps}
+        self.constants = user_constants(ctx.project) if not self.of_tia else []
 
     def write(self, root: etree._Element) -> None:
         """Write the whole block."""
@@ -112,7 +127,20 @@ class _ChartWriter:
         for name in ("Graph", "PreOperations", "PostOperations", "AlarmsSettings", "AlarmSupervisionCategories"):
             _set_attributes(root, name, chart.carried)
         native = {"steps", "transitions", "sequences", "permanent_pre", "permanent_post", "drawing", "graph_settings"}
+        self._note_surroundings()
         finish(self.ctx, root, chart, frozenset(native))
+
+    def _note_surroundings(self) -> None:
+        """Report what the source executes around the steps, and TIA Portal does not."""
+        chart = self.chart
+        if not chart.steps and not self.of_tia:
+            self.ctx.note(Outcome.NOT_EXECUTED, "chart", why="it has no steps: TIA Portal imports no such block")
+        if chart.logic and chart_statements(chart, Dialect.SCL).tree.statements:
+            self.ctx.note(Outcome.NOT_EXECUTED, "logic", why="what is drawn beside the steps acts, and is not written")
+        for flag_, use in (chart.settings.flags if chart.settings is not None else {}).items():
+            if use.use:
+                why = f"S7-GRAPH has no {flag_.variable}: the chart neither obeys it nor sets it"
+                self.ctx.note(Outcome.NOT_EXECUTED, "flag", flag_.variable, why)
 
     def _operations(self, parent: etree._Element, name: str, operations: list[PermanentOperation]) -> None:
         element = sub(parent, name)
@@ -223,14 +251,14 @@ class _ChartWriter:
 
     def _report(self, added: Added, refused: list[str], dead_ends: list[int]) -> None:
         for problem in dict.fromkeys(refused):
-            self.ctx.note(Fate.APPROXIMATED, "branch", why=f"{problem}; TIA Portal may refuse it")
+            self.ctx.note(Outcome.APPROXIMATED, "branch", why=f"{problem}; TIA Portal may refuse it")
         for _ in added.steps:
             why = "S7-GRAPH wants a step and a transition before what comes next: it is active one cycle later"
-            self.ctx.note(Fate.APPROXIMATED, "branch", why=why)
+            self.ctx.note(Outcome.APPROXIMATED, "branch", why=why)
         for step in self.chart.steps:
             if self.step_numbers[step.id] in dead_ends:
                 why = "S7-GRAPH wants a transition behind every step: one that is never TRUE"
-                self.ctx.note(Fate.TRANSLATED, "step", f"step {step.name}", why)
+                self.ctx.note(Outcome.TRANSLATED, "step", f"step {step.name}", why)
 
     def _free_name(self, stem: str, number: int) -> str:
         """A name that no step, transition or variable of the block has."""
@@ -265,7 +293,7 @@ class _ChartWriter:
     def _step(self, parent: etree._Element, step: Step) -> None:
         ctx = self.ctx
         attributes = {"Number": str(self.step_numbers[step.id]), "Init": flag(step.initial), "Name": step.name}
-        if step.max_time is not None:
+        if step.max_time is not None and not step.max_time.startswith(("#", '"')):
             attributes["MaximumStepTime"] = step.max_time
         if step.warning_time is not None:
             attributes["WarningTime"] = step.warning_time
@@ -274,14 +302,13 @@ class _ChartWriter:
             if not name.startswith("@"):
                 element.set(name, value)
         ctx.place.append(f"step {step.name}")
-        native = {"id", "name", "number", "initial", "max_time", "warning_time", "actions", "interlock", "supervision"}
-        native |= {"title"}
+        native = {"id", "name", "number", "title", "initial", "actions", "interlock", "supervision"}
+        native |= {"warning_time"} | ({"max_time"} if "MaximumStepTime" in attributes else set())
         write_languages(ctx, element, "StepName", step.title)
         write_languages(ctx, element, "Comment", step.comment)
         actions = sub(element, "Actions")
         self._fill_shell(actions, step.carried, "Actions")
-        for action in step.actions:
-            self._action(actions, action)
+        self._actions(actions, step)
         sub(actions, "Action")
         self._supervised(element, step, "Supervision", step.supervision)
         self._supervised(element, step, "Interlock", step.interlock)
@@ -292,37 +319,99 @@ class _ChartWriter:
         for name in (*own, "Supervision", "Interlock"):
             _set_attributes(element, name, step.carried)
         ctx.keep("step")
-        finish(ctx, element, step, frozenset(native | {"comment"}))
+        self._note_step(step)
+        told = {"entry_action", "main_action", "exit_action", "min_time", "negated", "macro", "encloses", "exclude"}
+        finish(ctx, element, step, frozenset(native | {"comment"}), told=frozenset(told))
         ctx.place.pop()
 
-    def _action(self, parent: etree._Element, action: ActionAssociation) -> None:
+    def _note_step(self, step: Step) -> None:
+        """Report what a step does in other tools, and not in S7-GRAPH."""
+        note = self.ctx.note
+        if step.min_time is not None:
+            why = f"the transitions that leave the step wait for #{step.name}.T >= {step.min_time}"
+            note(Outcome.TRANSLATED, "min time", why=why)
+        if step.max_time is not None and self._watches_times():
+            why = f"nothing happens when the step lasts longer than {step.max_time}: S7-GRAPH has no SFCError"
+            note(Outcome.NOT_EXECUTED, "max time", why=why)
+        if step.macro is not None:
+            note(Outcome.NOT_EXECUTED, "macro", why="S7-GRAPH has no macro-steps: the chart in it is not executed")
+        if step.encloses:
+            note(Outcome.NOT_EXECUTED, "encloses", why="S7-GRAPH has no enclosing steps: its charts are not executed")
+        if step.exclude:
+            why = "it is excluded from the build: it has no actions there, and is not left"
+            note(Outcome.TRANSLATED, "exclude", why=why)
+
+    def _watches_times(self) -> bool:
+        """True if the source tool reports steps that last too long."""
+        flags = self.chart.settings.flags if self.chart.settings is not None else {}
+        watching = (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT, SfcFlag.ERROR_STEP)
+        return any(name in flags and flags[name].use for name in watching)
+
+    def _actions(self, parent: etree._Element, step: Step) -> None:
+        """Write the rows of a step: what is done once on entry, while it is active, and once when it is left."""
+        if not step.exclude:
+            self._step_action(parent, "entry action", step.entry_action, ActionEvent.S1)
+            self._step_action(parent, "main action", step.main_action, None)
+        for action in step.actions:
+            self._action(parent, action, step)
+        if not step.exclude:
+            self._step_action(parent, "exit action", step.exit_action, ActionEvent.S0)
+
+    def _step_action(
+        self, parent: etree._Element, what: str, code: str | Body | None, event: ActionEvent | None
+    ) -> None:
+        if code is None:
+            return
+        planned = self.rows.step_action(code, event)
+        for row in planned.rows:
+            element = sub(parent, "Action")
+            write_row(element, row, self.blocks)
+            keep_added(element)
+        self._note_rows(planned, what, what, f"`{_bare(code)}`" if isinstance(code, str) else "it")
+
+    def _note_rows(self, planned: Rows, what: str, name: str, shown: str) -> None:
+        if shown.startswith("`"):
+            self.ctx.actions_told.add(shown.strip("`").casefold())
+        lost = planned.outcome is Outcome.NOT_EXECUTED
+        why = f"{shown} is not executed: {planned.why}" if lost else planned.why
+        self.ctx.note(planned.outcome, what, name, why)
+
+    def _action(self, parent: etree._Element, action: ActionAssociation, step: Step) -> None:
         kept = verbatim(self.ctx, action.carried)
         target = action.target or (action.body.text if isinstance(action.body, StBody) else "")
         if kept is not None and _says(kept, action):
             parent.append(kept)
             self.ctx.keep("action", target)
             return
-        if isinstance(action.body, OpaqueBody):
+        if isinstance(action.body, OpaqueBody) and action.body.source == "simaticml":
             add_element(self.ctx, parent, action.body.content)
             self.ctx.keep("action")
             return
-        element = sub(parent, "Action")
-        write_row(element, action, self.blocks)
-        native = {"id", "qualifier", "target", "value", "duration", "event", "interlock"}
-        if isinstance(action.body, StBody) or action.body is None:
-            native.add("body")
-        if action.qualifier in AS_EVENTS:
-            self.ctx.note(Fate.TRANSLATED, "action", target, f"{action.qualifier} is said with an event")
-            native -= {"qualifier", "event"}
-        elif action.qualifier not in SAYABLE:
-            same = action.qualifier is Qualifier.R0
-            why = f"S7-GRAPH has no qualifier {action.qualifier}"
-            self.ctx.note(Fate.TRANSLATED if same else Fate.APPROXIMATED, "action", target, why)
-            native.discard("qualifier")
-        else:
+        planned = self.rows.association(action, inverted=step.negated)
+        if step.exclude:
+            planned = Rows((), Outcome.TRANSLATED, "its step is excluded from the build")
+        if planned.rows == (action,):
+            element = sub(parent, "Action")
+            write_row(element, action, self.blocks)
+            native = {"id", "qualifier", "target", "value", "duration", "event", "interlock", "body"}
             self.ctx.keep("action", target)
-        also = {"event": None} if "event" not in native and action.event is None else None
-        finish(self.ctx, element, action, frozenset(native), also=also)
+            finish(self.ctx, element, action, frozenset(native))
+            return
+        said = {ASSOCIATION: left_over(action, frozenset({"id"}))}
+        if not planned.rows:
+            keep_fields(parent, said)
+        for number, row in enumerate(planned.rows):
+            element = sub(parent, "Action")
+            write_row(element, row, self.blocks)
+            if number:
+                keep_added(element)
+            else:
+                keep_fields(element, said)
+        shown = _bare(action.target) if action.target is not None else "in place"
+        qualifier = f" with the qualifier {action.qualifier}" if action.target is None else ""
+        self._note_rows(
+            planned, "action", f"action {shown}", f"`{shown}`" if not qualifier else f"what it does{qualifier}"
+        )
 
     def _supervised(self, parent: etree._Element, step: Step, kind: str, supervised: Supervised | None) -> None:
         holder = sub(parent, f"{kind}s")
@@ -333,25 +422,43 @@ class _ChartWriter:
         self._condition(element, supervised.condition, kind)
         self._fill_shell(holder, step.carried, f"{kind}s")
 
-    def _condition(self, element: etree._Element, condition: Condition | None, kind: str) -> None:
-        name = RESULT_OF[kind]
-        body: Body = empty_network(name)
-        if isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition, name):
+    def _condition(
+        self, element: etree._Element, condition: Condition | None, kind: str, also: Sequence_[str] = ()
+    ) -> None:
+        """Write the network of a condition; `also`: what must be TRUE besides."""
+        result, what = RESULT_OF[kind], f"condition of the {kind.lower()}"
+        is_missing = condition is None and kind == "Transition" and not self.ctx.options.missing_is_true
+        if (condition is None and not is_missing) or _is_always(condition):
+            body: Body = empty_network(result)
+            if also:
+                body = condition_body(Expression(text=" AND ".join(also)), result) or body
+        elif isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition, result):
             body = condition.body
-        elif isinstance(condition, Expression) and not _is_always(condition):
-            drawn = condition_body(condition, name)
-            if drawn is not None:
-                body = drawn
-                self.ctx.note(Fate.TRANSLATED, f"condition of the {kind.lower()}", why=f"a network of {drawn.language}")
-            else:
-                self.ctx.note(Fate.CARRIED, f"condition of the {kind.lower()}", why="it has no network")
-            keep_fields(
-                element,
-                {"condition": {"kind": "expression", **condition.model_dump(mode="json", exclude_none=True)}},
+            write_flgnet_body(self.ctx, element, body)
+            return
+        else:
+            drawn = (
+                drawn_condition(self.condition_of, condition, result, also)
+                if condition is not None
+                else "the transition has no condition"
             )
-        elif condition is not None and not _is_always(condition):
-            self.ctx.note(Fate.CARRIED, f"condition of the {kind.lower()}", why="it is no network of LAD or FBD")
-            keep_fields(element, {"condition": condition.model_dump(mode="json", exclude_none=True)})
+            if not isinstance(drawn, str) and not is_sayable(self.ctx, drawn):
+                drawn = "TIA Portal does not have all elements of its network"
+            if isinstance(drawn, str):
+                label = self.ctx.place[-1].partition(" ")[2] if self.ctx.place else ""
+                body = untranslated_body(result, label)
+                why = f"it is not written, and the block does not compile until somebody has programmed it: {drawn}"
+                self.ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+            else:
+                body = drawn
+                for network in drawn.networks:
+                    say_constants(network, network_text(network), self.constants)
+                self.ctx.note(Outcome.TRANSLATED, what, why=f"a network of {drawn.language}")
+        plain = isinstance(condition, Expression) and condition.text == "TRUE" and condition.carried is None
+        unsaid = condition is None and kind == "Transition" and not self.ctx.options.same
+        if also or unsaid or (condition is not None and not plain):
+            said = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None
+            keep_fields(element, {"condition": said})
         write_flgnet_body(self.ctx, element, body)
 
     def _transition(self, parent: etree._Element, transition: Transition) -> None:
@@ -367,10 +474,24 @@ class _ChartWriter:
         write_languages(ctx, element, "Comment", transition.comment)
         for content in _unknown(transition.carried):
             add_element(ctx, element, content)
-        self._condition(element, transition.condition, "Transition")
+        self._transition_condition(element, transition)
         ctx.keep("transition")
-        finish(ctx, element, transition, frozenset(native))
+        finish(ctx, element, transition, frozenset(native), told=frozenset({"exclude"}))
         ctx.place.pop()
+
+    def _transition_condition(self, element: etree._Element, transition: Transition) -> None:
+        sources = [self.steps[number] for number in transition.sources if number in self.steps]
+        if transition.exclude or any(step.exclude for step in sources):
+            self.ctx.note(
+                Outcome.TRANSLATED, "exclude", why="it is excluded from the build: a network that is never TRUE"
+            )
+            said = transition.condition.model_dump(mode="json", exclude_none=True) if transition.condition else None
+            keep_fields(element, {"condition": said})
+            body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"])
+            write_flgnet_body(self.ctx, element, body or untranslated_body(RESULT_OF["Transition"], "excluded"))
+            return
+        least = [f"#{step.name}.T >= {step.min_time}" for step in sources if step.min_time is not None]
+        self._condition(element, transition.condition, "Transition", least)
 
     def _alarms(self, parent: etree._Element) -> None:
         settings = self.chart.graph_settings
@@ -417,7 +538,12 @@ def _is_flgnet(condition: BodyCondition, result: str) -> bool:
     )
 
 
-def _is_always(condition: Condition) -> bool:
+def _bare(name: str) -> str:
+    """A name as other tools write it."""
+    return name.replace("#", "").replace('"', "")
+
+
+def _is_always(condition: Condition | None) -> bool:
     return isinstance(condition, Expression) and not condition.negated and condition.text.strip().upper() == "TRUE"
 
 

@@ -17,20 +17,12 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_comments,
     read_languages,
 )
+from plcopen_sfc.formats.simaticml.sections import LAYOUT, SECTIONS, restored
 from plcopen_sfc.formats.simaticml.start_values import read_elements
 from plcopen_sfc.formats.simaticml.types import read_type, write_type
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, ElementaryType, StringType, StructType
 from plcopen_sfc.model.variables import SectionKind
 
-SECTIONS = {
-    "Input": SectionKind.INPUT,
-    "Output": SectionKind.OUTPUT,
-    "InOut": SectionKind.IN_OUT,
-    "Static": SectionKind.LOCAL,
-    "Temp": SectionKind.TEMP,
-    "Constant": SectionKind.CONSTANT,
-    "Return": SectionKind.RETURN,
-}
 MEMBER_ATTRIBUTES = ("Version", "Remanence", "Accessibility", "Informative")
 """Attributes of ``Member`` itself; all others in `Variable.attributes` stand in its ``AttributeList``."""
 _INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offset", "PaddedSize"})
@@ -70,6 +62,9 @@ def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
                 continue
             fields["sections"].append(_section(ctx, section, kind))
         read_comments(ctx, sections, fields)
+    layout = fields.pop(LAYOUT, None)
+    if layout is not None:
+        fields["sections"] = restored(fields["sections"], layout)
     return fields
 
 
@@ -142,9 +137,9 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
         for child in children(element):
             if local(child) == "Member":
                 carry_element(fields, child)
-    read_comments(ctx, element, fields)
     if fields["type"]["kind"] in _SPELLED and spelled_as(fields["type"]) != spelled:
         carried(fields)["attributes"]["Datatype"] = spelled
+    read_comments(ctx, element, fields)
     return fields
 
 

@@ -7,8 +7,9 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.graph_parameters import add_system_parts
-from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, SECTIONS, usual_form
+from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, usual_form
 from plcopen_sfc.formats.simaticml.results import write_result
+from plcopen_sfc.formats.simaticml.sections import LAYOUT, SECTIONS, is_usual, merged, section_name
 from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
@@ -16,7 +17,7 @@ from plcopen_sfc.formats.xml.carrying import legal
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _NAMES = {kind: name for name, kind in SECTIONS.items()}
 
@@ -28,10 +29,12 @@ def write_interface(
     renamed: dict[str, str] | None = None,
     *,
     graph: bool = False,
+    static: bool = True,
 ) -> etree._Element:
     """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
 
-    `graph`: the block has a chart, and needs what every sequencer has.
+    `graph`: the block has a chart, and needs what every sequencer has. `static`: it has static variables, which
+    functions have not.
     """
     element = sub(parent, "Interface")
     for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
@@ -39,20 +42,24 @@ def write_interface(
     sections = ctx.root("Interface", "Sections", element)
     for content in interface.carried.elements if interface.carried is not None else ():
         add_element(ctx, sections, content)
-    for section in interface.sections:
-        name = "Constant" if holds_constants(section) else _NAMES.get(section.kind)
-        if name is None:
-            ctx.note(Fate.CARRIED, "section", section.kind.value, "TIA Portal has no such section")
-            continue
-        _section(ctx, sections, name, section, renamed or {})
-    unsayable = [s for s in interface.sections if s.kind not in _NAMES]
     left: dict[str, Any] = {}
-    if unsayable:
-        left["sections"] = [s.model_dump(mode="json", exclude_none=True) for s in unsayable]
+    given = interface.sections
+    if not ctx.keeps_sections and not is_usual(given, static=static):
+        given, left[LAYOUT] = merged(given, static=static)
+    for section in given:
+        _section(ctx, sections, section_name(section) or "", section, renamed or {})
+    for section in interface.sections:
+        if section.persistent:
+            why = "its variables are kept when the power fails, and not when the block is loaded again"
+            ctx.note(Outcome.APPROXIMATED, "section", f"{section.kind.value} persistent", why)
+        if section_name(section) is None:
+            external = section.kind is SectionKind.EXTERNAL  # names of global variables, which texts name as such
+            outcome = Outcome.EXTENSION_DATA if external else Outcome.NOT_EXECUTED
+            ctx.note(outcome, "section", section.kind.value, "TIA Portal has no such section")
     if graph:
         add_system_parts(ctx, sections)
     if interface.return_type is not None:
-        write_result(sections, interface.return_type)
+        write_result(sections, ctx.s7_types.type(interface.return_type))
         left["return_type"] = interface.return_type.model_dump(mode="json", exclude_none=True)
     finish(ctx, sections, interface, frozenset({"sections", "return_type"}), also=left)
     return element
@@ -65,17 +72,12 @@ def _section(
     for content in section.carried.elements if section.carried is not None else ():
         add_element(ctx, element, content)
     for variable in section.variables:
-        write_member(ctx, element, variable, renamed.get(variable.name))
+        write_member(ctx, element, variable, renamed.get(variable.name), starts=name != "Temp")
     if _NAMES.get(section.kind) == name:
         finish(ctx, element, section, frozenset({"kind", "variables"}))
     else:
         also = {"kind": section.kind.value, "constant": True}
         finish(ctx, element, section, frozenset({"kind", "variables", "constant"}), also=also)
-
-
-def holds_constants(section: VariableSection) -> bool:
-    """Whether the variables of a section are constants of their block, which have a section of their own here."""
-    return section.kind is SectionKind.CONSTANT or (section.kind is SectionKind.LOCAL and section.constant)
 
 
 def write_members(ctx: WriteContext, parent: etree._Element, struct: StructType) -> None:
@@ -86,11 +88,15 @@ def write_members(ctx: WriteContext, parent: etree._Element, struct: StructType)
         write_member(ctx, section, member)
 
 
-def write_member(ctx: WriteContext, parent: etree._Element, variable: Variable, name: str | None = None) -> None:
-    """Write ``Member``."""
+def write_member(
+    ctx: WriteContext, parent: etree._Element, variable: Variable, name: str | None = None, *, starts: bool = True
+) -> None:
+    """Write ``Member``. `starts`: it can have a start value, which temporary variables cannot."""
     kept = variable.carried.attributes if variable.carried is not None else {}
     own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
-    element = sub(parent, "Member", {"Name": name or variable.name, "Datatype": spelling(variable.type, kept), **own})
+    type_ = ctx.s7_types.type(variable.type)
+    spelled = spelling(type_, kept if type_ is variable.type else {})
+    element = sub(parent, "Member", {"Name": name or variable.name, "Datatype": spelled, **own})
     for key, value in kept.items():
         if "/" not in key and key != "Datatype":
             element.set(key, value)
@@ -105,21 +111,35 @@ def write_member(ctx: WriteContext, parent: etree._Element, variable: Variable, 
         add_element(ctx, element, content)
         unknown.remove(content)
     write_languages(ctx, element, "Comment", variable.comment, _marks(kept, "Comment"))
-    struct = struct_of(variable.type)
+    struct = struct_of(type_)
     for member in struct.members if struct is not None else ():
         write_member(ctx, element, member)
     for content in unknown:
         add_element(ctx, element, content)
     native = {"name", "type", "comment", "attributes"}
-    if isinstance(variable.initial, SimpleValue):
-        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(variable.initial.text or "") or None
+    told: set[str] = set()
+    also: dict[str, Any] = {}
+    start = ctx.s7_types.start(variable) if starts or ctx.options.same else None
+    if start is None and variable.initial is not None and not starts:
+        told.add("initial")
+        why = "temporary variables of TIA Portal have no start value"
+        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+    if isinstance(start, SimpleValue):
+        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(start.text or "") or None
+        (native if start == variable.initial else told).add("initial")
+        also = {"initial": None} if variable.initial is None else {}
+    elif start is not None and write_elements(element, type_, start):
         native.add("initial")
-    elif variable.initial is not None and write_elements(element, variable.type, variable.initial):
-        native.add("initial")
-    if not is_sayable(variable.type):
+    if type_ is not variable.type:
         native.discard("type")
-        ctx.note(Fate.APPROXIMATED, "data type", variable.name, "TIA Portal has no such type; written as Variant")
-    finish(ctx, element, variable, frozenset(native))
+        told.add("type")
+        ctx.note(Outcome.TRANSLATED, "data type", variable.name, f"it is a variable of the type {spelled}")
+    if not is_sayable(type_):
+        native.discard("type")
+        told.add("type")
+        why = f"TIA Portal has no type like this one; written as {spelled}, which does not compile"
+        ctx.note(Outcome.NOT_EXECUTED, "data type", variable.name, why)
+    finish(ctx, element, variable, frozenset(native), also=also, told=frozenset(told))
 
 
 def spelling(type: DataType, kept: dict[str, str]) -> str:

@@ -29,7 +29,7 @@ from plcopen_sfc.formats.simaticml.uids import NUMBERS, numbers_of, shortened
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, keep_fields, sub, verbatim
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import LogicNetwork
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _LANGUAGES = {"LAD": "LD", "FBD": "FBD"}
 _NAMES = {language: name for name, language in _LANGUAGES.items()}
@@ -106,10 +106,21 @@ def write_network(ctx: WriteContext, root: etree._Element, network: LogicNetwork
         for child in list(root):
             root.remove(child)
         sub(root, "Parts")
-        ctx.note(Fate.CARRIED, "network", why=f"TIA Portal has no such element: {error}")
+        why = f"TIA Portal has no such element: {error}; the network is empty there"
+        ctx.note(Outcome.NOT_EXECUTED, "network", why=why)
         nodes = network.model_dump(mode="json", exclude_none=True, include={"nodes"})
         keep_fields(root, nodes)
     return None
+
+
+def is_sayable(ctx: WriteContext, body: FbdBody | LdBody) -> bool:
+    """True if TIA Portal has all elements of the networks of a body."""
+    try:
+        for network in body.networks:
+            write_flgnet(etree.Element("FlgNet"), network, ctx.types)
+    except NotUnderstoodError:
+        return False
+    return True
 
 
 def _nodes(flgnet: etree._Element) -> object:
@@ -157,4 +168,4 @@ def write_flgnet_body(ctx: WriteContext, owner: etree._Element, body: Body) -> N
             if instead is not None:
                 owner.replace(element, instead)
         if len(body.networks) > 1:
-            ctx.note(Fate.DROPPED, "network", why="GRAPH has one network here")
+            ctx.note(Outcome.DROPPED, "network", why="GRAPH has one network here")

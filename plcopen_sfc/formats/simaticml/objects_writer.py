@@ -8,7 +8,7 @@ from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.bodies_reader import block_language
 from plcopen_sfc.formats.simaticml.bodies_writer import language_of, write_units
 from plcopen_sfc.formats.simaticml.coils import types_of
-from plcopen_sfc.formats.simaticml.interface_writer import holds_constants, spelling, write_interface, write_members
+from plcopen_sfc.formats.simaticml.interface_writer import spelling, write_interface, write_members
 from plcopen_sfc.formats.simaticml.objects_reader import (
     CONSTANT,
     DATA_BLOCKS,
@@ -20,6 +20,8 @@ from plcopen_sfc.formats.simaticml.objects_reader import (
     TAG_TABLE,
 )
 from plcopen_sfc.formats.simaticml.results import bodies_with_result
+from plcopen_sfc.formats.simaticml.sections import holds_constants
+from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.formats.simaticml.writing import (
     ID,
     WriteContext,
@@ -34,9 +36,9 @@ from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
 from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
-from plcopen_sfc.model.types import DataTypeDeclaration, SimpleValue, StructType, Variable
+from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _POU_TAGS = {kind: tag for tag, kind in POUS.items()}
 _DATA_BLOCK_TAGS = {kind: tag for tag, kind in DATA_BLOCKS.items()}
@@ -64,7 +66,7 @@ class _Object:
         if self.values.find(name) is None:
             sub(self.values, name).text = value or None
 
-    def finish(self, native: frozenset[str]) -> None:
+    def finish(self, native: frozenset[str], *, told: frozenset[str] = frozenset()) -> None:
         """Write what was kept, sort the attributes as TIA Portal does, and carry what is left."""
         carried = self.thing.carried
         for name, value in carried.attributes.items() if carried is not None else ():
@@ -85,7 +87,7 @@ class _Object:
         write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
         if not len(self.objects):
             self.element.remove(self.objects)
-        finish(self.ctx, self.element, self.thing, native | _TEXTS)
+        finish(self.ctx, self.element, self.thing, native | _TEXTS, told=told)
 
 
 def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
@@ -103,10 +105,12 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
         ctx.keep("POU")
     else:
         what = "program" if pou.kind is PouKind.PROGRAM else "POU"
-        ctx.note(Fate.TRANSLATED, what, why="a function block; TIA Portal has no programs")
+        why = "a function block; no organization block calls it, and it has no instance data block"
+        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
     chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
     if pou.interface is not None:
-        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None)
+        static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
+        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None, static=static)
     elif chart is not None:
         keep_added(write_interface(ctx, writer.values, Interface(), graph=True))
     kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
@@ -114,9 +118,17 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
     if chart is not None and ctx.body_name not in ctx.options.untouched:
         _settings(writer, chart.chart.graph_settings)
     write_object_text(ctx, writer.objects, "Comment", pou.comment)
+    ctx.actions_told = set()
     for body in bodies_with_result(pou):
         write_units(ctx, writer.objects, body)
-    writer.finish(frozenset(native))
+    for action in pou.actions:
+        if action.body is not None and action.name.casefold() not in ctx.actions_told:
+            why = "blocks of TIA Portal have no actions: what calls it does not execute it"
+            ctx.note(Outcome.NOT_EXECUTED, "POU action", f"action {action.name}", why)
+    for method in pou.methods:
+        why = "blocks of TIA Portal have no methods: what calls it does not execute it"
+        ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
+    writer.finish(frozenset(native), told=frozenset({"kind", "actions", "methods"}))
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
@@ -186,10 +198,14 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, declaration: Data
         ctx.keep("data type")
     else:
         native.discard("type")
-        write_members(ctx, writer.values, StructType())
-        ctx.note(Fate.CARRIED, "data type", why="TIA Portal has no types but structures")
+        held = Variable(name="Value", type=ctx.s7_types.type(declaration.type))
+        write_members(ctx, writer.values, StructType(members=[held]))
+        why = f"its variables are of the type {write_type(held.type)}"
+        if isinstance(declaration.type, EnumType):
+            why += "; its values are user constants"
+        ctx.note(Outcome.TRANSLATED, "data type", why=why)
     write_object_text(ctx, writer.objects, "Comment", declaration.comment)
-    writer.finish(frozenset(native))
+    writer.finish(frozenset(native), told=frozenset({"type", "initial"}))
     ctx.place.pop()
 
 

@@ -20,11 +20,12 @@ from plcopen_sfc.formats.simaticml.objects_writer import (
 from plcopen_sfc.formats.simaticml.project_reader import IDS, PRODUCT, SCHEMA
 from plcopen_sfc.formats.simaticml.versions import TiaVersion
 from plcopen_sfc.formats.simaticml.writing import ID, WriteContext, add_element, finish, sub
-from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of
+from plcopen_sfc.languages.s7_globals import TABLE, data_blocks_of, left_out, tag_tables_of, uncalled
+from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import FileHeader, Project, TagTable
 from plcopen_sfc.model.types import DataTypeDeclaration
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 _NATIVE = frozenset({"header", "pous", "data_blocks", "data_types", "tag_tables", "dialect"})
 
@@ -58,16 +59,16 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     if options.same:
         given = {name.removeprefix(SCHEMA): value for name, value in kept.items() if name.startswith(SCHEMA)}
         schemas.update({kind: int(number) for kind, number in given.items()})
-    ctx = WriteContext(project, version, schemas, report, options)
+    ctx = WriteContext(options.whole or project, version, schemas, report, options)
     root = etree.Element("Document")
     for name, value in kept.items():
         if name != IDS and not name.startswith(SCHEMA):
             root.set(name, value)
     sub(root, "Engineering", {"version": version.name})
     _document_info(ctx, root, project.header)
-    tables, blocks = tag_tables_of(project), data_blocks_of(project)
-    added = {id(thing) for thing in (*tables, *blocks)}
-    for thing in _in_order(project, tables, blocks):
+    apart = added_objects(project) if options.whole is None else []
+    added = {id(thing) for thing in (project.objects() if options.added else apart)}
+    for thing in _in_order(project, apart):
         if isinstance(thing, Pou):
             write_pou(ctx, root, thing)
         elif isinstance(thing, DataBlock):
@@ -78,22 +79,33 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
             write_tag_table(ctx, root, thing)
         if id(thing) in added:
             keep_added(root[-1])
-            why = "a data block" if isinstance(thing, DataBlock) else "tags and constants"
-            ctx.note(Fate.TRANSLATED, "global variables", thing.name, why)
+            if isinstance(thing, DataBlock):
+                ctx.note(Outcome.TRANSLATED, "global variables", thing.name, "a data block")
+            elif thing.name == TABLE:  # others are of enumerations
+                ctx.note(Outcome.TRANSLATED, "global variables", thing.name, "tags and constants")
     for name, why in left_out(project):
-        ctx.note(Fate.APPROXIMATED, "global variable", name, why)
+        ctx.note(Outcome.NOT_EXECUTED, "global variable", name, why)
+    for what, name, why in uncalled(project):
+        ctx.note(Outcome.NOT_EXECUTED, what, name, why)
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
-    finish(ctx, root, project, _NATIVE)
+    finish(ctx, root, project, _NATIVE, told=frozenset({"applications", "configurations"}))
     seal(root)
     return root
 
 
+def added_objects(project: Project) -> list[DataBlock | TagTable]:
+    """The data blocks and tag tables that global variables and the values of enumerations become."""
+    return [*s7_types(project).tables(), *tag_tables_of(project), *data_blocks_of(project)]
+
+
 def _in_order(
-    project: Project, tables: Sequence[TagTable], blocks: Sequence[DataBlock]
+    project: Project, added: Sequence[DataBlock | TagTable]
 ) -> list[Pou | DataBlock | DataTypeDeclaration | TagTable]:
-    """The objects in the order of the file, else what others need first. `tables` and `blocks` are added to them."""
+    """The objects in the order of the file, else what others need first; those that are `added` among them."""
     things: list[Pou | DataBlock | DataTypeDeclaration | TagTable]
+    tables = [thing for thing in added if isinstance(thing, TagTable)]
+    blocks = [thing for thing in added if isinstance(thing, DataBlock)]
     things = [*project.tag_tables, *tables, *project.data_types, *project.data_blocks, *blocks, *project.pous]
 
     def rank(thing: Pou | DataBlock | DataTypeDeclaration | TagTable) -> int:

@@ -90,6 +90,10 @@ ADDED = "added"
 """The field in our comments that says that an element is not part of the project."""
 
 
+ASSOCIATION = "association"
+"""The field in our comments that holds an action association which rows say otherwise, or not at all."""
+
+
 def local(element: XmlNode) -> str:
     """The local name of an element, "" for a comment or processing instruction."""
     tag: Any = element.tag

@@ -34,7 +34,7 @@ from plcopen_sfc.formats.xml.carrying import legal, markup
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 _BOTH_ENDS = len("(**)")
 
@@ -45,7 +45,7 @@ def write_code(ctx: WriteContext, source: etree._Element, body: StBody) -> None:
         add_element(ctx, source, body.markup)
         return
     if body.markup is not None and body.markup.count("<MultiLanguageText") > body.markup.count("<Comment"):
-        ctx.note(Fate.DROPPED, "comment", why="only one language of a comment stands in a text that was edited")
+        ctx.note(Outcome.DROPPED, "comment", why="only one language of a comment stands in a text that was edited")
     if body.text:
         root = ctx.root("StructuredText", "StructuredText", source)
         kept = body.carried.attributes if body.carried is not None else {}

@@ -11,15 +11,27 @@ from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.simaticml.reading import VERBATIM, N
+from plcopen_sfc.formats.simaticml.sections import LAYOUT
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
 from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
+from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MultilingualText, Text, plain
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 
 ID = "ID"
 """Written empty first: ids are running numbers, which the whole document gets at the end."""
+
+
+EXECUTED = {
+    "address": "variables of blocks have no address in TIA Portal: it is connected to no input or output",
+    "initial": "TIA Portal cannot write this start value: the variable starts with the usual value of its type",
+    "return_type": "the block has no result",
+    "sections": "TIA Portal has no such section: its variables are not declared",
+    "partial_charts": "S7-GRAPH has no partial charts: they are not executed",
+}
+"""Fields that a controller executes, and what the machine does without them."""
 
 
 class WriteContext:
@@ -39,6 +51,8 @@ class WriteContext:
         """The schema numbers to write, by kind; 0: no namespace."""
         self.report = report
         self.options = options
+        self.s7_types = s7_types(project)
+        """The types that TIA Portal has for those of the project."""
         self.culture = project.language or "en-US"
         """The language of texts that do not say theirs."""
         self.place: list[str] = []
@@ -46,16 +60,21 @@ class WriteContext:
         """The types of the variables of the block being written (``#name``) and of tags, as TIA Portal spells them."""
         self.constants: frozenset[str] = frozenset()
         """The constants of that block, as its texts name them (``#name``), in lower case."""
+        source = options.source if options.same else b""
+        self.keeps_sections = bool(source) and LAYOUT.encode() not in source
+        """Whether the sections of interfaces are those of a file of TIA Portal, which are written as they are."""
+        self.actions_told: set[str] = set()
+        """The actions of that block of which the report says already at their steps what becomes of them."""
         self.body_name = ""
         """The name of the body being written, as `Pou.named_bodies` gives it."""
 
-    def note(self, fate: Fate, what: str, name: str = "", why: str = "") -> None:
-        """Put the fate of an item into the report."""
-        self.report.add(fate, what, " / ".join((*self.place, name) if name else self.place), why)
+    def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
+        """Put the outcome of an item into the report."""
+        self.report.add(outcome, what, " / ".join((*self.place, name) if name else self.place), why)
 
     def keep(self, what: str, name: str = "") -> None:
         """Put an item into the report that is written as it is."""
-        self.note(Fate.KEPT, what, name)
+        self.note(Outcome.KEPT, what, name)
 
     def root(self, kind: str, name: str, parent: etree._Element | None = None) -> etree._Element:
         """The root `name` of a part in the namespace of `kind`."""
@@ -147,8 +166,12 @@ def finish(
     native: frozenset[str],
     *,
     also: dict[str, Any] | None = None,
+    told: frozenset[str] = frozenset(),
 ) -> None:
-    """Write the fields of `thing` that are not in `native`, which have no place in SimaticML, as an XML comment."""
+    """Write the fields of `thing` that are not in `native`, which have no place in SimaticML, as an XML comment.
+
+    `told` are those of which the report says already what becomes of them.
+    """
     left = left_over(thing, native | {"carried"}) | (also or {})
     carried: Carried | None = getattr(thing, "carried", None)
     foreign = [data for data in carried.data if data.name != VERBATIM] if carried is not None else []
@@ -159,5 +182,7 @@ def finish(
     keep_fields(element, left)
     name = str(getattr(thing, "name", None) or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(name) else name
-    for field in left.keys() - (also or {}).keys():
-        ctx.note(Fate.CARRIED, field.replace("_", " "), subject, "SimaticML has no place for it")
+    for field in [field for field in left if field not in (also or {}) and field not in told]:
+        why = EXECUTED.get(field)
+        outcome = Outcome.EXTENSION_DATA if why is None else Outcome.NOT_EXECUTED
+        ctx.note(outcome, field.replace("_", " "), subject, why or "SimaticML has no place for it")

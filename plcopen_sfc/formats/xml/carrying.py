@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from functools import cache
 from typing import Any
+from xml.sax.saxutils import escape
 
 from lxml import etree
 
@@ -51,9 +52,11 @@ _INDENTED: Any = etree.XPath(
 
 def inner_markup(element: etree._Element) -> str:
     """The content of `element` as text, each child with the namespaces it needs, without blanks between children."""
-    text = element.text or ""
-    children = [markup(child) for child in element]
-    return (text if text.strip() else "") + "".join(children)
+    return _escaped(element.text) + "".join(markup(child) + _escaped(child.tail) for child in element)
+
+
+def _escaped(text: str | None) -> str:
+    return escape(text) if text is not None and text.strip() else ""
 
 
 def add_markup(parent: etree._Element, markup: str) -> None:

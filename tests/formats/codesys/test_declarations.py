@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 
 import plcopen_sfc as sfc
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 PRESS = Path(__file__).parents[3] / "fixtures" / "twincat" / "press_station.xml"
 
@@ -43,7 +43,7 @@ def test_an_edit_of_the_declaration_drops_the_text_and_says_so() -> None:
     assert found is not None
     assert found.declaration is None
     assert found.variables()[0].name == "Drive"
-    [item] = report.with_fate(Fate.APPROXIMATED)
+    [item] = report.with_outcome(Outcome.APPROXIMATED)
     assert (item.what, item.path) == ("declaration text", "POU MAIN")
     others = [pou.interface for pou in back.pous if pou.name != "MAIN" and pou.interface is not None]
     assert all(other.declaration for other in others)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 from tests.samples import FIXTURES
 from tests.strategies import projects
 
@@ -120,5 +120,5 @@ def test_edits_of_random_texts_change_their_place(project: m.Project, data: st.D
     else:
         loaded.pous[0].bodies = [m.StBody(text="Zz9 := 3;")]
     _, report = sfc.convert(loaded, "iec-text")
-    assert report.with_fate(Fate.APPROXIMATED, Fate.DROPPED) == []
+    assert report.with_outcome(Outcome.APPROXIMATED, Outcome.DROPPED) == []
     assert sfc.loads(sfc.dumps(loaded), format="iec-text") == loaded

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import time
+from contextlib import nullcontext
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.errors import EncodingError
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.errors import DamagedSourceError, EncodingError
 from plcopen_sfc.formats.registry import recognise
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 GOOD = """PROGRAM Main
 INITIAL_STEP A: END_STEP
@@ -164,5 +166,10 @@ def test_a_huge_line_is_read_in_linear_time() -> None:
 def test_what_cannot_be_read_is_carried_through_other_formats(text: str, target: str) -> None:
     project = load(text)
     project.header.created = "2024-01-31T08:30:00"
+    errors = [found for found in project.diagnostics if found.severity is Severity.ERROR]
+    with pytest.raises(DamagedSourceError, match="found in reading") if errors else nullcontext():
+        sfc.convert(project, target)
+    project.accept_errors()
     _, report = sfc.convert(project, target)
-    assert report.with_fate(Fate.DROPPED) == []
+    assert report.with_outcome(Outcome.DROPPED) == []
+    assert len([item for item in report.losses if item.what == "error"]) == len(errors)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 
 NASTY = ("END_STEP", "Step 1", "to", "a.b", "", "x}", "FROM", "Füllen", "1st", "*)", "IF")
 
@@ -158,7 +158,47 @@ def test_drawn_conditions_are_shown_as_expressions() -> None:
         t for chart in source.charts() for t in chart.network.transitions if isinstance(t.condition, m.WiredCondition)
     ]
     assert len(drawn) == 4
-    assert text.count(".drawn.shown := ") == 2  # the others wait for a timer, which no expression can
+    assert text.count("].drawn.shown := ") == 4  # two of them as statements, which call a timer
+    seen = sfc.loads(text.encode(), format="iec-text", as_tool=True)
+    shown = [t.condition for chart in seen.charts() for t in chart.network.transitions]
+    assert all(condition is not None for condition in shown)
+    assert [c.body.text.split("(")[0] for c in shown if isinstance(c, m.BodyCondition)] == ["DripTimer", "OutTimer"]
+
+
+def test_what_no_text_says_does_not_compile_there() -> None:
+    source = sfc.load("fixtures/plcopen/filling_station_2.01.xml")
+    text, report = sfc.convert(source, "iec-text")
+    places = {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "body"}
+    assert places == {"POU FillingStation / transition EmergencyOff", "POU DripValve"}  # they need edges
+    seen = sfc.loads(text, as_tool=True)
+    bodies = [seen.pou("DripValve").body, *(t.body for t in seen.pou("FillingStation").transitions)]
+    assert [body.text for body in bodies if isinstance(body, m.StBody)] == [
+        "NOT_EXECUTED_DripValve := TRUE;",
+        "LevelRaw > 8000 AND S5_EStopOk",
+        "NOT_EXECUTED_EmergencyOff",
+    ]
+    assert sfc.loads(text).pou("DripValve") == source.pou("DripValve")
+
+
+def test_a_condition_of_an_association_is_executed_in_text_too() -> None:
+    source = sfc.load("fixtures/training-chain/plcopen_2.01.xml")
+    text, report = sfc.convert(source, "iec-text")
+    assert report.losses == []
+    seen = sfc.loads(text, as_tool=True)
+    association = next(a for a in seen.pou("Ablauf").sfc.step("S3").actions if (a.target or "").startswith("S3"))
+    assert seen.pou("Ablauf").action(association.target).body.text == "Q3 := S3.X AND (B5);"
+    assert sfc.loads(text).pou("Ablauf") == source.pou("Ablauf")
+
+
+def test_values_of_strings_get_quotes() -> None:
+    text = b"PROGRAM Main\nVAR a : STRING := 'x'; END_VAR\nEND_PROGRAM\n"
+    project = sfc.loads(text, format="iec-text")
+    variable = project.pou("Main").variables()[0]
+    for value, written_as in (("Hello World", "'Hello World'"), ("it's", "'it$'s'"), ("", "''"), ("'x'", "'x'")):
+        variable.initial = m.SimpleValue(text=value)
+        data = sfc.dumps(project, format="iec-text", fresh=True)
+        assert f":= {written_as};" in data.decode()
+        assert sfc.loads(data).pou("Main") == project.pou("Main")
 
 
 def test_a_changed_expression_counts_more_than_the_drawing_it_was_shown_for() -> None:
@@ -177,6 +217,10 @@ def test_the_report_says_what_became_a_pragma() -> None:
     step.max_time = "T#1s"
     step.main_action = "Act"
     _, report = sfc.convert(project_of(chart), "iec-text")
-    fates = {(item.what, item.fate) for item in report.items}
-    assert {("step", Fate.KEPT), ("max time", Fate.CARRIED), ("main action", Fate.TRANSLATED)} <= fates
+    outcomes = {(item.what, item.outcome) for item in report.items}
+    assert {
+        ("step", Outcome.KEPT),
+        ("max time", Outcome.EXTENSION_DATA),
+        ("main action", Outcome.TRANSLATED),
+    } <= outcomes
     assert report.losses == []

@@ -66,7 +66,8 @@ class Count:
 
 @pytest.mark.parametrize("path", ALL_PARAMS)
 def test_as_many_objects_as_elements(path: Path) -> None:
-    project = sfc.load(path)
+    # where rows of the source were rewritten, the elements are those that the tool executes
+    project = sfc.load(path, as_tool=b'"rewritten"' in path.read_bytes())
     found = list(objects(project))
     root = tree_of(path.read_bytes())
     count = Count(root, carried_roots(found, etree.QName(root).namespace or ""))

@@ -18,8 +18,7 @@ def test_a_body_of_another_format_is_carried(target: str) -> None:
     data, report = sfc.convert(project, target)
     back = sfc.loads(data)
     assert back.pous == project.pous
-    assert report.losses == []
-    assert any(item.fate is sfc.Fate.CARRIED and item.what == "body" for item in report.items)
+    assert {(item.outcome, item.what) for item in report.losses} == {(sfc.Outcome.NOT_EXECUTED, "code")}
 
 
 @pytest.mark.parametrize("target", TARGETS)

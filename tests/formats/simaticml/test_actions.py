@@ -125,17 +125,17 @@ def test_any_row_comes_back(action: ActionAssociation) -> None:
 
 @pytest.mark.corpus
 def test_rows_of_the_corpus_are_in_the_model() -> None:
-    fates: Counter[str] = Counter()
+    outcomes: Counter[str] = Counter()
     for path in [*real_documents(), *sorted(FIXTURES.glob("*.xml"))]:
         for element in parsed(path.read_bytes()).iter("{*}Action"):
             if len(element) or element.attrib:
                 fields = read_action(element)
                 kept = any(data["name"] == VERBATIM for data in fields.get("carried", {}).get("data", []))
                 body = fields.get("body", {"language": "ST"})
-                fates["kept beside" if kept else "not read" if body["language"] == "opaque" else "in the model"] += 1
+                outcomes["kept beside" if kept else "not read" if body["language"] == "opaque" else "in the model"] += 1
     if not real_documents():
         pytest.skip("no corpus beside the repository")
-    assert fates.keys() == {"in the model"}
+    assert outcomes.keys() == {"in the model"}
 
 
 def test_a_row_that_is_not_understood_is_written_as_it_was() -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.semantics.programs import Controller
+from tests.formats.simaticml.documents import parsed
 
 BOOL, INT = (m.ElementaryType(name=name) for name in (m.Elementary.BOOL, m.Elementary.INT))
 LOGIC = "FUNCTION_BLOCK Main\nVAR_OUTPUT y : INT; END_VAR\n{}\nEND_FUNCTION_BLOCK"
@@ -50,7 +53,7 @@ def value(project: m.Project) -> object:
 def test_lists_of_global_variables_are_data_blocks(target: str) -> None:
     project = with_lists()
     content, report = sfc.convert(project, target)
-    assert ("Plant", "a data block") in [(i.path, i.why) for i in report.items if i.fate is sfc.Fate.TRANSLATED]
+    assert ("Plant", "a data block") in [(i.path, i.why) for i in report.items if i.outcome is sfc.Outcome.TRANSLATED]
     seen = sfc.loads(content, format=target, as_tool=True)
     (block,) = seen.data_blocks
     assert block.interface is not None
@@ -65,7 +68,7 @@ def test_lists_of_global_variables_are_data_blocks(target: str) -> None:
 def test_others_are_tags_and_constants() -> None:
     project = with_globals()
     content, report = sfc.convert(project, "simaticml")
-    assert [(item.fate.value, item.path) for item in report.losses] == [("approximated", "Loose")]
+    assert [(item.outcome.value, item.path) for item in report.losses] == [("not executed", "Loose")]
     seen = sfc.loads(content, as_tool=True)
     (table,) = seen.tag_tables
     assert [(tag.name, tag.type, tag.address) for tag in table.tags] == [("Start", "Bool", "%I0.3")]
@@ -123,3 +126,40 @@ def test_a_copy_stays_one_however_the_document_is_written() -> None:
     assert sfc.loads(squeezed).data_blocks == []
     assert sfc.loads(sfc.dumps(with_lists(), format="simaticml", tia="V16")).data_blocks == []
     assert sfc.loads(sfc.dumps(with_lists(), format="simaticml", normalize=True)).data_blocks == []
+
+
+def test_a_folder_has_one_object_in_each_document(tmp_path: Path) -> None:
+    project = with_lists()
+    project.applications[0].global_variables.append(
+        m.VariableSection(kind=m.SectionKind.GLOBAL, name="Second", variables=[variable("Ready", BOOL)])
+    )
+    report = sfc.save(project, f"{tmp_path}/out/", format="simaticml")
+    assert report.with_outcome(sfc.Outcome.DROPPED) == []
+    held = {
+        path.name: [element.tag for element in parsed(path.read_bytes()) if str(element.tag).startswith("SW.")]
+        for path in (tmp_path / "out").rglob("*.xml")
+    }
+    assert held["Plant.xml"] == held["Second.xml"] == ["SW.Blocks.GlobalDB"]
+    assert held.pop("plcopen_sfc.xml") == []
+    assert {len(tags) for tags in held.values()} == {1}
+    assert {block.name for block in sfc.load(tmp_path / "out", as_tool=True).data_blocks} == {"Plant", "Second"}
+    back = sfc.load(tmp_path / "out")
+    assert back.data_blocks == []
+    assert list(differences(back.applications, project.applications)) == []
+
+
+def test_documents_of_a_folder_know_the_whole_project(tmp_path: Path) -> None:
+    """An action of an instance is none of the document of the block that has the chart."""
+    chart = m.SfcNetwork()
+    step = chart.add_step("Go", initial=True)
+    step.actions = [m.ActionAssociation(id=9, target="motor.Stop")]
+    motor = m.Pou(name="Motor", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.StBody(text=";")])
+    motor.actions = [m.Action(name="Stop", body=m.StBody(text=";"))]
+    instance = m.Variable(name="motor", type=m.DerivedType(name="Motor"))
+    main = m.Pou(name="Main", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
+    main.interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.LOCAL, variables=[instance])])
+    report = sfc.save(m.Project(pous=[main, motor]), f"{tmp_path}/out/", format="simaticml")
+    assert "POU Main / step Go / action motor.Stop" in {i.path for i in report.with_outcome(sfc.Outcome.NOT_EXECUTED)}
+    seen = sfc.load(tmp_path / "out", as_tool=True).pou("Main").sfc
+    assert seen is not None
+    assert seen.step("Go").actions == []

@@ -47,28 +47,28 @@ NOT_READ = {
 @pytest.mark.slow
 def test_networks_of_the_corpus_are_in_the_model() -> None:
     """All but a few made by hand, and written from the model they say the same, to the last number."""
-    fates: Counter[str] = Counter()
+    outcomes: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
     ctx = ReadContext(DEFAULT)
     for net in networks():
         try:
             fields = read_network(ctx, net)
         except NotUnderstoodError as error:
-            fates["not read"] += 1
+            outcomes["not read"] += 1
             reasons[str(error)] += 1
             continue
         kept = any(data["name"] == VERBATIM for data in fields.get("carried", {}).get("data", []))
-        fates["kept beside" if kept else "in the model"] += 1
+        outcomes["kept beside" if kept else "in the model"] += 1
         if not kept:
             copy = etree.Element(net.tag)
             write_flgnet(copy, LogicNetwork.model_validate(fields))
             assert numbers_like(net, copy) is not None
             assert sorted(uids(copy)) == sorted(uids(net))
-    if not fates:
+    if not outcomes:
         pytest.skip("no corpus beside the repository")
-    assert fates["kept beside"] == sum(KEPT_BESIDE.values())
+    assert outcomes["kept beside"] == sum(KEPT_BESIDE.values())
     assert reasons == NOT_READ
-    assert fates["in the model"] > 50 * (fates["kept beside"] + fates["not read"])
+    assert outcomes["in the model"] > 50 * (outcomes["kept beside"] + outcomes["not read"])
 
 
 def uids(net: etree._Element) -> list[str]:

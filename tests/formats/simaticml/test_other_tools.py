@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Outcome, equivalent
+from plcopen_sfc.analysis.equivalence import equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.formats.simaticml.bit_moves import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.flip_flops import put_operands
@@ -16,7 +16,7 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import DrawingRules, declared_rules, draw_fbd, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.charts import boolean
 
@@ -62,13 +62,13 @@ def test_blocks_of_the_standard(
     data, report = convert(project, "simaticml")
     content = data.decode("utf-8-sig")
     assert set(re.findall(r'Datatype="([^"]+)"', content)) == types
-    assert [item for item in report.items if item.what == "network" and item.fate is not Fate.KEPT] == []
+    assert [item for item in report.items if item.what == "network" and item.outcome is not Outcome.KEPT] == []
     names = set(re.findall(r'Part Name="([^"]+)"', content))
     kind = next(iter(kinds.values()))
     assert {"RS": "Sr", "SR": "Rs"}.get(kind, kind) in names, "the dominance stays; the name does not"
     assert "CallInfo" not in content
     found = equivalent(project, sfc.loads(data), "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.proven, str(found)
 
 
 def test_an_instance_that_text_calls_keeps_its_type_and_the_report_says_so() -> None:
@@ -76,7 +76,7 @@ def test_an_instance_that_text_calls_keeps_its_type_and_the_report_says_so() -> 
     project.pous[0].actions.append(m.Action(name="Reset", body=m.StBody(text="ff(S := FALSE, R1 := TRUE);")))
     _, report = convert(project, "simaticml")
     (item,) = [item for item in report.items if item.what == "instance"]
-    assert item.fate is Fate.APPROXIMATED
+    assert item.outcome is Outcome.APPROXIMATED
     assert item.path == "POU FB_Box / ff"
 
 
@@ -99,7 +99,7 @@ def test_calls_of_blocks_of_the_project_say_what_their_parameters_are() -> None:
     assert '<Parameter Name="a" Section="Input" Type="Bool" />' in content
     assert '<Parameter Name="q" Section="Output" Type="Bool" />' in content
     found = equivalent(resolve(project, "FB_Outer"), resolve(sfc.loads(data), "FB_Outer"), "iec")
-    assert found.outcome is Outcome.PROVEN, str(found)
+    assert found.proven, str(found)
 
 
 @pytest.mark.parametrize("language", ["FBD", "LD"])
@@ -117,9 +117,9 @@ def test_a_bit_that_is_written_on_a_condition_is_kept_otherwise(value: str, tool
     pou = m.Pou(name="F", kind=m.PouKind.FUNCTION_BLOCK, interface=m.Interface(sections=sections), bodies=[body])
     project = m.Project(name="Anlage", pous=[pou])
     data, report = convert(project, "simaticml")
-    assert not [item for item in report.with_fate(Fate.CARRIED) if item.what in ("network", "body")]
+    assert not [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what in ("network", "body")]
     verdict = equivalent(project, sfc.loads(data, format="simaticml"), "iec")
-    assert verdict.outcome is Outcome.PROVEN, str(verdict)
+    assert verdict.proven, str(verdict)
 
 
 def test_a_ladder_of_boxes_with_en_that_contacts_cannot_say_is_reported() -> None:
@@ -129,7 +129,7 @@ def test_a_ladder_of_boxes_with_en_that_contacts_cannot_say_is_reported() -> Non
     body = draw_ld(statements, declared_rules(declared, Dialect.IEC)).body
     pou = m.Pou(name="F", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=[body])
     _, report = convert(m.Project(name="Anlage", pous=[pou]), "simaticml")
-    assert [item.why for item in report.with_fate(Fate.CARRIED) if item.what == "network"]
+    assert [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "network"]
 
 
 @pytest.mark.parametrize(("name", "writes_a_bit"), [("AND", True), ("And", False), ("Xor", False), ("XOR", True)])

@@ -73,27 +73,27 @@ def test_instances_of_user_blocks_are_called_by_their_block() -> None:
 @pytest.mark.corpus
 def test_texts_of_the_corpus() -> None:
     """As another reader reads them; written anew they are the same text, most of them in the same tokens."""
-    fates: Counter[str] = Counter()
+    outcomes: Counter[str] = Counter()
     for path in real_documents():
         for element in parsed(path.read_bytes()).iter("{*}StructuredText"):
             try:
                 text = scl_text(element)
             except NotUnderstoodError:
-                fates["opaque"] += 1
+                outcomes["opaque"] += 1
                 continue
-            fates["read"] += 1
+            outcomes["read"] += 1
             fields = read_code(element, Names({}))
-            fates["kept beside"] += "markup" in fields
+            outcomes["kept beside"] += "markup" in fields
             if not any(local.get("Scope") == "GlobalConstant" for local in element.iter("{*}Access")):
                 assert text == st_simaticml.scl_text(element)
             # exports have no carriage returns; a template made by hand has
-            fates["same text"] += through_tokens(text) == text.replace("\r\n", "\n")
-    if not fates:
+            outcomes["same text"] += through_tokens(text) == text.replace("\r\n", "\n")
+    if not outcomes:
         pytest.skip("no corpus beside the repository")
-    assert fates["opaque"] == 0
-    assert fates["same text"] == fates["read"]
+    assert outcomes["opaque"] == 0
+    assert outcomes["same text"] == outcomes["read"]
     # one template of another tool, in seven versions: blanks and line ends are tokens there
-    assert fates["kept beside"] == 7
+    assert outcomes["kept beside"] == 7
 
 
 def read_and_written(content: str) -> tuple[dict[str, Any], etree._Element, etree._Element]:

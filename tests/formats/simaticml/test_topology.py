@@ -17,7 +17,7 @@ from plcopen_sfc.formats.simaticml.topology import read_link
 from plcopen_sfc.formats.simaticml.topology_rules import problems
 from plcopen_sfc.model import Pou, Project, SfcBody, SfcNetwork
 from plcopen_sfc.model.pou import PouKind
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 from tests.drawing.nets import any_net, make, nested_net
 from tests.formats.simaticml.documents import GRAPH_PARAMS, parsed
 
@@ -122,7 +122,7 @@ def test_a_selection_behind_a_simultaneous_branch_waits_in_a_step() -> None:
     assert [step.get("Name") for step in root.iter("{*}Step")] == ["S0", "S1", "S2", "S3", "S4", "Wait6"]
     assert [step.name for step in again.steps] == ["S0", "S1", "S2", "S3", "S4"]
     assert len(again.transitions) == 5
-    assert any(item.fate is Fate.APPROXIMATED and "one cycle later" in item.why for item in report.items)
+    assert any(item.outcome is Outcome.APPROXIMATED and "one cycle later" in item.why for item in report.items)
 
 
 def test_a_leg_that_jumps_gets_a_step() -> None:
@@ -140,7 +140,7 @@ def test_a_step_that_nothing_follows_gets_a_transition_that_is_never_true() -> N
     assert_legal(root)
     assert [t.get("Name") for t in root.iter("{*}Transition")] == ["Trans1", "Trans2"]
     assert len(again.transitions) == 1
-    assert any(item.fate is Fate.TRANSLATED and "never TRUE" in item.why for item in report.items)
+    assert any(item.outcome is Outcome.TRANSLATED and "never TRUE" in item.why for item in report.items)
 
 
 def test_steps_that_were_put_in_and_that_somebody_uses_are_steps_of_the_chart() -> None:

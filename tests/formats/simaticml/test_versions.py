@@ -25,10 +25,11 @@ from plcopen_sfc.formats.simaticml.versions import (
 )
 from plcopen_sfc.model.sfc import AlarmCategory
 from plcopen_sfc.model.text import MultilingualText
-from plcopen_sfc.report import Fate
+from plcopen_sfc.report import Outcome
 from tests.formats.simaticml.documents import ALL_PARAMS, CORPUS_PARAMS, FIXTURES, GRAPH_PARAMS, parsed
 from tests.formats.simaticml.drilling_plc import FOLDER as PLC
 from tests.formats.simaticml.official import official, outer_parts, without_namespace
+from tests.samples import accepting
 
 LARGE = 300_000
 """Documents of more bytes are tried in one version."""
@@ -93,7 +94,7 @@ def test_another_version_and_back_is_the_same(path: Path, version: TiaVersion) -
         return
     report = sfc.save(project, (there := io.BytesIO()), tia=version.name)
     assert not report.losses
-    assert not report.with_fate(Fate.CARRIED)
+    assert not report.with_outcome(Outcome.EXTENSION_DATA)
     assert sfc.loads(sfc.dumps(sfc.loads(there.getvalue()), tia="V20")) == project
 
 
@@ -267,7 +268,7 @@ def test_versions_of_documents_are_those_of_the_table(path: Path) -> None:
     "name", ["twincat/press_station.xml", "plcopen/every_element_2.01.xml", "scl/filling_line.scl"]
 )
 def test_files_of_other_tools_are_written_valid(name: str) -> None:
-    project = sfc.load(FIXTURES.parent / name)
+    project = accepting(sfc.load(FIXTURES.parent / name))
     for version in ("V15", "V21"):
         data = sfc.dumps(project, tia=version)
         assert validate(data) == []
@@ -278,7 +279,7 @@ def test_files_of_other_tools_are_written_valid(name: str) -> None:
 def test_converted_charts_are_complete() -> None:
     project = sfc.load(FIXTURES.parent / "codesys" / "distribution_belt.xml")
     data, report = sfc.api.convert(project, "simaticml-V16")
-    assert [item for item in report.items if item.fate is Fate.DROPPED] == []
+    assert [item for item in report.items if item.outcome is Outcome.DROPPED] == []
     again = sfc.loads(data)
     (mine,) = [c for c in project.charts() if c.name == "Ablauf_Band"]
     (theirs,) = [c for c in again.charts() if c.name == "Ablauf_Band"]

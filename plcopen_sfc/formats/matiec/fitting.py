@@ -1,0 +1,308 @@
+"""Projects as matiec compiles them: each POU with a body in text or a chart, and a configuration that runs them."""
+
+from __future__ import annotations
+
+from graphlib import CycleError, TopologicalSorter
+
+from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.formats.matiec.charts import ChartFitter
+from plcopen_sfc.formats.matiec.drawn import give_iec_pins
+from plcopen_sfc.formats.matiec.globals import declare_globals
+from plcopen_sfc.formats.matiec.naming import give_plain_names
+from plcopen_sfc.formats.matiec.statements import compilable_instructions, compilable_statements
+from plcopen_sfc.formats.matiec.structures import name_structures
+from plcopen_sfc.formats.matiec.unit import Unit
+from plcopen_sfc.formats.strings import quote_strings
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    PointerType,
+    StringType,
+    StructType,
+)
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
+_WITHOUT_FINAL_SCAN = ("simaticml", "scl")
+_OF_THESE_TOOLS = ("beremiz", "openplc")
+
+
+def fit_project(project: Project, report: ConversionReport, *, keeps_drawings: bool = False) -> None:
+    """Change `project`, a copy, into what matiec executes in the same way; `report` gets what it cannot execute.
+
+    `keeps_drawings`: for the converters of Beremiz and OpenPLC, which translate FBD, LD and drawn conditions for it.
+    """
+    origin = project._origin
+    own = _is_of_matiec_tools(project)
+    source = origin.format if origin is not None else ""
+    final_scan = None if own or source in _WITHOUT_FINAL_SCAN else source == "codesys"
+    name_structures(project, report)
+    give_plain_names(project, report)
+    declare_globals(project, report)
+    for declaration in project.data_types:
+        _fit_type(declaration.type, f"data type {declaration.name}", report)
+        declaration.declaration = None
+        declaration.type = _whole_strings(declaration.type, f"type {declaration.name}", report)
+    project.data_types = _types_in_order(project)
+    quote_strings(project)
+    functions = _typed_functions(project)
+    types = frozenset(declaration.name.casefold() for declaration in project.data_types)
+    for pou in project.pous:
+        _fit_pou(Unit(pou, project.dialect, report, own, types, functions, keeps_drawings), final_scan)
+    _configure(project, report)
+
+
+def _is_of_matiec_tools(project: Project) -> bool:
+    """True if the project is of Beremiz or OpenPLC, which execute it as it stands.
+
+    Their editor leaves ``Unknown`` and ``Unnamed`` in the header until somebody fills it in (seen in 8 of 10 files).
+    """
+    names = (project.header.company.casefold(), project.header.product.casefold())
+    return any(tool in name for tool in _OF_THESE_TOOLS for name in names) or names == ("unknown", "unnamed")
+
+
+def _typed_functions(project: Project) -> dict[str, DataType]:
+    """The types of the results of functions; those without a result get one, which matiec wants."""
+    kinds: dict[str, DataType] = {}
+    for pou in project.pous:
+        if pou.kind is not PouKind.FUNCTION:
+            continue
+        if pou.interface is None:
+            pou.interface = Interface()
+        if pou.interface.return_type is None:
+            pou.interface.return_type = ElementaryType(name=Elementary.BOOL)
+            pou.bodies = [*pou.bodies, StBody(text=f"{pou.name} := FALSE;")]
+        kinds[pou.name.casefold()] = pou.interface.return_type
+    return kinds
+
+
+# -- POUs -------------------------------------------------------------------------------------------------------------
+
+
+def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
+    pou = unit.pou
+    if pou.kind is PouKind.ORGANIZATION_BLOCK:
+        pou.kind = PouKind.PROGRAM
+    for method in pou.methods:
+        unit.note(Outcome.NOT_EXECUTED, "method", f"{unit.path} / method {method.name}", "matiec has no methods")
+    pou.methods = []
+    if pou.interface is not None:
+        pou.interface.declaration = None
+        _check_addresses(unit)
+        for variable in pou.variables():
+            if isinstance(variable.type, ArrayType):
+                place = f"{unit.path} / variable {variable.name}"
+                variable.type = _whole_strings(variable.type, place, unit.report)
+        pou.interface.sections = [part for section in pou.interface.sections for part in _by_location(section)]
+    for nodes in (nodes for _, body in pou.named_bodies() for nodes in _drawn_in(body)):
+        give_iec_pins(nodes)
+    body = _one_body(unit)
+    for action in pou.actions:
+        action.body = unit.fitted(action.body or StBody(), f"{unit.path} / action {action.name}", action.name)
+    if isinstance(body, SfcBody) and not body.chart.initial_steps:
+        unit.note(Outcome.NOT_EXECUTED, "chart", unit.path, "it has no initial step; the text does not compile there")
+        body = StBody(text=unit.nothing_right("chart"))
+    if isinstance(body, SfcBody):
+        ChartFitter(unit, body.chart, final_scan).fit()
+        started = {(a.target or "").casefold() for _, a in body.chart.associations()}
+        pou.actions = [action for action in pou.actions if action.name.casefold() in started]
+    else:
+        for action in pou.actions:
+            why = "matiec has actions of charts only"
+            unit.note(Outcome.NOT_EXECUTED, "action", f"{unit.path} / action {action.name}", why)
+        pou.actions = []
+        pou.transitions = []
+    pou.bodies = [body]
+    written = [body, *(action.body for action in pou.actions)]
+    for text in written:
+        if isinstance(text, StBody):
+            shown = compilable_statements(text.text, unit.dialect, unit.idle, unit.result)
+            text.text, text.markup = shown.strip("\n"), None
+        elif isinstance(text, IlBody):
+            text.text, text.markup = compilable_instructions(text.text, unit.dialect).strip("\n"), None
+    if not pou.variables():
+        unit.idle()  # the converters of Beremiz and OpenPLC refuse a POU without variables
+
+
+def _drawn_in(body: Body) -> list[list[Node]]:
+    """The elements of each network of a body, or of its chart."""
+    if isinstance(body, SfcBody):
+        return [body.chart.logic]
+    return [network.nodes for network in body.networks] if isinstance(body, FbdBody | LdBody) else []
+
+
+def _check_addresses(unit: Unit) -> None:
+    """Take off addresses that matiec does not take: it has them at local variables of programs."""
+    for section in unit.pou.interface.sections if unit.pou.interface is not None else ():
+        for variable in section.variables:
+            address = variable.address
+            if address is None:
+                continue
+            local = section.kind is SectionKind.LOCAL
+            wrong = not address.startswith("%") or not local
+            if wrong or (unit.pou.kind is not PouKind.PROGRAM and "*" not in address):
+                place = f"{unit.path} / variable {variable.name}"
+                unit.note(Outcome.NOT_EXECUTED, "address", place, f"matiec does not take {address} there")
+                variable.address = None
+
+
+def _by_location(section: VariableSection) -> list[VariableSection]:
+    """Variables with and without an address: matiec does not take them in one section."""
+    parts = []
+    for located in (False, True):
+        variables = [v for v in section.variables if (v.address is not None) is located]
+        if variables:
+            parts.append(section.model_copy(update={"variables": variables}))
+    return parts
+
+
+def _one_body(unit: Unit) -> Body:
+    """The body of a POU: a chart, instructions, or all its statements."""
+    bodies = unit.pou.bodies
+    charts = [body for body in bodies if isinstance(body, SfcBody) and body.chart.steps]
+    alone: list[Body] = [*charts] or [body for body in bodies if isinstance(body, IlBody)]
+    if len(bodies) == 1 and isinstance(bodies[0], FbdBody | LdBody):
+        return unit.fitted(bodies[0], unit.path, "body")
+    if alone and len(bodies) > 1:
+        unit.note(Outcome.NOT_EXECUTED, "body", unit.path, "matiec has one body for each POU")
+    if alone and len(bodies) == 1:
+        return alone[0]
+    texts: list[str] = []
+    for body in bodies:
+        if isinstance(body, SfcBody) and not body.chart.steps:
+            continue
+        text = unit.statements(body, unit.path)
+        texts.append(unit.nothing_right("body") if text is None else text)
+    return StBody(text="\n".join(texts))
+
+
+# -- types ------------------------------------------------------------------------------------------------------------
+
+
+def _fit_type(kind: DataType, path: str, report: ConversionReport) -> None:
+    if isinstance(kind, EnumType):
+        numbers = [value.value for value in kind.values]
+        if any(number is not None and number.strip() != str(index) for index, number in enumerate(numbers)):
+            report.add(Outcome.NOT_EXECUTED, "enumeration", path, "matiec numbers enumerations from 0")
+        for value in kind.values:
+            value.value = None
+        kind.base = None
+
+
+def _whole_strings(kind: DataType, path: str, report: ConversionReport) -> DataType:
+    """A type without strings of a length in structures and arrays, which matiec does not take there."""
+    if isinstance(kind, ArrayType):
+        kind.base = _whole_strings(kind.base, path, report)
+    elif isinstance(kind, StructType):
+        for member in kind.members:
+            member.type = _whole_strings(member.type, f"{path} / {member.name}", report)
+    elif isinstance(kind, StringType) and kind.length is not None:
+        report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length in structures")
+        return StringType(wide=kind.wide)
+    return kind
+
+
+def _used_types(kind: DataType) -> list[str]:
+    if isinstance(kind, DerivedType):
+        return [kind.name]
+    if isinstance(kind, ArrayType | PointerType):
+        return _used_types(kind.base)
+    return [name for member in getattr(kind, "members", []) for name in _used_types(member.type)]
+
+
+def _types_in_order(project: Project) -> list[DataTypeDeclaration]:
+    """The data types, each behind those that it uses: matiec knows what it has read."""
+    types = {one.name.casefold(): one for one in project.data_types}
+    uses = {name: {u.casefold() for u in _used_types(one.type)} & types.keys() for name, one in types.items()}
+    return [types[name] for name in _ordered(uses)]
+
+
+def pous_in_order(project: Project) -> list[Pou]:
+    """The POUs, each behind those that it calls."""
+    pous = {pou.name.casefold(): pou for pou in project.pous}
+    kinds = sorted(pous, key=lambda name: _ORDER.index(pous[name].kind))
+    calls = {name: _called(pous[name], project.dialect) & (pous.keys() - {name}) for name in kinds}
+    return [pous[name] for name in _ordered(calls)]
+
+
+def _ordered(uses: dict[str, set[str]]) -> list[str]:
+    try:
+        return list(TopologicalSorter(uses).static_order())
+    except CycleError:
+        return list(uses)
+
+
+def _called(pou: Pou, dialect: Dialect) -> set[str]:
+    """The names that a POU may mean by types and calls, in lower case."""
+    names = {name.casefold() for variable in pou.variables() for name in _used_types(variable.type)}
+    for _, body in pou.named_bodies():
+        texts = [body.text] if isinstance(body, StBody | IlBody) else []
+        if isinstance(body, SfcBody):
+            texts = [getattr(t.condition, "text", "") for t in body.chart.transitions]
+        for text in texts:
+            names |= {token.value.casefold() for token in tokenize(text, dialect).tokens if token.type == "NAME"}
+    return names
+
+
+# -- configurations ---------------------------------------------------------------------------------------------------
+
+
+def _configure(project: Project, report: ConversionReport) -> None:
+    """One configuration for all: programs that nothing runs get a task of 20 ms."""
+    for application in project.applications:
+        project.configurations.append(Configuration(name=application.name, resources=[application]))
+    project.applications = []
+    programs = [pou.name for pou in project.pous if pou.kind is PouKind.PROGRAM]
+    if programs and not any(_instances(one) for one in project.configurations):
+        tasks = [Task(name="Task0", interval="T#20ms", instances=[])]
+        tasks[0].instances = [PouInstance(name=f"Inst{i}", type_name=name) for i, name in enumerate(programs)]
+        found = next((r for c in project.configurations for r in c.resources), None)
+        if found is None:
+            found = Resource(name="Res0")
+            if not project.configurations:
+                project.configurations.append(Configuration(name="Config0"))
+            project.configurations[0].resources.append(found)
+        found.tasks += tasks
+        why = "no task ran the programs; they get one of 20 ms"
+        report.add(Outcome.TRANSLATED, "task", f"task {tasks[0].name}", why)
+    used = {pou.name.casefold() for pou in project.pous} | {one.name.casefold() for one in project.data_types}
+    for configuration in project.configurations:
+        configuration.name = _free(configuration.name, used, f"configuration {configuration.name}", report)
+        for resource in configuration.resources:
+            resource.name = _free(resource.name, used, f"resource {resource.name}", report)
+            for task in resource.tasks:
+                task.interval = duration_literal(task.interval)
+                task.name = _free(task.name, used, f"task {task.name}", report)
+            for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
+                if not instance.type_name:
+                    instance.type_name = instance.name
+                instance.name = _free(instance.name, used, f"instance {instance.name}", report)
+
+
+def _instances(configuration: Configuration) -> list[PouInstance]:
+    resources = configuration.resources
+    return [i for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
+
+
+def _free(name: str, used: set[str], path: str, report: ConversionReport) -> str:
+    """A name that nothing else has: matiec and the converters before it take each of them once."""
+    new, number = name, 0
+    while new.casefold() in used:
+        number += 1
+        new = f"{name}_{number}"
+    used.add(new.casefold())
+    if new != name:
+        report.add(Outcome.TRANSLATED, "name", path, f"renamed to {new}: matiec takes each name once")
+    return new

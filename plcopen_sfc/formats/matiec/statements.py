@@ -1,0 +1,129 @@
+"""Structured text as matiec compiles it.
+
+matiec has neither ``//`` nor comments in comments, wants ``;`` behind every ``END_IF`` and the like, and compiles
+neither an empty statement nor an empty list of statements (all tried with iec2c).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import Edit, apply_edits, without
+from plcopen_sfc.languages.il import CALLS
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, render, transform
+from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+
+Idle = Callable[[], str]
+"""Gives the name of a BOOL that may be written where a list of statements would be empty."""
+
+_ENDS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT"})
+
+
+Result = Callable[[str], str | None]
+"""Gives the variable for the result of a function that is called as a statement; None for what is no function."""
+
+
+def compilable_statements(text: str, dialect: Dialect, idle: Idle, result: Result) -> str:
+    """Statements in the form that matiec takes; a text with syntax errors gets plain comments only."""
+    parsed = parse_statements(text, dialect)
+    if not parsed.problems:
+        if not _working(parsed.tree.statements):
+            comments = "\n".join(comment.text for comment in parsed.comments)
+            text = f"{comments}\n{idle()} := FALSE;".lstrip()
+        else:
+            text = render(parsed, transform(parsed.tree, lambda node: _filled(_used(node, result), idle)))
+    return compilable_comments(_with_semicolons(text, dialect), dialect)
+
+
+def _used(node: n.Node, result: Result) -> n.Node:
+    """A call of a function as an assignment: matiec knows no other."""
+    call = node.call if isinstance(node, n.CallStatement) else None
+    if isinstance(call, n.Call) and isinstance(call.callee, n.Name):
+        name = result(call.callee.identifier)
+        if name is not None:
+            return n.Assignment(n.Name(name), call)
+    return node
+
+
+def _filled(node: n.Node, idle: Idle) -> n.Node:
+    """A node whose lists of statements have no empty statement and are not empty."""
+    new: dict[str, tuple[n.Statement, ...] | None] = {}
+    for name in ("statements", "otherwise"):
+        found = getattr(node, name, None)
+        if not isinstance(found, tuple):
+            continue
+        working = _working(found)
+        if name == "otherwise" and not working:
+            new[name] = None
+        elif not working and not isinstance(node, n.Statements):
+            new[name] = (_idle(idle),)
+        elif len(working) < len(found):
+            new[name] = working
+    return replace(node, **new) if new else node  # type: ignore[arg-type]  # fields of several kinds of nodes
+
+
+def _working(statements: tuple[n.Statement, ...]) -> tuple[n.Statement, ...]:
+    return tuple(one for one in statements if not isinstance(one, n.Empty))
+
+
+def _idle(idle: Idle) -> n.Statement:
+    return n.Assignment(n.Name(idle()), n.Literal("FALSE"))
+
+
+def _with_semicolons(text: str, dialect: Dialect) -> str:
+    tokens = tokenize(text, dialect).tokens
+    ends = [
+        token.span[1]
+        for token, following in zip(tokens, [*tokens[1:], None], strict=True)
+        if token.type in _ENDS and (following is None or following.type != "SEMICOLON")
+    ]
+    return apply_edits(text, [Edit(end, end, ";") for end in ends])
+
+
+def compilable_instructions(text: str, dialect: Dialect) -> str:
+    """Instructions in the form that matiec takes: the parameters of a call stand on lines of their own."""
+    edits = []
+    tokens = tokenize(text, dialect).tokens
+    for index, token in enumerate(tokens):
+        if token.value.upper() not in CALLS or index + 2 >= len(tokens) or tokens[index + 2].type != "LPAR":
+            continue
+        depth = 0
+        for inner in tokens[index + 2 :]:
+            depth += (inner.type == "LPAR") - (inner.type == "RPAR")
+            if depth == 0:
+                edits.append(Edit(inner.span[0], inner.span[0], "\n"))
+                break
+            if depth == 1 and inner.type in ("LPAR", "COMMA"):
+                edits.append(Edit(inner.span[1], inner.span[1], "\n"))
+    return compilable_comments(apply_edits(text, edits), dialect)
+
+
+def compilable_comments(text: str, dialect: Dialect) -> str:
+    """The text with ``(* *)`` as its only comments and without pragmas."""
+    comments = tokenize(text, dialect).comments
+    pragmas = [c for c in comments if c.kind is CommentKind.PRAGMA]
+    others = [Edit(*c.span, _as_block(c)) for c in comments if c.kind is not CommentKind.PRAGMA]
+    changed = apply_edits(text, [one for one in others if text[one.start : one.end] != one.text])
+    if not pragmas:
+        return changed
+    spans = [c.span for c in tokenize(changed, dialect).comments if c.text in {p.text for p in pragmas}]
+    return "\n".join(line.rstrip() for line in without(changed, spans).split("\n"))
+
+
+def _as_block(comment: Comment) -> str:
+    if comment.kind is CommentKind.LINE:
+        inner = f" {comment.text[2:].strip()} "
+    else:
+        opening = 3 if comment.text.startswith("(/*") else 2
+        inner = comment.text[opening : -3 if comment.text.endswith("*/)") else -2]
+    return f"(*{plain_comment(inner)}*)"
+
+
+def plain_comment(text: str) -> str:
+    """The inside of a comment without the marks of another: matiec has no comments in comments."""
+    while "(*" in text or "*)" in text:
+        text = text.replace("(*", "( *").replace("*)", "* )")
+    return f"{text} " if text.endswith("*") else text

@@ -1,0 +1,172 @@
+"""A POU while it is fitted: the names in it, the variables it gets, and what is reported of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from plcopen_sfc.formats.matiec.drawn import is_taken, write_negations_out
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.words import IEC_KEYWORDS
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import DataType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+NOTHING_RIGHT = "NOT_EXECUTED"
+"""How names begin that are declared nowhere: matiec refuses a text in which nothing right could be written."""
+
+
+@dataclass(slots=True)
+class Unit:
+    """A POU of the copy that is fitted. `own`: the project is of a tool that compiles with matiec.
+
+    `types` are the names of the data types of the project, in lower case, `functions` the types of
+    the results of its functions. `keeps_drawings`: what the converters before
+    matiec translate rightly stays drawn.
+    """
+
+    pou: Pou
+    dialect: Dialect
+    report: ConversionReport
+    own: bool
+    types: frozenset[str] = frozenset()
+    functions: Mapping[str, DataType] = field(default_factory=dict)
+    keeps_drawings: bool = False
+    used: set[str] = field(init=False)
+    _idle: str = ""
+    _results: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Collect the names of the POU."""
+        self.used = {name.casefold() for name in _names(self.pou)}
+
+    @property
+    def path(self) -> str:
+        """What the report calls the POU."""
+        return self.pou.report_path
+
+    def note(self, outcome: Outcome, what: str, path: str, why: str) -> None:
+        """Report an item."""
+        self.report.add(outcome, what, path, why)
+
+    def new_name(self, wish: str) -> str:
+        """A name near `wish` that nothing in the POU has."""
+        base = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", wish)).strip("_") or "x"
+        base = f"x_{base}" if base[0].isdigit() or base.upper() in IEC_KEYWORDS else base
+        name, number = base, 1
+        while name.casefold() in self.used:
+            number += 1
+            name = f"{base}_{number}"
+        self.used.add(name.casefold())
+        return name
+
+    def declare(self, wish: str, kind: str | DataType = "BOOL") -> str:
+        """Add a local variable; returns its name."""
+        name = self.new_name(wish)
+        if self.pou.interface is None:
+            self.pou.interface = Interface()
+        sections = self.pou.interface.sections
+        local = next((s for s in sections if s.kind is SectionKind.LOCAL and s.comment == ADDED), None)
+        if local is None:
+            local = VariableSection(kind=SectionKind.LOCAL, comment=ADDED)
+            sections.append(local)
+        local.variables.append(Variable.model_validate({"name": name, "type": kind}))
+        return name
+
+    def idle(self) -> str:
+        """The variable that is written where something must stand and nothing is to be done."""
+        self._idle = self._idle or self.declare("idle")
+        return self._idle
+
+    def result(self, function: str) -> str | None:
+        """The variable for the result of a function that nothing else takes."""
+        key = function.casefold()
+        if key not in self.functions:
+            return None
+        if key not in self._results:
+            self._results[key] = self.declare(f"{function}_result", self.functions[key])
+        return self._results[key]
+
+    def nothing_right(self, what: str) -> str:
+        """A statement that does not compile, for what cannot be said."""
+        return f"{self.missing(what)} := TRUE;"
+
+    def missing(self, what: str) -> str:
+        """A name that is declared nowhere."""
+        return self.new_name(f"{NOTHING_RIGHT}_{what}")
+
+    def declare_helpers(self, helpers: Iterable[Helper]) -> list[str]:
+        """Declare what a translated network needs; returns what is wrong with it."""
+        wrong: list[str] = []
+        for helper in helpers:
+            if helper.type_name is None:
+                wrong.append(f"the type of {helper.name} is not known")
+                continue
+            self.used.discard(helper.name.casefold())
+            name = self.declare(helper.name, helper.type_name)
+            if name != helper.name:
+                wrong.append(f"{helper.name} is the name of something else")
+        return wrong
+
+    def fitted(self, body: Body, path: str, wish: str) -> Body:
+        """A body of a POU or an action in a form that is executed: as it is drawn, or as statements."""
+        if self.keeps_drawings and isinstance(body, FbdBody | LdBody):
+            nodes = [node for network in body.networks for node in network.nodes]
+            if is_taken(nodes, self.dialect):
+                self.note_negations(write_negations_out(nodes), path)
+                return body
+        text = self.statements(body, path)
+        return StBody(text=self.nothing_right(wish) if text is None else text)
+
+    def note_negations(self, number: int, path: str) -> None:
+        """Report negated variables that were written out."""
+        if number:
+            why = f"{number} written as NOT: the converters do not see the mark"
+            self.note(Outcome.TRANSLATED, "negated variable", path, why)
+
+    def statements(self, body: Body, path: str) -> str | None:
+        """A body as statements; None where they cannot say it, which is reported."""
+        if isinstance(body, StBody):
+            return body.text
+        if isinstance(body, FbdBody | LdBody):
+            read = body_statements(body, self.dialect, taken=self.used)
+            wrong = [*_texts(read.obstacles), *self.declare_helpers(read.helpers)]
+            blocks = sum(isinstance(node, Block) for network in body.networks for node in network.nodes)
+            if not wrong and self.own and blocks > 1:
+                why = "statements follow the wires, the converter of its tool goes by the places of the blocks"
+                self.note(Outcome.APPROXIMATED, "body", path, why)
+            elif not wrong:
+                self.note(Outcome.TRANSLATED, "body", path, f"{body.language} became statements")
+            if not wrong:
+                return print_node(read.tree, self.dialect)
+        elif isinstance(body, IlBody):
+            wrong = ["matiec has instructions in bodies of POUs only"]
+        elif isinstance(body, SfcBody):
+            wrong = ["matiec has no charts in actions"]
+        else:
+            wrong = ["it is in no language of IEC 61131-3"]
+        self.note(Outcome.NOT_EXECUTED, "body", path, "; ".join(wrong))
+        return None
+
+
+ADDED = "for what is drawn or what matiec does not execute by itself"
+
+
+def _texts(problems: Iterable[NetworkProblem]) -> list[str]:
+    return [str(problem) for problem in problems]
+
+
+def _names(pou: Pou) -> list[str]:
+    names = [action.name for action in pou.actions] + [transition.name for transition in pou.transitions]
+    names += [variable.name for variable in pou.variables()]
+    for _, body in pou.named_bodies():
+        if isinstance(body, SfcBody):
+            names += [step.name for step in body.chart.steps]
+            names += [a.target for _, a in body.chart.associations() if a.target is not None]
+    return [pou.name, *names]

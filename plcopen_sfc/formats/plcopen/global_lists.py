@@ -1,0 +1,136 @@
+"""Lists of global variables of CODESYS in TC6, whose global variables belong to a configuration and to no list.
+
+Programs of CODESYS name a variable with its list, ``GVL_IO.x``, or without. In TC6 it is ``x``: the name of the list is
+taken out of every text, and the texts of the source are kept for the way back.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from plcopen_sfc.formats.plcopen.rewritten import ADDED_FIELD, TEXTS_FIELD, Marks, added_section, digest
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.st.rendering import render
+from plcopen_sfc.languages.st.walking import transform
+from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Configuration, Project, Resource
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+
+def has_lists(project: Project) -> bool:
+    """True if a project has lists of global variables whose names stand in texts."""
+    return any(True for _ in _lists(project))
+
+
+def _lists(project: Project) -> Iterator[VariableSection]:
+    yield from project.global_variables
+    for section in (section for resource in project.applications for section in resource.global_variables):
+        if section.name:
+            yield section
+    for section in (s for c in project.configurations for r in c.resources for s in r.global_variables):
+        if section.name and section.object_id is not None:  # in IEC 61131-3 the name of a list says nothing
+            yield section
+
+
+def declare_lists(project: Project, report: ConversionReport, marks: Marks) -> None:
+    """Move the lists of `project`, a copy, into a configuration, and take their names out of its texts."""
+    counts = Counter(v.name.casefold() for section in _lists(project) for v in section.variables)
+    members = {
+        (section.name or "").casefold(): {v.name.casefold() for v in section.variables} for section in _lists(project)
+    }
+    for name in sorted(name for name, count in counts.items() if count > 1):
+        why = "several lists have a variable of this name, and TC6 knows no lists: its texts do not tell them apart"
+        report.add(Outcome.NOT_EXECUTED, "global variable", f"global variable {name}", why)
+    for path in dict.fromkeys(_Unqualifier(project, members, marks).run()):
+        why = "a declaration names a variable with its list, which TC6 does not know"
+        report.add(Outcome.NOT_EXECUTED, "declaration", path, why)
+    moved: list[VariableSection] = []
+    for section in project.global_variables:
+        source = section.model_dump(mode="json", exclude_none=True)
+        plain = section.model_copy(update={"declaration": None, "object_id": None, "carried": None})
+        marks[id(plain)] = added_section(plain) | {"list": source}
+        moved.append(plain)
+        report.add(Outcome.TRANSLATED, "global variables", f"global variables {section.name}", "of the configuration")
+    project.global_variables = []
+    if moved:
+        if not project.configurations and not project.applications:
+            project.configurations = [Configuration(name="Configuration", resources=[Resource(name="Resource")])]
+            marks[id(project.configurations[0])] = {ADDED_FIELD: []}
+        target = project.configurations[0] if project.configurations else project.applications[0]
+        target.global_variables = [*target.global_variables, *moved]
+
+
+class _Unqualifier:
+    def __init__(self, project: Project, members: dict[str, set[str]], marks: Marks) -> None:
+        self._project = project
+        self._members = members
+        self._marks = marks
+        self._locals: dict[int, set[str]] = {}
+
+    def run(self) -> list[str]:
+        """Change the texts of all bodies; the paths of declarations that name lists."""
+        bodies = [body for _, _, body in self._project.bodies()]
+        drawn = [body for body in bodies if isinstance(body, FbdBody | LdBody)]
+        before = {id(body): body.model_dump(mode="json", exclude_none=True)["networks"] for body in drawn}
+        texts = {id(body): body.text for body in bodies if isinstance(body, StBody)}
+        declarations: list[str] = []
+        for piece in list(pieces(self._project)):
+            if not piece.is_program_text or not self._mentions(piece.text):
+                continue
+            if piece.language == "declaration":
+                declarations.append(piece.report_path)
+            elif (new := self._unqualified(piece)) != piece.text:
+                piece.put(new)
+        for body in bodies:
+            if isinstance(body, StBody) and body.text != texts[id(body)]:
+                kept = {"text": [texts[id(body)], digest(body.text)]}
+                self._marks[id(body)] = {TEXTS_FIELD: kept}
+        for body in drawn:
+            if body.model_dump(mode="json", exclude_none=True)["networks"] != before[id(body)]:
+                self._marks[id(body)] = {"networks": before[id(body)]}
+        return declarations
+
+    def _mentions(self, text: str) -> bool:
+        folded = text.casefold()
+        return any(f"{name}." in folded for name in self._members)
+
+    def _unqualified(self, piece: Piece) -> str:
+        hidden = self._names_in(piece.site)
+
+        def change(node: n.Node) -> n.Node:
+            if not isinstance(node, n.Member) or not isinstance(node.base, n.Name):
+                return node
+            name, member = node.base.identifier.casefold(), node.name.identifier.casefold()
+            if member not in self._members.get(name, ()) or name in hidden or member in hidden:
+                return node
+            return node.name
+
+        if piece.reading is Reading.STATEMENTS:
+            statements = parse_statements(piece.text, Dialect.CODESYS)
+            if not statements.problems:
+                return render(statements, transform(statements.tree, change))
+        condition = parse_condition(piece.text, Dialect.CODESYS)
+        return piece.text if condition.problems else render(condition, transform(condition.tree, change))
+
+    def _names_in(self, site: Site) -> set[str]:
+        """The names that hide global ones."""
+        pou = site.pou
+        if pou is None:
+            return set()
+        if id(pou) not in self._locals:
+            self._locals[id(pou)] = {name.casefold() for name in _own_names(pou)}
+        return self._locals[id(pou)]
+
+
+def _own_names(pou: Pou) -> Iterator[str]:
+    yield from (variable.name for variable in pou.variables())
+    yield from (action.name for action in pou.actions)
+    for method in pou.methods:
+        if method.interface is not None:
+            yield from (variable.name for variable in method.interface.variables())

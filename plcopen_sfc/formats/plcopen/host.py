@@ -1,0 +1,144 @@
+"""What the charts of a tool can say, and how conditions of others read there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from plcopen_sfc.formats.plcopen.rewritten import Marks
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import condition_reader
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.translation.renames import identifier
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.network import Coil, InputPin
+from plcopen_sfc.model.project import Chart, Project
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.report import ConversionReport, Outcome
+
+
+@dataclass(frozen=True)
+class Host:
+    """What the charts of a tool can say.
+
+    `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
+    main and exit actions and minimum times, conditions are expressions or names of transition objects and never
+    negated. Other tools take bodies in place, with the qualifiers P1 and P0.
+    """
+
+    title: str
+    is_codesys: bool
+
+    @property
+    def dialect(self) -> Dialect:
+        """The structured text of its files."""
+        return Dialect.CODESYS if self.is_codesys else Dialect.IEC
+
+    def active(self, step: Step) -> str:
+        """The variable that tells whether a step is active."""
+        return f"{step.name}.{'x' if self.is_codesys else 'X'}"
+
+    def elapsed(self, step: Step) -> str:
+        """The variable that tells for how long a step has been active."""
+        return f"{step.name}.{'t' if self.is_codesys else 'T'}"
+
+
+CODESYS = Host("CODESYS", is_codesys=True)
+TC6 = Host("TC6", is_codesys=False)
+
+
+@dataclass(eq=False)
+class Rewriting:
+    """A chart that is being rewritten: where, what it was in the source, for whom, and what is known of it."""
+
+    chart: Chart
+    source: SfcNetwork
+    host: Host
+    report: ConversionReport
+    marks: Marks
+    taken: set[str]
+    _interlocks: dict[int, str | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Prepare to read conditions."""
+        self.source_steps = {step.id: step for step in self.source.steps}
+        self.source_transitions = {transition.id: transition for transition in self.source.transitions}
+        self._read = condition_reader(self.chart.network, self.host.dialect, transitions=self.chart.pou.transitions)
+
+    def note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
+        """Report what became of something at `place` in the chart."""
+        path = self.chart.report_path
+        self.report.add(outcome, what, f"{path} / {place}" if place else path, why)
+
+    def text(self, condition: Condition | None) -> str | None:
+        """The text of a condition; None where it cannot be one expression, as with a timer."""
+        if condition is None:
+            return None
+        if is_empty_network(condition):
+            return "TRUE"
+        found = self._read(condition)
+        if found.tree is None or found.before or found.helpers or not found.complete:
+            return None
+        return print_node(found.tree, self.host.dialect)
+
+    def interlock(self, step: Step) -> str | None:
+        """The interlock of a step: TRUE where it has none, None where no expression says it."""
+        if step.id not in self._interlocks:
+            condition = step.interlock.condition if step.interlock is not None else None
+            self._interlocks[step.id] = "TRUE" if condition is None else self.text(condition)
+        return self._interlocks[step.id]
+
+    def new_name(self, wish: str) -> str:
+        """A name that nothing in the POU or around it has."""
+        name, number = identifier(wish), 1
+        while name.casefold() in self.taken:
+            number += 1
+            name = f"{identifier(wish)}_{number}"
+        self.taken.add(name.casefold())
+        return name
+
+
+def taken_names(project: Project, chart: Chart) -> set[str]:
+    """The names that something in the POU of a chart has, or around it, in lower case."""
+    pou = chart.pou
+    names = [thing.name for thing in project.objects()]
+    for parts in (pou.actions, pou.transitions, pou.methods):
+        names += [part.name for part in parts]
+    names += [variable.name for variable in pou.variables()]
+    names += [step.name for other in project.charts() if other.pou is pou for step in other.network.steps]
+    return {name.casefold() for name in names}
+
+
+def is_network(condition: Condition | None) -> bool:
+    """True if a condition is drawn in place, in FBD or LD."""
+    return isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody)
+
+
+def is_empty_network(condition: Condition | None) -> bool:
+    """True if a condition is a coil alone, which nothing leads to: S7-GRAPH takes it as satisfied."""
+    if not isinstance(condition, BodyCondition) or not isinstance(condition.body, FbdBody | LdBody):
+        return False
+    nodes = [node for network in condition.body.networks for node in network.nodes]
+    return all(isinstance(node, Coil) and not _leads(node.input) for node in nodes)
+
+
+def is_supervised(step: Step) -> bool:
+    """True if a step has a supervision with a condition."""
+    condition = step.supervision.condition if step.supervision is not None else None
+    return condition is not None and not is_empty_network(condition)
+
+
+def _leads(pin: InputPin | None) -> bool:
+    return pin is not None and bool(pin.connections or pin.expression)
+
+
+def term(text: str) -> str:
+    """An expression as a part of another one."""
+    return text if text.replace(".", "").replace("_", "").isalnum() else f"({text})"
+
+
+def guarded(condition: str, lines: list[str]) -> list[str]:
+    """Statements that are executed only while `condition` is TRUE."""
+    if condition == "TRUE" or not lines:
+        return lines
+    return [f"IF {condition} THEN", *(f"    {line}" for line in lines), "END_IF;"]

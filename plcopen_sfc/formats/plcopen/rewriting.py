@@ -1,0 +1,189 @@
+"""Charts in terms that the target tool executes, before they are drawn and written.
+
+What the tool has no element for becomes statements and conditions that do the same (`step_rewriter`), or is left out
+and reported as not executed. The source is kept beside what was written (`rewritten`).
+"""
+
+from __future__ import annotations
+
+from plcopen_sfc.formats.plcopen.host import (
+    Host,
+    Rewriting,
+    is_empty_network,
+    is_network,
+    is_supervised,
+    taken_names,
+    term,
+)
+from plcopen_sfc.formats.plcopen.rewritten import Marks, rewritten_transition
+from plcopen_sfc.formats.plcopen.step_rewriter import StepRewriter, has_special_rows
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Condition, Expression, WiredCondition
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_PARAMETERS = frozenset(
+    """OFF_SQ INIT_SQ ACK_EF REG_EF ACK_S REG_S HALT_SQ HALT_TM ZERO_OP EN_IL EN_SV EN_ACKREQ EN_SSKIP DISP_SACT
+    DISP_SEF DISP_SALL S_PREV S_NEXT SW_AUTO SW_TAP SW_TOP SW_MAN S_SEL S_SELOK S_ON S_OFF T_PREV T_NEXT T_PUSH
+    S_NO S_MORE S_ACTIVE S_TIME S_TIMEOK S_CRITLOC S_CRITLOCERR S_CRITSUP S_STATE T_NO T_MORE T_CRIT T_CRITOLD
+    T_CRITFLT ERROR FAULT ERR_FLT SQ_ISOFF SQ_HALTED TM_HALTED OP_ZEROED IL_ENABLED SV_ENABLED ACKREQ_ENABLED
+    SSKIP_ENABLED SACT_DISP SEF_DISP SALL_DISP AUTO_ON TAP_ON TOP_ON MAN_ON""".split()
+)
+"""Parameters by which S7-GRAPH controls a sequencer and reports on it (S7-GRAPH V6)."""
+
+
+def needs_rewriting(chart: SfcNetwork, host: Host) -> bool:
+    """True if `rewrite_charts` would change a chart, or report something of it."""
+    if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
+        return True
+    if any(_does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
+        return True
+    if host.is_codesys:
+        bodies: list[object] = [row.body for _, row in chart.associations()]
+        bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
+        rows = any(row.negated or row.qualifier in ("P1", "P0") for _, row in chart.associations())
+        conditions = any(_is_foreign(transition.condition) for transition in chart.transitions)
+        return rows or conditions or any(isinstance(body, StBody) for body in bodies)
+    if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
+        return True
+    excluded = any(s.exclude for s in chart.steps) or any(t.exclude for t in chart.transitions)
+    return excluded or chart.settings is not None or any(row.exclude for _, row in chart.associations())
+
+
+def _is_foreign(condition: Condition | None) -> bool:
+    """True if CODESYS has no such condition: it takes expressions and names of transition objects."""
+    return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired")
+
+
+def rewrite_charts(copy: Project, project: Project, host: Host, report: ConversionReport, marks: Marks) -> None:
+    """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
+    for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
+        if needs_rewriting(chart.network, host) or chart.network != source.network:
+            _ChartRewriter(Rewriting(chart, source.network, host, report, marks, taken_names(copy, chart))).rewrite()
+
+
+class _ChartRewriter:
+    def __init__(self, rewriting: Rewriting) -> None:
+        self._rewriting = rewriting
+        self._host = rewriting.host
+        self._chart = rewriting.chart.network
+        self._note = rewriting.note
+
+    def rewrite(self) -> None:
+        """Change the chart. Conditions first: the supervisions that they need are those of the source."""
+        steps = {step.id: step for step in self._chart.steps}
+        for transition in self._chart.transitions:
+            self._transition(transition, [steps[i] for i in transition.sources if i in steps])
+        rewriter = StepRewriter(self._rewriting)
+        for step in self._chart.steps:
+            rewriter.rewrite(step)
+        self._report_graph()
+        if not self._host.is_codesys:
+            self._report_codesys()
+
+    def _transition(self, transition: Transition, sources: list[Step]) -> None:
+        source = self._rewriting.source_transitions[transition.id]
+        self._rewrite_condition(transition, sources)
+        if transition.condition != source.condition:
+            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source)
+
+    def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> None:
+        condition = transition.condition
+        if not self._host.is_codesys and (transition.exclude or any(step.exclude for step in sources)):
+            transition.condition = Expression(text="FALSE")
+            place = f"transition {self._chart.label(transition)}"
+            self._note(
+                Outcome.TRANSLATED, "exclude", place, "the condition is FALSE: CODESYS leaves the transition out"
+            )
+            return
+        supervised = [step for step in sources if is_supervised(step)]
+        timed = [step for step in sources if step.min_time] if not self._host.is_codesys else []
+        foreign = self._host.is_codesys and _is_foreign(condition)
+        if condition is None or not (supervised or timed or foreign):
+            return
+        label = f"transition {self._chart.label(transition)}"
+        text = self._rewriting.text(condition)
+        if text is None:
+            text = self._rewriting.new_name(f"Condition_of_{self._chart.label(transition)}_is_missing")
+            why = f"it cannot be written as an expression; the undeclared name {text} stands in its place"
+            self._note(
+                Outcome.NOT_EXECUTED, "condition", label, f"{why}, so that {self._host.title} does not compile it"
+            )
+        elif foreign:
+            what = "a network" if is_network(condition) else "logic drawn in the chart"
+            what = what if is_network(condition) or isinstance(condition, WiredCondition) else "a negated condition"
+            self._note(Outcome.TRANSLATED, "condition", label, f"{what} in the source, here the expression {text}")
+        if is_empty_network(condition) and not (supervised or timed):
+            text = "TRUE"
+        for step in supervised:
+            text = self._held(step, text)
+        for step in timed:
+            text = _and(text, f"{self._host.elapsed(step)} >= {step.min_time}")
+            why = f"the minimum time {step.min_time} of the step {step.name} is a part of the condition"
+            self._note(Outcome.TRANSLATED, "minimum time", label, why)
+        if supervised or timed:
+            self._note(Outcome.TRANSLATED, "condition", label, f"with what holds the step: {text}")
+        transition.condition = Expression(text=text)
+
+    def _held(self, step: Step, text: str) -> str:
+        """The condition of a transition with the supervision of a step that it leaves."""
+        fault = step.supervision.condition if step.supervision is not None else None
+        said = self._rewriting.text(fault)
+        place = f"step {step.name}"
+        if said is None:
+            why = f"it does not hold the step in {self._host.title}: it cannot be written as an expression"
+            self._note(Outcome.NOT_EXECUTED, "supervision", place, why)
+            return text
+        settings = self._chart.graph_settings
+        if settings is not None and settings.acknowledge_errors_required is False:
+            self._note(Outcome.TRANSLATED, "supervision", place, f"NOT {term(said)} in the conditions that leave it")
+        else:
+            why = "the step is left as soon as the fault is gone; S7-GRAPH also waits for its acknowledgement by ACK_EF"
+            self._note(Outcome.APPROXIMATED, "supervision", place, why)
+        return _and(text, f"NOT {term(said)}")
+
+    def _report_graph(self) -> None:
+        """Report what surrounds a sequencer of S7-GRAPH and has no counterpart."""
+        chart, title = self._chart, self._host.title
+        for when, operations in (("before", chart.permanent_pre), ("after", chart.permanent_post)):
+            count = sum(_does_something(operation.body) for operation in operations)
+            if count:
+                why = f"{count} {when} the sequences, not executed in {title}"
+                self._note(Outcome.NOT_EXECUTED, f"permanent instruction {when} the sequence", "", why)
+        if chart.graph_settings is None:
+            return
+        if chart.graph_settings.skip_steps:
+            self._note(Outcome.NOT_EXECUTED, "skip steps", "", f"{title} never skips a step")
+        names = [v.name for v in self._rewriting.chart.pou.variables() if v.name in _PARAMETERS]
+        if names:
+            why = f"{', '.join(names)} are variables without effect in {title}"
+            self._note(Outcome.NOT_EXECUTED, "operating inputs", "", why)
+
+    def _report_codesys(self) -> None:
+        """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
+        chart = self._chart
+        declared = {v.name.casefold() for v in self._rewriting.chart.pou.variables()}
+        settings = chart.settings.flags if chart.settings is not None else {}
+        used = [
+            flag
+            for flag in SfcFlag
+            if (flag in settings and settings[flag].use) or flag.variable.casefold() in declared
+        ]
+        for flag in used:
+            self._note(Outcome.NOT_EXECUTED, flag.variable, "", f"the flag has no effect in {self._host.title}")
+        if any(flag in used for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT)):
+            for step in (step for step in chart.steps if step.max_time):
+                why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"
+                self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)
+
+
+def _does_something(body: Body | None) -> bool:
+    """True unless a body is empty, as those of permanent operations that nobody has programmed."""
+    if isinstance(body, FbdBody | LdBody):
+        return any(network.nodes for network in body.networks)
+    return body is not None and bool(getattr(body, "text", " ").strip())
+
+
+def _and(text: str, more: str) -> str:
+    return more if text == "TRUE" else f"{term(text)} AND {more}"

@@ -1,0 +1,188 @@
+"""What is written instead of what the source says, and how the source comes back.
+
+A chart of another tool may say what TC6 has no element for: an interlock, an event, a value. Where statements say the
+same, they are written in place of it, and the element keeps the source in extension data, with a digest of what was
+written. A reader puts the source back as long as the digest fits; after an edit the statements count.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Container, Iterable, Mapping
+from typing import Any
+
+from plcopen_sfc.formats.plcopen.reading import Fields
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.body import StBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition
+from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
+from plcopen_sfc.model.variables import VariableSection
+
+REWRITTEN_FIELD = "rewritten"
+"""At a step or transition: the fields of the source, and the digest of what was written for them."""
+ADDED_FIELD = "added"
+"""At an action, a transition object or a list of variables that the source does not have: the digest of its content."""
+TEXTS_FIELD = "texts"
+"""At a body: texts of the source by their fields, each with the digest of what was written for it."""
+
+Marks = dict[int, dict[str, Any]]
+"""What to keep at objects of a project, by their `id()`."""
+
+STEP_FIELDS = ("actions", "entry_action", "main_action", "exit_action")
+"""The fields of a step that are written otherwise than the source says them."""
+
+
+def rewritten_step(step: Step, source: Step, uses: Iterable[str] = ()) -> dict[str, Any]:
+    """The mark of `step`, which is written in place of `source` and executes the added actions `uses`."""
+    fields = source.model_dump(mode="json", include=set(STEP_FIELDS), exclude_none=True)
+    names = sorted({name.casefold() for name in uses})
+    return {REWRITTEN_FIELD: {"source": fields, "digest": _of_step(step), "uses": names}}
+
+
+def rewritten_transition(transition: Transition, source: Transition, uses: Iterable[str] = ()) -> dict[str, Any]:
+    """The mark of `transition`, which is written in place of `source`."""
+    fields = source.model_dump(mode="json", include={"condition"}, exclude_none=True)
+    names = sorted({name.casefold() for name in uses})
+    return {REWRITTEN_FIELD: {"source": fields, "digest": _of_condition(transition.condition), "uses": names}}
+
+
+def added_part(body: StBody) -> dict[str, Any]:
+    """The mark of an action or transition object that the source does not have."""
+    return {ADDED_FIELD: digest(body.text)}
+
+
+def added_section(section: VariableSection) -> dict[str, Any]:
+    """The mark of a list of variables that the source does not have."""
+    return {ADDED_FIELD: _of_section(section)}
+
+
+def take_marks(chart: Fields) -> dict[int, dict[str, Any]]:
+    """Take the marks out of a chart that is being read, by the ids of steps and transitions."""
+    found: dict[int, dict[str, Any]] = {}
+    for element in (*chart.get("steps", ()), *chart.get("transitions", ())):
+        mark = element.pop(REWRITTEN_FIELD, None)
+        if isinstance(mark, dict):
+            found[element["id"]] = mark
+    return found
+
+
+def restore_chart(chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Container[str]) -> None:
+    """Put the source back into the elements of `chart` that are as they were written.
+
+    `edited`: added actions and transition objects that somebody has changed since, by their names in lower case.
+    """
+    for step in chart.steps if marks else ():
+        mark = _fitting(marks.get(step.id), edited)
+        if mark is not None and mark.get("digest") == _of_step(step):
+            written = [row.id for row in step.actions]
+            _put(step, mark, STEP_FIELDS)
+            _draw_source(chart, dict(zip(written, [row.id for row in step.actions], strict=False)))
+    for transition in chart.transitions if marks else ():
+        mark = _fitting(marks.get(transition.id), edited)
+        if mark is not None and mark.get("digest") == _of_condition(transition.condition):
+            _put(transition, mark, ("condition",))
+
+
+def _draw_source(chart: SfcNetwork, rows: Mapping[int, int]) -> None:
+    """Let the drawing of written rows be that of the rows of the source."""
+    for symbol in chart.drawing.symbols if chart.drawing is not None else ():
+        for entry in symbol.entries or ():
+            if entry.association in rows and rows[entry.association] != entry.association:
+                entry.local_id = entry.association if entry.local_id is None else entry.local_id
+                entry.association = rows[entry.association]
+
+
+def _fitting(mark: dict[str, Any] | None, edited: Container[str]) -> dict[str, Any] | None:
+    if mark is None or not isinstance(mark.get("source"), dict) or any(name in edited for name in mark.get("uses", ())):
+        return None
+    return mark
+
+
+def _put(thing: Step | Transition, mark: dict[str, Any], names: Iterable[str]) -> None:
+    source = type(thing).model_validate({**thing.model_dump(include={"id", "name"}), **mark["source"]})
+    for name in names:
+        setattr(thing, name, getattr(source, name))
+
+
+def drop_added(parts: list[Fields]) -> tuple[list[Fields], set[str]]:
+    """The actions or transition objects of a POU without those that were added, and the names of edited ones."""
+    kept, edited = [], set()
+    for part in parts:
+        mark = part.pop(ADDED_FIELD, None)
+        body = part.get("body")
+        if mark is None:
+            kept.append(part)
+        elif not isinstance(body, dict) or mark != digest(str(body.get("text", ""))):
+            kept.append(part)
+            edited.add(str(part["name"]).casefold())
+    return kept, edited
+
+
+def sources_of_section(section: Fields) -> list[Fields] | None:
+    """What the source has in place of an added list of variables that is as it was written; None for any other.
+
+    Takes the marks of the list.
+    """
+    mark, source = section.pop(ADDED_FIELD, None), section.pop("list", None)
+    if mark is None or mark != _of_section(VariableSection.model_validate(section)):
+        return None
+    return [source] if isinstance(source, dict) else []
+
+
+def restore_texts(fields: Fields) -> None:
+    """Put the texts of the source back into an object that is being read. Takes the mark."""
+    texts = fields.pop(TEXTS_FIELD, None)
+    for name, kept in texts.items() if isinstance(texts, dict) else ():
+        if isinstance(kept, list) and len(kept) == 2 and digest(str(fields.get(name, ""))) == kept[1]:
+            fields[name] = kept[0]
+
+
+def is_added_configuration(configuration: Fields) -> bool:
+    """True if a configuration was added for lists of variables, and has nothing else. Takes its mark."""
+    added = configuration.pop(ADDED_FIELD, None)
+    used = [configuration["global_variables"], configuration.get("access_variables")]
+    used += [resource["tasks"] for resource in configuration["resources"]]
+    instances = [instance["name"] for resource in configuration["resources"] for instance in resource["instances"]]
+    return added == instances and not any(used)
+
+
+def digest(text: str) -> str:
+    """A short digest of a text; blanks at its ends and ends of lines do not matter."""
+    return hashlib.sha256("\n".join(text.split("\r\n")).strip().encode()).hexdigest()[:12]
+
+
+def _of_step(step: Step) -> str:
+    rows = [_of_row(row) for row in step.actions]
+    actions = [_plain(action) for action in (step.entry_action, step.main_action, step.exit_action)]
+    return digest(json.dumps([rows, actions]))
+
+
+def _of_row(row: ActionAssociation) -> list[str | None]:
+    return [row.qualifier.value, row.target, _plain(row.body), row.duration or None, row.indicator or None]
+
+
+def _plain(body: object) -> str | None:
+    if isinstance(body, StBody):
+        return digest(body.text)
+    return body if isinstance(body, str) or body is None else type(body).__name__
+
+
+def _of_condition(condition: Condition | None) -> str:
+    match condition:
+        case Expression():
+            said = condition.text
+        case NamedCondition() | BodyCondition():
+            said = condition.name
+        case _:
+            said = ""
+    return digest(json.dumps([said, condition is not None and condition.negated]))
+
+
+def _of_section(section: VariableSection) -> str:
+    return digest(json.dumps(_said(section), sort_keys=True))
+
+
+def _said(thing: Model) -> Any:
+    return thing.model_dump(mode="json", exclude_defaults=True, exclude={"comment", "carried", "object_id"})

@@ -1,0 +1,346 @@
+"""Rows and step actions that a tool has no element for, as statements that do the same.
+
+Action associations of IEC 61131-3 know no interlock, no event and no value. Where structured text says the same, it
+takes their place: an action with qualifier N that acts while its step is active, one that is executed once when it
+becomes active, and one when it was left. What cannot be said so is left out and reported as not executed, never
+written without its condition.
+
+The rules are those of `plcopen_sfc.semantics.charts.graph`, and the tests compare both scan by scan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from plcopen_sfc.formats.plcopen.host import Rewriting, guarded, term
+from plcopen_sfc.formats.plcopen.rewritten import STEP_FIELDS, added_part, rewritten_step
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.pou import Action
+from plcopen_sfc.model.sfc import SfcNetwork, Step
+from plcopen_sfc.report import Outcome
+
+_COILS = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.D, Qualifier.L})
+_STORING = {Qualifier.S: "TRUE", Qualifier.R: "FALSE"}
+_PULSES = {ActionEvent.S1: Qualifier.P1, ActionEvent.S0: Qualifier.P0}
+_OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF".split())
+_KINDS = (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL)
+_MEANT = {
+    Qualifier.P1: "the statements of the step that are executed once when it becomes active",
+    Qualifier.N: "the statements of the step that are executed while it is active",
+    Qualifier.P0: "the statements of the step that are executed once when it was left",
+}
+_KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
+"""Fields of a step that are extension data only: they come back as the source says them."""
+_NO_TEXT = "its network cannot be written as an expression"
+
+
+def has_special_rows(chart: SfcNetwork) -> bool:
+    """True if a row needs more than a qualifier and a time: an event, an interlock, a condition or a value."""
+    return any(_is_special(row) for _, row in chart.associations())
+
+
+def _is_special(row: ActionAssociation) -> bool:
+    if row.event is not None or row.interlock or row.value is not None or row.condition is not None:
+        return True
+    return row.qualifier in _OF_GRAPH or row.forcing is not None or row.kind not in _KINDS
+
+
+@dataclass(slots=True)
+class _Rows:
+    """What a step executes in place of its rows: while it is active, once at its start, once when it was left."""
+
+    kept: list[ActionAssociation] = field(default_factory=list)
+    coils: list[str] = field(default_factory=list)
+    active: list[str] = field(default_factory=list)
+    entry: list[str] = field(default_factory=list)
+    exit: list[str] = field(default_factory=list)
+
+
+class StepRewriter:
+    """Rewrites the steps of a chart."""
+
+    def __init__(self, rewriting: Rewriting) -> None:
+        self._rewriting = rewriting
+        self._host = rewriting.host
+        self._chart = rewriting.chart.network
+        self._pou = rewriting.chart.pou
+        self._rows = [(step, row) for step in self._chart.steps for row in step.actions]
+        self._stated = {_key(row) for _, row in self._rows if self._writes_operand(row)}
+
+    def _is_entered(self, step: Step) -> bool:
+        """True if an excluded step can become active in a tool that knows no exclusion."""
+        entering = (t for t in self._rewriting.source.transitions if step.id in t.targets and not t.exclude)
+        return step.initial or next(entering, None) is not None
+
+    def _writes_operand(self, row: ActionAssociation) -> bool:
+        """True if a row writes a Boolean operand in a way that associations cannot: other rows with it must follow."""
+        return (
+            row.target is not None
+            and row.qualifier in _COILS | _STORING.keys()
+            and _is_special(row)
+            and not self._is_pulse(row)
+        )
+
+    def rewrite(self, step: Step) -> None:
+        """Change a step; what cannot be said is in the report."""
+        source = self._rewriting.source_steps[step.id]
+        uses: list[str] = []
+        if step.exclude and not self._host.is_codesys and self._is_entered(step):
+            step.actions, step.entry_action, step.main_action, step.exit_action = [], None, None, None
+            why = "nothing is executed in it and nothing leaves it: CODESYS leaves the step out"
+            self._note(Outcome.TRANSLATED, "exclude", step, why)
+        rows = _Rows()
+        for row in step.actions:
+            self._row(step, row, rows)
+        step.actions = rows.kept
+        active = [*rows.coils, *guarded(self._host.active(step), rows.active)]
+        # in this order, as S7-GRAPH executes what happens once before what is done in every cycle
+        for kind, qualifier, lines in (
+            ("entry", Qualifier.P1, rows.entry),
+            ("actions", Qualifier.N, active),
+            ("exit", Qualifier.P0, rows.exit),
+        ):
+            if not lines:
+                continue
+            body = StBody(text="\n".join(lines))
+            before = len(self._pou.actions)
+            if not self._host.is_codesys:
+                self._add_row(step, qualifier, body=body)
+            elif qualifier is Qualifier.N or getattr(step, f"{kind}_action") is not None:
+                self._add_row(step, qualifier, target=self._action(f"{step.name}_{kind}", body, uses))
+            else:
+                setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
+            added = self._pou.actions[before].name if len(self._pou.actions) > before else None
+            self._note_action(Outcome.TRANSLATED, step, added, _MEANT[qualifier])
+        if self._host.is_codesys:
+            self._name_bodies(step, uses)
+        elif step.main_action is not None:
+            self._main_action(step)
+        for name in _KEPT_ONLY:
+            setattr(step, name, getattr(source, name))
+        if any(getattr(step, name) != getattr(source, name) for name in STEP_FIELDS):
+            self._rewriting.marks[id(step)] = rewritten_step(step, source, uses)
+
+    def _note(self, outcome: Outcome, what: str, step: Step, why: str) -> None:
+        self._rewriting.note(outcome, what, f"step {step.name}", why)
+
+    def _note_action(self, outcome: Outcome, step: Step, action: object, why: str) -> None:
+        name = action if isinstance(action, str) else "in place"
+        self._rewriting.note(outcome, "action", f"step {step.name} / action {name}", why)
+
+    def _action(self, wish: str, body: Body, uses: list[str]) -> str:
+        """Add an action to the POU; its name."""
+        action = Action(name=self._rewriting.new_name(wish), body=body)
+        self._pou.actions.append(action)
+        if isinstance(body, StBody):
+            self._rewriting.marks[id(self._pou.actions[-1])] = added_part(body)
+            uses.append(action.name)
+        return action.name
+
+    def _add_row(
+        self, step: Step, qualifier: Qualifier, *, target: str | None = None, body: StBody | None = None
+    ) -> None:
+        number = next(self._free_ids(step))
+        row = ActionAssociation(id=number, qualifier=qualifier, target=target, body=body)
+        self._rows.append((step, row))
+        step.actions = [*step.actions, row]
+
+    def _free_ids(self, step: Step) -> Iterator[int]:
+        """Ids for new rows of a step: first those of rows that they replace, then those that only its drawing has.
+
+        A file that was read has such rows where the source was put back for them.
+        """
+        kept = {row.id for row in step.actions}
+        replaced = [row.id for owner, row in self._rows if owner is step and row.id not in kept]
+        yield from (number for number in replaced if not any(number in _ids(owner) for owner in self._chart.steps))
+        used = {row.id for _, row in self._rows}
+        drawing = self._chart.drawing
+        for symbol in drawing.symbols if drawing is not None else ():
+            if any(connection.source == step.id for pin in symbol.inputs for connection in pin.connections):
+                drawn = [entry.association for entry in symbol.entries or () if entry.step_action is None]
+                yield from (number for number in drawn if number not in used)
+        yield max([self._chart.new_id(), *(number + 1 for number in used)])
+
+    # -- what CODESYS and TC6 say of steps in their own ways
+
+    def _name_bodies(self, step: Step, uses: list[str]) -> None:
+        """Give bodies in place a name: CODESYS executes actions of the POU."""
+        for kind in ("entry", "main", "exit"):
+            body = getattr(step, f"{kind}_action")
+            if isinstance(body, StBody):
+                setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
+                self._note_action(Outcome.TRANSLATED, step, body, f"the {kind} action, an action of the POU")
+        rows = [named for row in step.actions if (named := self._named_row(step, row, uses)) is not None]
+        if rows != step.actions:
+            step.actions = rows
+
+    def _named_row(self, step: Step, row: ActionAssociation, uses: list[str]) -> ActionAssociation | None:
+        """A row that executes an action of the POU; None where it became the entry or exit action of its step."""
+        kind = {Qualifier.P1: "entry", Qualifier.P0: "exit"}.get(row.qualifier, "")
+        if isinstance(row.body, StBody) and row.target is None:
+            name = self._action(f"{step.name}_{kind or 'action'}", row.body, uses)
+            row = row.model_copy(update={"target": name, "body": None})
+            self._note_action(Outcome.TRANSLATED, step, row.body, f"an action of the POU, {name}")
+        is_action = row.target is not None and self._pou.action(row.target) is not None
+        if not kind or not is_action or row.negated or getattr(step, f"{kind}_action") is not None:
+            return row
+        setattr(step, f"{kind}_action", row.target)
+        self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is the {kind} action of the step")
+        return None
+
+    def _main_action(self, step: Step) -> None:
+        """Let a main action of CODESYS act while its step is active only: an action of IEC 61131-3 has a final scan."""
+        found: object = step.main_action
+        if isinstance(found, str):
+            action = self._pou.action(found)
+            found = action.body if action is not None else None
+        if isinstance(found, StBody):
+            lines = guarded(self._host.active(step), found.text.strip().splitlines())
+            why = "the main action: its statements run only while the step is active"
+            self._note_action(Outcome.TRANSLATED, step, step.main_action, why)
+            if isinstance(step.main_action, str):
+                self._note_action(Outcome.TRANSLATED, step, None, why)
+            step.main_action = StBody(text="\n".join(lines))
+
+    # -- rows
+
+    def _is_pulse(self, row: ActionAssociation) -> bool:
+        """True if a row is a coil that is TRUE in the scan of an event, which TC6 has as P1 and P0."""
+        plain = row.value is None and row.body is None and not row.interlock and row.qualifier is Qualifier.N
+        return plain and row.event in _PULSES and not self._host.is_codesys
+
+    def _row(self, step: Step, row: ActionAssociation, rows: _Rows) -> None:
+        if row.exclude and not self._host.is_codesys:
+            self._note(
+                Outcome.TRANSLATED, "excluded action", step, f"`{_called(row)}` is left out: CODESYS excludes it"
+            )
+            return
+        event = None if row.event is ActionEvent.C else row.event
+        stated = row.target is not None and _key(row) in self._stated
+        if row.negated and self._host.is_codesys:
+            self._leave_out(step, row, "CODESYS has no action that acts while its step is not active")
+            return
+        if not _is_special(row) and not stated:
+            rows.kept.append(row)
+            return
+        if self._is_pulse(row) and not stated and event is not None:
+            rows.kept.append(row.model_copy(update={"qualifier": _PULSES[event], "event": None}))
+            why = f"`{_called(row)}` has the qualifier {_PULSES[event].value}"
+            self._note_action(Outcome.TRANSLATED, step, row.target, why)
+            return
+        refusal = self._refusal(step, row, event)
+        if refusal is not None:
+            self._leave_out(step, row, refusal)
+            return
+        needed = self._needed(step, row) or "TRUE"
+        where = "while the step is active"
+        if _is_coil(row):
+            rows.coils.append(f"{row.target} := {self._driven(row)};")
+        else:
+            lines = guarded(needed, _statements(row))
+            if event is ActionEvent.S1:
+                rows.entry += lines
+                where = "once when the step becomes active"
+            elif event is ActionEvent.S0:
+                rows.exit += lines
+                where = "once when the step was left"
+            else:
+                rows.active += lines
+        needs = f", under the condition {needed}" if needed != "TRUE" else ""
+        self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
+
+    def _refusal(self, step: Step, row: ActionAssociation, event: ActionEvent | None) -> str | None:
+        """Why no statement says what a row does; None where one does."""
+        title = self._host.title
+        locked = row.interlock or row.event is ActionEvent.C
+        if event not in (None, ActionEvent.S1, ActionEvent.S0):
+            return f"{title} has no event {event}"
+        if row.forcing is not None or row.kind not in _KINDS:
+            return f"{title} has no such action of IEC 60848"
+        if row.qualifier not in _COILS | _STORING.keys() | {Qualifier.CALL}:
+            return f"{title} has no action {row.qualifier.value}"
+        if row.negated:
+            return "it acts while its step is not active"
+        if row.body is not None and not isinstance(row.body, StBody):
+            return f"its body is a network in {row.body.language}"
+        if row.target is None and row.body is None:
+            return "it has no operand"
+        if locked and event is ActionEvent.S0:
+            return f"{title} has no interlock of a step that was left"
+        if self._needed(step, row) is None:
+            return f"it needs a condition, and {_NO_TEXT}"
+        if row.qualifier in (Qualifier.D, Qualifier.L) and (not row.duration or row.condition is not None):
+            return "its time depends on its condition" if row.duration else "it has no time"
+        if _is_coil(row):
+            if event is not None:
+                return f"{title} has no action that is TRUE in one scan only"
+            if self._driven(row) is None:
+                return f"another action of {row.target} cannot be written"
+        return None
+
+    def _needed(self, step: Step, row: ActionAssociation) -> str | None:
+        """What must hold besides that the step is active; None where no expression says it."""
+        interlock = self._rewriting.interlock(step) if row.interlock or row.event is ActionEvent.C else "TRUE"
+        condition = self._rewriting.text(row.condition) if row.condition is not None else "TRUE"
+        if interlock is None or condition is None:
+            return None
+        parts = [part for part in (interlock, condition) if part != "TRUE"]
+        return " AND ".join(term(part) for part in parts) if len(parts) > 1 else (parts or ["TRUE"])[0]
+
+    def _driven(self, coil: ActionAssociation) -> str | None:
+        """The OR over all rows of the chart that drive a coil; None where one of them cannot be said."""
+        terms: list[str] = []
+        for step, row in self._rows:
+            if row.target is None or _key(row) != _key(coil) or not _is_coil(row):
+                continue
+            if row.event not in (None, ActionEvent.C):
+                continue  # left out, and reported
+            parts = [self._host.active(step)]
+            if row.qualifier in (Qualifier.D, Qualifier.L):
+                sign = ">=" if row.qualifier is Qualifier.D else "<"
+                parts.append(f"{self._host.elapsed(step)} {sign} {row.duration}")
+            needed = self._needed(step, row)
+            if needed is None:
+                return None
+            terms.append(" AND ".join([*parts, *([term(needed)] if needed != "TRUE" else [])]))
+        return " OR ".join(terms)
+
+    def _leave_out(self, step: Step, row: ActionAssociation, why: str) -> None:
+        event = f" (event {row.event})" if row.event is not None else ""
+        text = f"`{_called(row)}`{event} is not executed in {self._host.title}: {why}"
+        self._note_action(Outcome.NOT_EXECUTED, step, row.target, text)
+
+
+def _is_coil(row: ActionAssociation) -> bool:
+    return row.qualifier in _COILS and row.value is None and row.body is None
+
+
+def _ids(step: Step) -> set[int]:
+    return {row.id for row in step.actions}
+
+
+def _key(row: ActionAssociation) -> str:
+    return (row.target or "").casefold()
+
+
+def _statements(row: ActionAssociation) -> list[str]:
+    if isinstance(row.body, StBody):
+        text = row.body.text.strip()
+        return (text if text.endswith(";") else f"{text};").splitlines()
+    if row.value is not None:
+        return [f"{row.target} := {row.value};"]
+    if row.qualifier in _STORING:
+        return [f"{row.target} := {_STORING[row.qualifier]};"]
+    return [f"{row.target}();"]
+
+
+def _called(row: ActionAssociation) -> str:
+    """What people call a row: its qualifier and what it writes or calls."""
+    if row.body is not None:
+        said = row.body.text.strip() if isinstance(row.body, StBody) else row.body.language
+    else:
+        said = row.target or ""
+    said = f"{said} := {row.value}" if row.value is not None else said
+    return f"{row.qualifier.value} {said}" if row.qualifier is not Qualifier.NONE else said

@@ -1,0 +1,189 @@
+"""Texts for matiec: what they look like, that its compiler takes them, and that they do what the chart does."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.profile import PROFILES
+from plcopen_sfc.semantics.simulation import Simulation
+from plcopen_sfc.semantics.subjects import resolve
+from tests.judges.matiec import MatiecError, require_matiec
+from tests.samples import FIXTURES, accepting
+from tests.sweeps import WHOLE
+
+_IEC = replace(PROFILES["iec"], final_scan=False)
+"""IEC 61131-3 leaves the last execution of an action to the tool; matiec has none."""
+
+_HEAD = """PROGRAM Plant
+VAR a : BOOL; b : BOOL; c : BOOL; END_VAR
+VAR p : BOOL; q : BOOL; r : BOOL; n : INT; m : INT; t1 : TON; u : Pair; END_VAR
+{body}
+END_PROGRAM
+TYPE Pair : STRUCT x : BOOL; y : BOOL; END_STRUCT; END_TYPE
+"""
+
+FILES = sorted(path for path in FIXTURES.rglob("*") if path.suffix in (".xml", ".st", ".scl", ".json"))
+FILES = [path for path in FILES if "broken" not in path.parts]
+SAMPLE = (
+    "device_export.xml",
+    "distribution_belt.st",
+    "classic_flip-flops_codesys.xml",
+    "plcopen_1.01.xml",
+    "Station.xml",
+)
+UNDECLARED = {
+    "distribution_belt.xml": "BLINK of a library",
+    "distribution_belt.st": "BLINK of a library",
+    "conveyor_step7.scl": "a block of another file",
+    "filling_line.scl": "a bound that is a constant of the PLC",
+    "FB_Motor.xml": "a tag",
+    "Main.xml": "the blocks that it calls",
+    "FC_Release.xml": "a block of another file",
+}
+"""What these files use and do not declare."""
+
+CHARTS = {
+    "selection": """
+INITIAL_STEP S1: END_STEP
+STEP S2: q(N); END_STEP
+STEP S3: r(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S1 TO S3 := b; END_TRANSITION
+TRANSITION FROM S2 TO S1 := c; END_TRANSITION
+TRANSITION FROM S3 TO S1 := c AND NOT a; END_TRANSITION
+""",
+    "one variable of several steps": """
+INITIAL_STEP S1: q(N); END_STEP
+STEP S2: q(N); r(P); END_STEP
+STEP S3: r(P); q(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S2 := a AND c; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION
+""",
+    "one action of several steps": """
+INITIAL_STEP S1: END_STEP
+STEP S2: Count(N); END_STEP
+STEP S3: Count(P); END_STEP
+STEP S4: Count(L, T#30ms); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; END_TRANSITION
+TRANSITION FROM S3 TO S4 := a AND c; END_TRANSITION
+TRANSITION FROM S4 TO S2 := b; END_TRANSITION
+ACTION Count: n := n + 1; END_ACTION
+""",
+    "stored and parallel": """
+INITIAL_STEP S1: r(R); END_STEP
+STEP S2: q(S); END_STEP
+STEP S3: r(S); m := m; END_STEP
+STEP S4: q(R); END_STEP
+TRANSITION FROM S1 TO (S2, S3) := a; END_TRANSITION
+TRANSITION FROM S2 TO S4 := b; END_TRANSITION
+TRANSITION FROM (S4, S3) TO S1 := c; END_TRANSITION
+""".replace(" m := m;", ""),
+    "named transitions and an end": """
+INITIAL_STEP S1: q(N); END_STEP
+STEP S2: END_STEP
+TRANSITION FROM S1 TO S2 := Ready; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+TRANSITION FROM S2 := c; END_TRANSITION
+TRANSITION Ready := a AND NOT b; END_TRANSITION
+""",
+    "pulses of the initial step": """
+INITIAL_STEP S1: Count(P1); q(P); Leave(P0); END_STEP
+STEP S2: r(P); Leave(P0); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+ACTION Count: n := n + 1; END_ACTION
+ACTION Leave: m := m + 1; END_ACTION
+""",
+    "times": """
+INITIAL_STEP S1: q(D, T#30ms); END_STEP
+STEP S2: r(L, T#20ms); END_STEP
+TRANSITION FROM S1 TO S2 := S1.T >= T#20ms AND a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+""",
+    "members, comments and empty statements": """
+INITIAL_STEP S1: u.x(N); END_STEP
+STEP S2: u.x(N); u.y(S); Work(N); END_STEP
+STEP S3: u.y(R); Look(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S3 := b; // until here
+END_TRANSITION
+TRANSITION FROM S3 TO S1 := TRUE; END_TRANSITION
+ACTION Work:
+    // a comment (* in it *)
+    IF a THEN ; ELSE n := n + 1; END_IF
+    p := u.x;
+    r := u.y;
+    CASE n OF 3: ; 4: n := 7; END_CASE
+    ;
+END_ACTION
+ACTION Look: p := u.x; r := u.y; END_ACTION
+""",
+}
+
+
+def _converted(text: str) -> tuple[sfc.Project, str, sfc.ConversionReport]:
+    project = sfc.loads(_HEAD.format(body=text).encode(), format="iec-text")
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    return project, data.decode(), report
+
+
+@pytest.mark.parametrize("name", CHARTS)
+def test_a_compiled_chart_does_what_the_simulated_one_does(name: str, tmp_path: Path) -> None:
+    project, text, report = _converted(CHARTS[name])
+    assert not report.with_outcome(Outcome.NOT_EXECUTED)
+    machine = require_matiec().build(text, tmp_path, program="Plant")
+    chart = project.pou("Plant").sfc
+    watch = ["p", "q", "r", "n", "m", *(f"{step.name}.X" for step in chart.steps)]
+    rng = random.Random(7)  # noqa: S311
+    scans = [{name: rng.random() < 0.4 for name in ("a", "b", "c")} for _ in range(300)]
+    found = machine.run(scans, watch, period=10_000_000)
+    run = Simulation(resolve(project, "Plant", project=None), profile=_IEC, scan_time="10ms")
+    for number, (values, row) in enumerate(zip(scans, found, strict=True)):
+        for variable, value in values.items():
+            run.set(variable, value)
+        run.scan()
+        assert {path: run.instance[path] for path in watch} == row, f"scan {number}"
+    assert {row[f"{step.name}.X"] for row in found for step in chart.steps} == {True, False}
+
+
+def test_a_block_that_feeds_two_conditions_is_called_once() -> None:
+    project = sfc.loads(_HEAD.format(body=CHARTS["pulses of the initial step"]).encode(), format="iec-text")
+    chart = project.pou("Plant").sfc
+    source = m.InputVariable(id=50, expression="a", output=m.OutputPin())
+    pins = m.BlockParameters(
+        inputs=[m.BlockVariable(name="IN", input=m.InputPin(connections=[m.Connection(source=50)]))],
+        outputs=[m.BlockVariable(name="Q", output=m.OutputPin())],
+    )
+    chart.logic = [source, m.Block(id=51, type_name="TON", instance="t1", parameters=pins)]
+    for transition in chart.transitions:
+        wire = m.Connection(source=51, pin="Q")
+        transition.condition = m.WiredCondition(input=m.InputPin(connections=[wire]))
+    data, report = sfc.convert(project, "iec-text", flavour="matiec")
+    assert data.decode().count("t1(IN := a") == 1
+    assert [item.what for item in report.with_outcome(Outcome.APPROXIMATED)].count("condition") == 2
+
+
+@pytest.mark.parametrize("path", [p for p in FILES if WHOLE or p.name in SAMPLE], ids=lambda path: path.name)
+def test_fixtures_compile_but_where_they_cannot(path: Path, tmp_path: Path) -> None:
+    """A text that is refused names what is not executed, or the file itself uses what it does not declare."""
+    matiec = require_matiec()
+    data, report = sfc.convert(accepting(sfc.load(path)), "iec-text", flavour="matiec")
+    text = data.decode()
+    assert "{" not in text
+    assert "//" not in text
+    assert ("NOT_EXECUTED" in text) <= bool(report.with_outcome(Outcome.NOT_EXECUTED))
+    if "NOT_EXECUTED" in text or path.name in UNDECLARED:
+        with pytest.raises(MatiecError):
+            matiec.translate(text, tmp_path)
+    else:
+        matiec.translate(text, tmp_path)

@@ -1,0 +1,94 @@
+"""Files for Beremiz and OpenPLC: what their converters do not see is written in other words."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+
+TEXT = b"""PROGRAM Main
+VAR a : BOOL; q : BOOL; r : BOOL; n : INT; w : STRING := 'x'; END_VAR
+INITIAL_STEP S1: q(N); END_STEP
+STEP S2: Count(N); q(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := Ready; END_TRANSITION
+TRANSITION Ready := S2.T > T#1s; END_TRANSITION
+ACTION Count: IF a THEN n := n + 1; END_IF // counts
+END_ACTION
+END_PROGRAM
+FUNCTION_BLOCK Empty
+VAR_INPUT a : BOOL; END_VAR
+END_FUNCTION_BLOCK
+CONFIGURATION Plant
+RESOURCE Plant ON PLC
+TASK Main(INTERVAL := T#0s, PRIORITY := 0);
+PROGRAM Main WITH Main : Main;
+END_RESOURCE
+END_CONFIGURATION
+"""
+
+
+@pytest.fixture
+def project() -> sfc.Project:
+    return sfc.loads(TEXT, format="iec-text")
+
+
+def converted(project: sfc.Project) -> tuple[sfc.Project, sfc.ConversionReport]:
+    data, report = sfc.convert(project, "plcopen-2.01", flavour="beremiz")
+    return sfc.loads(data, as_tool=True), report
+
+
+def test_texts_are_those_that_the_compiler_takes(project: sfc.Project) -> None:
+    seen, report = converted(project)
+    assert not report.with_outcome(Outcome.NOT_EXECUTED, Outcome.DROPPED)
+    assert seen.pou("Main").action("Count").body.text == "IF a THEN n := n + 1; END_IF; (* counts *)"
+    assert seen.pou("Empty").body.text == "idle := FALSE;"
+    assert [t.condition.text for t in seen.pou("Main").sfc.transitions] == ["a", "S2.T > T#1s"]
+
+
+def test_every_name_is_there_once(project: sfc.Project) -> None:
+    seen, report = converted(project)
+    (configuration,) = seen.configurations
+    (resource,) = configuration.resources
+    (task,) = resource.tasks
+    names = [configuration.name, resource.name, task.name, task.instances[0].name]
+    assert len({name.casefold() for name in (*names, "Main")}) == 5
+    assert task.instances[0].type_name == "Main"
+    assert {item.path for item in report.with_outcome(Outcome.TRANSLATED) if item.what == "name"} >= {"resource Plant"}
+
+
+def test_a_zero_interval_of_iso_8601_is_a_literal(project: sfc.Project) -> None:
+    project.configurations[0].resources[0].tasks[0].interval = "PT0S"
+    seen, _ = converted(project)
+    assert seen.configurations[0].resources[0].tasks[0].interval == "T#0ms"
+
+
+def test_negations_are_written_out(project: sfc.Project) -> None:
+    chart = project.pou("Main").sfc
+    chart.transitions[0].condition = m.Expression(text="a", negated=True)
+    wire = m.Connection(source=50)
+    chart.logic = [m.InputVariable(id=50, expression="q AND r", negated=True, output=m.OutputPin())]
+    chart.transitions[1].condition = m.WiredCondition(input=m.InputPin(connections=[wire]))
+    seen, _ = converted(project)
+    conditions = [transition.condition for transition in seen.pou("Main").sfc.transitions]
+    assert conditions[0] == m.Expression(text="NOT (a)")
+    texts = [node.expression for node in seen.pou("Main").sfc.logic] + [getattr(conditions[1], "text", "")]
+    assert "NOT (q AND r)" in texts
+    assert not any(getattr(part, "negated", False) for part in (*conditions, *seen.pou("Main").sfc.logic))
+
+
+def test_a_chart_in_an_action_is_not_executed_and_does_not_compile(project: sfc.Project) -> None:
+    project.pou("Main").actions[0].body = m.SfcBody(chart=project.pou("Main").sfc.model_copy(deep=True))
+    seen, report = converted(project)
+    assert {item.what for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"body"}
+    assert seen.pou("Main").action("Count").body.text == "NOT_EXECUTED_Count := TRUE;"
+
+
+def test_flags_of_steps_are_variables(project: sfc.Project) -> None:
+    """The converter writes an action before the steps that come after the one it belongs to."""
+    seen, _ = converted(project)
+    logic = seen.pou("Main").action("ChartLogic").body.text
+    assert "S1_flag OR S2_flag" in logic
+    assert {a.target for _, a in seen.pou("Main").sfc.associations()} == {"ChartLogic", "Count", "S1_flag", "S2_flag"}

@@ -1,0 +1,393 @@
+"""Charts of other tools in CODESYS and TC6: executed as before, or reported, and the same on the way back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.model import (
+    Action,
+    ActionAssociation,
+    ActionEvent,
+    Dialect,
+    Expression,
+    Interface,
+    Pou,
+    Project,
+    Qualifier,
+    SfcBody,
+    SfcNetwork,
+    StBody,
+    Variable,
+    VariableSection,
+)
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.pou import PouKind
+from plcopen_sfc.model.sfc import FlagUse, GraphSettings, SfcFlag, SfcSettings, Supervised
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.report import ConversionReport, Outcome
+
+FIXTURES = Path(__file__).parents[3] / "fixtures"
+SCANS = 150
+PROFILES = {"codesys": "codesys", "plcopen-2.01": "iec", "plcopen-1.01": "iec"}
+TARGETS = list(PROFILES)
+Row = dict[str, Any]
+
+
+def block(rows: list[Row], *, dialect: Dialect = Dialect.SCL) -> Project:
+    """A function block with three steps in a ring, whose second step has `rows`."""
+    own = "#" if dialect is Dialect.SCL else ""
+    chart = SfcNetwork()
+    rest, work, done = chart.add_step("Rest", initial=True), chart.add_step("Work"), chart.add_step("Done")
+    for number, (left, entered, condition) in enumerate(
+        ((rest, work, "go"), (work, done, "next"), (done, rest, "next"))
+    ):
+        chart.add_transition(left, entered, own + condition).name = f"T{number}"
+    work.actions = [ActionAssociation(id=50 + number, **row) for number, row in enumerate(rows)]
+    inputs = [Variable(name=name, type="BOOL") for name in ("go", "next", "guard")]
+    outputs = [Variable(name="q", type="BOOL"), Variable(name="r", type="BOOL"), Variable(name="n", type="INT")]
+    sections = [
+        VariableSection(kind=SectionKind.INPUT, variables=inputs),
+        VariableSection(kind=SectionKind.OUTPUT, variables=outputs),
+    ]
+    pou = Pou(
+        name="FB_Ring",
+        kind=PouKind.FUNCTION_BLOCK,
+        interface=Interface(sections=sections),
+        bodies=[SfcBody(chart=chart)],
+    )
+    return Project(pous=[pou], dialect=dialect)
+
+
+def chart_of(project: Project) -> SfcNetwork:
+    chart = project.pous[0].sfc
+    assert chart is not None
+    return chart
+
+
+def outputs(project: Project, profile: str, seed: int) -> list[tuple[Any, ...]]:
+    """The outputs in every scan, with random inputs that rest in the first ones: S7-GRAPH tests no transition then."""
+    random = Random(seed)  # noqa: S311  # inputs of a test
+    scans = [{name: random.random() < 0.4 for name in ("go", "next", "guard")} for _ in range(SCANS)]
+    scans[:2] = [dict.fromkeys(("go", "next", "guard"), False)] * 2
+
+    def inputs(scan: int, _values: object) -> dict[str, bool]:
+        return scans[min(scan, SCANS - 1)]
+
+    trace = sfc.simulate(project, pou="FB_Ring", inputs=inputs, scans=SCANS, profile=profile)
+    return list(zip(*(list(trace[name]) for name in ("q", "r", "n")), strict=True))
+
+
+def assert_runs_the_same(source: Project, target: str, *, own: str = "s7graph") -> ConversionReport:
+    """What the tool of the target executes has the outputs of the source, in CODESYS a scan later than elsewhere."""
+    data, report = sfc.convert(source, target)
+    read = sfc.loads(data, as_tool=True)
+    delay = int(target == "codesys") - int(own == "codesys")
+    for seed in range(3):
+        theirs = outputs(read, PROFILES[target], seed)
+        ours = outputs(source, own, seed)
+        first, second = (ours, theirs) if delay >= 0 else (theirs, ours)
+        assert first[: SCANS - abs(delay)] == second[abs(delay) :]
+        assert len(set(ours)) > 1, "the outputs never change"
+    return report
+
+
+def assert_comes_back(source: Project, target: str) -> None:
+    there, report = sfc.convert(source, target)
+    assert report.with_outcome(Outcome.DROPPED) == []
+    home = "simaticml" if source.dialect is Dialect.SCL else "codesys"
+    assert (
+        list(
+            differences(sfc.loads(sfc.dumps(source, format=home)), sfc.loads(sfc.dumps(sfc.loads(there), format=home)))
+        )
+        == []
+    )
+
+
+S1 = ActionEvent.S1
+EXACT: dict[str, list[Row]] = {
+    "set when entered": [{"qualifier": Qualifier.S, "target": "#q", "event": S1}],
+    "set when entered, reset when left": [
+        {"qualifier": Qualifier.S, "target": "#q", "event": S1},
+        {"qualifier": Qualifier.R, "target": "#q", "event": ActionEvent.S0},
+    ],
+    "set, and reset by an event": [
+        {"qualifier": Qualifier.S, "target": "#q"},
+        {"qualifier": Qualifier.R, "target": "#q", "event": ActionEvent.S0},
+    ],
+    "assigned FALSE after it was set": [
+        {"qualifier": Qualifier.S, "target": "#r", "event": S1},
+        {"qualifier": Qualifier.N, "target": "#r", "value": "FALSE"},
+        {"qualifier": Qualifier.N, "target": "#q", "value": "TRUE"},
+    ],
+    "counted in every cycle": [{"qualifier": Qualifier.N, "target": "#n", "value": "#n + 1"}],
+    "counted when entered": [{"qualifier": Qualifier.N, "target": "#n", "value": "#n + 1", "event": S1}],
+    "counted when left": [{"qualifier": Qualifier.N, "target": "#n", "value": "#n + 1", "event": ActionEvent.S0}],
+    "called": [{"qualifier": Qualifier.CALL, "body": StBody(text="#n := #n + 1;")}],
+    "called when entered": [{"qualifier": Qualifier.CALL, "body": StBody(text="#n := #n + 2;"), "event": S1}],
+}
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("rows", EXACT.values(), ids=EXACT.keys())
+def test_events_values_and_calls_run_as_in_the_source(rows: list[Row], target: str) -> None:
+    source = block(rows)
+    report = assert_runs_the_same(source, target)
+    assert report.losses == []
+    assert_comes_back(source, target)
+
+
+LOCKED: dict[str, list[Row]] = {
+    "N": [{"qualifier": Qualifier.N, "target": "#q", "interlock": True}],
+    "S": [{"qualifier": Qualifier.S, "target": "#q", "interlock": True}],
+    "L": [{"qualifier": Qualifier.L, "target": "#q", "interlock": True, "duration": "T#30ms"}],
+    "D": [{"qualifier": Qualifier.D, "target": "#q", "interlock": True, "duration": "T#30ms"}],
+    "value": [{"qualifier": Qualifier.N, "target": "#n", "value": "#n + 1", "interlock": True}],
+    "CALL": [{"qualifier": Qualifier.CALL, "body": StBody(text="#n := #n + 1;"), "interlock": True}],
+    "S1": [{"qualifier": Qualifier.S, "target": "#q", "event": S1, "interlock": True}],
+}
+
+
+@pytest.mark.parametrize("rows", LOCKED.values(), ids=LOCKED.keys())
+def test_nothing_runs_without_its_interlock(rows: list[Row]) -> None:
+    source = block(rows)
+    chart_of(source).step("Work").interlock = Supervised(condition="#guard")
+    report = assert_runs_the_same(source, "plcopen-2.01")
+    assert report.losses == []
+    assert_comes_back(source, "plcopen-2.01")
+    # CODESYS shows a step a scan later and the guard at once: there the guard rests
+    data, report = sfc.convert(source, "codesys")
+    assert report.losses == []
+    assert_comes_back(source, "codesys")
+    read = sfc.loads(data, as_tool=True)
+
+    def inputs(scan: int, _values: object) -> dict[str, object]:
+        return {"go": True, "next": scan % 4 == 3, "guard": False}
+
+    shut = sfc.simulate(read, pou="FB_Ring", inputs=inputs, scans=40, profile="codesys")
+    assert set(shut["q"]) == {False}
+    assert set(shut["n"]) == {0}
+
+    def released(scan: int, _values: object) -> dict[str, object]:
+        return {"go": True, "next": scan % 8 == 7, "guard": True}
+
+    now = sfc.simulate(read, pou="FB_Ring", inputs=released, scans=40, profile="codesys")
+    before = sfc.simulate(source, pou="FB_Ring", inputs=released, scans=40, profile="s7graph")
+    for name in ("q", "n"):
+        assert list(now[name])[2:] == list(before[name])[1:-1] or len(set(now[name])) > 1
+
+
+UNSAID: dict[str, Row] = {
+    event: {"qualifier": Qualifier.S, "target": "#q", "event": ActionEvent(event)}
+    for event in ("L1", "L0", "V1", "V0", "A1", "R1")
+} | {
+    "ON": {"qualifier": Qualifier.ON, "target": "Done", "event": S1},
+    "CU": {"qualifier": Qualifier.CU, "target": '"Parts"', "event": S1},
+    "TD": {"qualifier": Qualifier.TD, "target": '"Time"', "event": S1, "duration": "T#2s"},
+}
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("row", UNSAID.values(), ids=UNSAID.keys())
+def test_what_cannot_be_said_is_left_out_and_reported(row: Row, target: str) -> None:
+    source = block([row])
+    data, report = sfc.convert(source, target)
+    (item,) = report.losses
+    assert item.outcome is Outcome.NOT_EXECUTED
+    assert item.path.startswith("POU FB_Ring / step Work / action ")
+    assert "is not executed in" in item.why
+    assert chart_of(sfc.loads(data, as_tool=True)).step("Work").actions == []
+    assert_comes_back(source, target)
+
+
+def test_a_coil_that_two_steps_drive_is_true_if_one_of_them_wants_it() -> None:
+    source = block([{"qualifier": Qualifier.N, "target": "#q", "interlock": True}])
+    chart = chart_of(source)
+    chart.step("Work").interlock = Supervised(condition="#guard")
+    chart.step("Done").actions = [ActionAssociation(id=60, qualifier=Qualifier.N, target="#q")]
+    assert_runs_the_same(source, "plcopen-2.01")
+    assert_comes_back(source, "codesys")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_supervision_holds_its_step(target: str) -> None:
+    source = block([{"qualifier": Qualifier.N, "target": "#q"}])
+    chart = chart_of(source)
+    chart.graph_settings = GraphSettings(acknowledge_errors_required=False)
+    chart.step("Work").supervision = Supervised(condition="#guard")
+    report = assert_runs_the_same(source, target)
+    assert report.losses == []
+    assert_comes_back(source, target)
+    chart.graph_settings = GraphSettings(acknowledge_errors_required=True)
+    _, report = sfc.convert(source, target)
+    assert [(item.outcome, item.what) for item in report.losses] == [(Outcome.APPROXIMATED, "supervision")]
+
+
+def test_an_edit_of_the_statements_wins_over_the_row_that_they_stand_for() -> None:
+    data, _ = sfc.convert(block([{"qualifier": Qualifier.N, "target": "#n", "value": "#n + 1"}]), "codesys")
+    assert chart_of(sfc.loads(data)).step("Work").actions[0].value == "n + 1"
+    edited = data.replace(b"n := n + 1;", b"n := n + 5;")
+    assert edited != data
+    project = sfc.loads(edited)
+    (row,) = chart_of(project).step("Work").actions
+    assert row.value is None
+    assert row.target is not None
+    action = project.pous[0].action(row.target)
+    assert action is not None
+    assert isinstance(action.body, StBody)
+    assert "n := n + 5;" in action.body.text
+
+
+def test_an_edited_file_is_written_with_its_statements_again() -> None:
+    data, _ = sfc.convert(block([{"qualifier": Qualifier.S, "target": "#q", "event": S1}]), "codesys")
+    project = sfc.loads(data)
+    chart_of(project).step("Done").comment = "ready"
+    (row,) = chart_of(project).step("Work").actions
+    assert row.event is S1
+    again = sfc.loads(sfc.dumps(project), as_tool=True)
+    assert chart_of(again).step("Work").actions == []
+    assert chart_of(again).step("Work").entry_action == "Work_entry"
+
+
+def test_conditions_are_expressions_in_codesys_or_do_not_compile() -> None:
+    source = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
+    data, report = sfc.convert(source, "codesys")
+    chart = sfc.loads(data, as_tool=True).pou("FillingStation").sfc
+    assert chart is not None
+    texts = {t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)}
+    assert {"B1_BottleInPlace AND NOT S3_Door", "NOT B2_Clamped"} <= texts
+    assert "Condition_of_Drip_FillDone_is_missing" in texts, "it waits for a timer that is drawn in the chart"
+    assert all(not t.condition.negated for t in chart.transitions if t.condition is not None)
+    left = [item for item in report.items if item.outcome is Outcome.NOT_EXECUTED and item.what == "condition"]
+    assert [item.path for item in left] == [
+        "POU FillingStation / transition Drip -> FillDone",
+        "POU FillingStation / transition Outfeed -> CheckBatch",
+    ]
+    assert all("does not compile" in item.why for item in left)
+
+
+@pytest.mark.parametrize("file", ["simaticml/FB_Drill.xml", "simaticml-plc"])
+def test_networks_of_tia_portal_are_expressions_in_codesys(file: str) -> None:
+    data = sfc.dumps(sfc.load(FIXTURES / file), format="codesys")
+    for chart in sfc.loads(data, as_tool=True).charts():
+        assert all(isinstance(transition.condition, Expression) for transition in chart.network.transitions)
+    assert b"TrCoil</attribute>" not in data
+
+
+def test_the_comment_of_an_action_comes_back_from_codesys() -> None:
+    source = codesys_block(main_action="Count")
+    source.pous[0].actions[0].comment = "one more"
+    _, report = sfc.convert(source, "codesys")
+    assert report.with_outcome(Outcome.DROPPED) == []
+
+
+def codesys_block(**fields: object) -> Project:
+    source = block([], dialect=Dialect.CODESYS)
+    pou = source.pous[0]
+    pou.actions = [Action(name="Count", body=StBody(text="n := n + 1;"))]
+    step = chart_of(source).step("Work")
+    for name, value in fields.items():
+        setattr(step, name, value)
+    return source
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])
+@pytest.mark.parametrize("kind", ["entry_action", "main_action", "exit_action"])
+def test_step_actions_of_codesys_run_as_often_in_tc6(kind: str, target: str) -> None:
+    source = codesys_block(**{kind: "Count"})
+    report = assert_runs_the_same(source, target, own="codesys")
+    assert report.losses == []
+    assert_comes_back(source, target)
+
+
+def test_a_main_action_that_is_executed_once_more_is_approximated() -> None:
+    source = codesys_block(main_action="Other.Run")
+    _, report = sfc.convert(source, "plcopen")
+    (item,) = report.losses
+    assert item.outcome is Outcome.APPROXIMATED
+    assert "executed once more" in item.why
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])
+def test_a_minimum_time_is_a_part_of_the_condition_in_tc6(target: str) -> None:
+    source = codesys_block(min_time="T#40ms", main_action="Count")
+    data, report = sfc.convert(source, target)
+    assert report.losses == []
+    for project, profile in ((source, "codesys"), (sfc.loads(data, as_tool=True), "iec")):
+        inputs = {"go": True, "next": True, "guard": False}
+        trace = sfc.simulate(project, pou="FB_Ring", inputs=lambda _s, _v, i=inputs: i, scans=60, profile=profile)  # type: ignore[misc]
+        active = trace.is_active("Work")
+        visits = "".join("1" if scan else "0" for scan in active).strip("1").split("0")
+        assert {len(visit) >= 4 for visit in visits if visit} == {True}
+    assert_comes_back(source, target)
+
+
+def test_flags_and_maximum_times_in_use_are_not_executed_in_tc6() -> None:
+    source = codesys_block(max_time="T#2s")
+    _, report = sfc.convert(source, "plcopen")
+    assert report.losses == []
+    chart_of(source).settings = SfcSettings(flags={SfcFlag.ERROR: FlagUse(use=True), SfcFlag.INIT: FlagUse(use=True)})
+    _, report = sfc.convert(source, "plcopen")
+    found = [(item.outcome, item.what, item.path) for item in report.losses]
+    assert (Outcome.NOT_EXECUTED, "SFCError", "POU FB_Ring") in found
+    assert (Outcome.NOT_EXECUTED, "max time", "POU FB_Ring / step Work") in found
+
+
+def test_an_excluded_action_is_not_executed_in_tc6_either() -> None:
+    source = block([{"qualifier": Qualifier.N, "target": "q", "exclude": True}], dialect=Dialect.CODESYS)
+    data, report = sfc.convert(source, "plcopen")
+    assert report.losses == []
+    assert chart_of(sfc.loads(data, as_tool=True)).step("Work").actions == []
+    assert_comes_back(source, "plcopen")
+
+
+def test_the_body_of_an_action_in_place_becomes_an_action_in_codesys() -> None:
+    source = block([{"qualifier": Qualifier.P1, "body": StBody(text="n := n + 1;")}], dialect=Dialect.IEC)
+    data, _ = sfc.convert(source, "codesys")
+    read = sfc.loads(data, as_tool=True)
+    assert chart_of(read).step("Work").entry_action == "Work_entry"
+    assert chart_of(read).step("Work").actions == []
+    again = chart_of(sfc.loads(data)).step("Work")
+    assert [row.qualifier for row in again.actions] == [Qualifier.P1]
+    assert again.entry_action is None
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_names_that_only_scl_can_write_come_back(target: str) -> None:
+    source = block([{"qualifier": Qualifier.N, "target": '#"Ventil öffnen"'}])
+    chart = chart_of(source)
+    chart.rename_step("Work", "Füllen 1")
+    chart.transitions[1].condition = '#"Füllen 1".T > T#2s AND "Not Aus"'  # type: ignore[assignment]  # a plain string
+    interface = source.pous[0].interface
+    assert interface is not None
+    interface.sections[1].variables.append(Variable(name="Ventil öffnen", type="BOOL"))
+    data, _ = sfc.convert(source, target)
+    there = sfc.loads(data)
+    assert chart_of(there).step("Fuellen_1").actions[0].target == "Ventil_oeffnen"
+    assert_comes_back(source, target)
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])
+def test_what_codesys_excludes_does_nothing_in_tc6(target: str) -> None:
+    source = codesys_block(main_action="Count")
+    chart = chart_of(source)
+    by_pass = chart.add_step("Bypass")
+    by_pass.exclude = True
+    by_pass.actions = [ActionAssociation(id=chart.new_id(), target="r")]
+    chart.add_transition(chart.step("Rest"), by_pass, "go OR next").exclude = True
+    lost = chart.add_step("Lost")
+    lost.exclude = True
+    lost.actions = [ActionAssociation(id=chart.new_id(), target="r")]
+    chart.add_transition(chart.step("Rest"), lost, "n > 12")
+    chart.add_transition(lost, chart.step("Done"), "TRUE")
+    chart.add_transition(by_pass, chart.step("Done"), "TRUE")
+    report = assert_runs_the_same(source, target, own="codesys")
+    assert report.losses == []
+    back = chart_of(sfc.loads(sfc.convert(source, target)[0]))
+    assert [row.target for row in back.step("Lost").actions] == ["r"]
+    (entering,) = [t for t in back.transitions if t.targets == [back.step("Bypass").id]]
+    assert getattr(entering.condition, "text", "") == "go OR next"
