@@ -34,10 +34,10 @@ def main() -> int:
             continue
         content = json.dumps(report.as_dict(), indent=1, ensure_ascii=False)
         target.with_suffix(".report.json").write_text(content, encoding="utf-8")
-        fates = Counter(item.fate for item in report.items)
-        print(f"{path} -> {target}: " + ", ".join(f"{count} {fate}" for fate, count in sorted(fates.items())))
+        outcomes = Counter(item.outcome for item in report.items)
+        print(f"{path} -> {target}: " + ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items())))
         for item in report.losses:
-            print(f"  {item.fate}: {item.what} {item.path}: {item.why}")
+            print(f"  {item.outcome}: {item.what} {item.path}: {item.why}")
     return 1 if failed else 0
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, OldVersionError, SfcError
     from plcopen_sfc.lowering.lower import LoweredPou, lower
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
-    from plcopen_sfc.report import ConversionReport, Fate
+    from plcopen_sfc.report import ConversionReport, Outcome
     from plcopen_sfc.semantics.inputs import RandomInputs
     from plcopen_sfc.semantics.simulation import simulate
     from plcopen_sfc.semantics.trace import Trace
@@ -49,7 +49,7 @@ _HOMES = {
     "Step": "model",
     "Transition": "model",
     "ConversionReport": "report",
-    "Fate": "report",
+    "Outcome": "report",
     "RandomInputs": "semantics.inputs",
     "simulate": "semantics.simulation",
     "Trace": "semantics.trace",
@@ -58,13 +58,13 @@ _HOMES = {
 __all__ = [
     "ConversionReport",
     "Diagnostic",
-    "Fate",
     "FormatError",
     "Location",
     "LossError",
     "LoweredPou",
     "ModelError",
     "OldVersionError",
+    "Outcome",
     "Project",
     "RandomInputs",
     "Severity",

@@ -67,7 +67,9 @@ def save(
     conversion that would drop or approximate anything raises `LossError` and writes nothing. A path is written to a
     temporary file and renamed: the old file stays whole whatever happens.
 
-    Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for.
+    Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for,
+    `DamagedSourceError` where reading the source found errors and it is written in another format (see
+    `Project.accept_errors`).
     """
     path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
     if path is not None:

@@ -5,19 +5,28 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.conversion import Part, compare, executed, report_execution
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.errors import LossError, UnknownFormatError
+from plcopen_sfc.errors import DamagedSourceError, LossError, UnknownFormatError
 from plcopen_sfc.formats.base import DrawingNeed, Format, Reading, TextCodec, WriteOptions
 from plcopen_sfc.formats.registry import format_named, recognise
 from plcopen_sfc.model.base import FINGERPRINT
-from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.body import IlBody, SfcBody, StBody
 from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import numbered_in_order
-from plcopen_sfc.model.project import FolderOrigin, Origin, Project
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Chart, FolderOrigin, Origin, Project
+from plcopen_sfc.model.text import is_direct
+from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.semantics.profile import default_profile
+
+if TYPE_CHECKING:
+    from lxml import etree
 
 
 def read_document(data: bytes, *, format: str | None, path: str | None, as_tool: bool = False) -> Project:
@@ -72,29 +81,54 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
             return _patched(project, origin, kind, report), report
         if not fresh and kind.text:
             return _patched_text(project, origin, kind, report), report
-    note_unreadable(project, report)
     same = origin is not None and origin.format == kind.name and origin.version == version and not flavour
+    if not same:
+        refuse_reading_errors(project, report)
     options = WriteOptions(version, flavour, same=same, source=origin.content if origin is not None and same else b"")
-    copy = prepared(project, kind, options, report)
+    copy, meant, options, source = prepared(project, kind, options, report)
     data: bytes = kind.codec().write(copy, options, report)
-    verify(copy, kind, kind.codec().read(data).project, report)
-    called = _names_in_the_source(project, copy)
+    if not (options.flavour and kind.text):  # what a flavour leaves out is for people, and not read back
+        verify(meant, kind, kind.codec().read(data).project, report)
+    called = names_in_the_source(project, copy)
+    if source is not None:
+        seen = read_document(data, format=kind.name, path=None, as_tool=True)
+        report_execution(report, compare(source, executed(seen, lists=source.lists)), kind.tool, called)
     if origin is not None and format_named(origin.format)[0].xml:
         report.locate(format_named(origin.format)[0].codec().lines(origin.content, project), called=called)
     locate_in_folder(project, report, called)
     return data, report
 
 
-def _names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
+def _is_rewritten(project: Project, kind: Format, content: bytes) -> bool:
+    """True if the file says, or has to say, something else than the model in terms of its tool: no patch knows that."""
+    is_rewritten = getattr(kind.codec(), "is_rewritten", None)
+    return is_rewritten is not None and is_rewritten(project, content)
+
+
+def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
     """The paths in the source of what has another name in the `copy` that was written."""
     called = {new.report_path: old.report_path for old, new in zip(project.pous, copy.pous, strict=True)}
-    for old, new in zip(project.charts(), copy.charts(), strict=True):
-        for step, renamed in zip(old.network.steps, new.network.steps, strict=False):  # a writer may add steps
-            called[f"{new.report_path} / step {renamed.name}"] = f"{old.report_path} / step {step.name}"
-        for transition, renamed_ in zip(old.network.transitions, new.network.transitions, strict=False):
-            path = f"{new.report_path} / transition {new.network.label(renamed_)}"
-            called[path] = f"{old.report_path} / transition {old.network.label(transition)}"
+    pairs = [
+        (old, new)
+        for a, b in zip(project.pous, copy.pous, strict=True)
+        for old, new in zip(_charts_of(a), _charts_of(b), strict=False)  # a writer may have none in actions
+    ]
+    for old, new in pairs:
+        steps = {step.id: step for step in old.network.steps}
+        transitions = {transition.id: transition for transition in old.network.transitions}
+        for step in new.network.steps:  # a writer may add steps
+            if step.id in steps:
+                called[f"{new.report_path} / step {step.name}"] = f"{old.report_path} / step {steps[step.id].name}"
+        for transition in new.network.transitions:
+            if transition.id in transitions:
+                path = f"{new.report_path} / transition {new.network.label(transition)}"
+                label = old.network.label(transitions[transition.id])
+                called[path] = f"{old.report_path} / transition {label}"
     return {path: old for path, old in called.items() if path != old}
+
+
+def _charts_of(pou: Pou) -> list[Chart]:
+    return [Chart(name, pou, body.chart) for name, body in pou.named_bodies() if isinstance(body, SfcBody)]
 
 
 def locate_in_folder(project: Project, report: ConversionReport, called: Mapping[str, str]) -> None:
@@ -105,7 +139,7 @@ def locate_in_folder(project: Project, report: ConversionReport, called: Mapping
     origin = project._origin
     if not isinstance(origin, FolderOrigin):
         return
-    told = {item.path.partition(" / ")[0] for item in report.items if item.fate is not Fate.KEPT}
+    told = {item.path.partition(" / ")[0] for item in report.items if item.outcome is not Outcome.KEPT}
     told |= {called[path] for path in told & called.keys()}
     told_in: dict[str, set[str]] = {}
     for thing in project.objects():
@@ -130,11 +164,23 @@ def normalized(data: bytes, name: str) -> bytes:
     return result
 
 
-def note_unreadable(project: Project, report: ConversionReport) -> None:
-    """Documents of a folder that could not be read are missing wherever else the project is written."""
+def refuse_reading_errors(project: Project, report: ConversionReport) -> None:
+    """Raise `DamagedSourceError` where reading the source found errors; where they are accepted, report them.
+
+    A folder that stays in its format keeps its documents as they are: only those that could not be read are missing.
+    """
     origin = project._origin
-    for path, error in origin.unreadable.items() if isinstance(origin, FolderOrigin) else ():
-        report.add(Fate.DROPPED, "file", path, f"it could not be read: {error.message}")
+    folder = origin if isinstance(origin, FolderOrigin) else None
+    stays = folder is not None and format_named(report.target_format)[0].name == folder.format
+    findings = folder.own_diagnostics if stays and folder is not None else project.diagnostics
+    errors = [found for found in findings if found.severity is Severity.ERROR]
+    if errors and not project._errors_accepted:
+        raise DamagedSourceError(errors)
+    for path, error in folder.unreadable.items() if folder is not None else ():
+        report.add(Outcome.DROPPED, "file", path, f"it could not be read: {error.message}")
+    for found in errors:
+        if folder is None or found not in folder.own_diagnostics:
+            report.add(Outcome.APPROXIMATED, "error", found.location.path or "", f"{found.code}: {found.message}")
 
 
 def refuse_losses(report: ConversionReport) -> None:
@@ -159,7 +205,7 @@ def verify(project: Project, kind: Format, back: Project, report: ConversionRepo
         project, back = numbered_in_order(project), numbered_in_order(back)
     for difference in differences(project, back, ignore=frozenset({"drawing"})):
         why = f"{_short(difference.left)} comes back as {_short(difference.right)}"
-        report.add(Fate.DROPPED, "field", difference.path, why)
+        report.add(Outcome.DROPPED, "field", difference.path, why)
 
 
 def _short(value: object) -> str:
@@ -170,21 +216,50 @@ def _short(value: object) -> str:
 _SHOWN = 60
 
 
-def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Project:
-    """A copy of `project` with its texts in the dialect and with the drawings that the writer needs."""
-    same_dialect = kind.dialect in (None, project.dialect)
-    if kind.drawing is DrawingNeed.NONE and same_dialect:
-        return project
+class Prepared(NamedTuple):
+    """A project for a writer: a copy with its texts in the dialect of the target, and with the drawings it needs.
+
+    `meant` is what the written file means when this package reads it, which is the copy itself unless the format says
+    some things in other terms; `options` are those to write with. `source` is everything that is executed of the
+    project, before anything but the dialect was adapted to the target; None where no tool executes such files.
+    """
+
+    project: Project
+    meant: Project
+    options: WriteOptions
+    source: Part | None
+
+
+def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
+    """A copy of `project` for the writer of the format `kind`."""
+    dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
+    same_dialect = dialect in (None, project.dialect)
+    if kind.drawing is DrawingNeed.NONE and same_dialect and not options.flavour:
+        source = executed(project) if kind.tool else None
+        return Prepared(project, project, options, source)
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
 
     copy = project.model_copy(deep=True)
-    if kind.dialect is not None:
-        _put_into_dialect(copy, kind.dialect, report)
+    options = replace(options, missing_is_true=default_profile(project).graph_parameters)
+    if kind.xml and not options.same:
+        _forget_direct_text(copy)
+    if dialect is not None:
+        _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
+    if options.flavour:
+        kind.codec().fit(copy, options.flavour, report)
+    # the writer changes its copy, and what is executed is looked at when source and result are compared
+    unchanged = copy.model_copy(deep=True)
+    source = executed(unchanged, default_profile(project), addresses=project.dialect) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
-        return copy
+        return Prepared(copy, copy, options, source)
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     if style.structured and (project._origin is None or project._origin.format != kind.name):
         _note_limits(copy, report)
+    meant = copy
+    rewrite = getattr(kind.codec(), "rewrite", None)
+    if rewrite is not None:
+        copy, marks = rewrite(meant, options, report)
+        options = replace(options, marks=marks)
     # a format without ids has branches of its own instead of the bars of others
     other = project._origin is None or project._origin.format != kind.name
     anew = bool(options.flavour) or (not kind.ids and other)
@@ -192,16 +267,27 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     adapt = getattr(kind.codec(), "adapt", None)
     if adapt is not None:
         adapt(copy, options, report)
-    return copy
+    return Prepared(copy, meant, options, source)
 
 
-def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport) -> None:
+def _forget_direct_text(project: Project) -> None:
+    """Forget that program text stands in ``ST`` itself: every format writes its text as its tool does."""
+    for _, _, body in project.bodies():
+        if isinstance(body, StBody | IlBody) and is_direct(body.markup):
+            body.markup = None
+    for chart in project.charts():
+        for transition in chart.network.transitions:
+            if isinstance(transition.condition, Expression):
+                transition.condition.markup = None
+
+
+def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:
     """Translate the program text between SCL and the others.
 
-    IEC 61131-3 and CODESYS are left as they stand: their tools read most of each other's text, and files of one often
-    hold what is of the other.
+    IEC 61131-3 and CODESYS are left as they stand unless `wholly`: their tools read most of each other's text, and
+    files of one often hold what is of the other.
     """
-    if Dialect.SCL not in (project.dialect, dialect) or dialect is project.dialect:
+    if dialect is project.dialect or (Dialect.SCL not in (project.dialect, dialect) and not wholly):
         project.dialect = dialect
         return
     from plcopen_sfc.refactor.dialect import translate_project  # noqa: PLC0415  # rarely needed
@@ -209,10 +295,18 @@ def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionRepo
     source = project.dialect
     for text in translate_project(project, dialect):
         for note in text.notes:
-            fate = Fate.TRANSLATED if note.severity is Severity.INFO else Fate.APPROXIMATED
-            report.add(fate, "text", text.path, f"line {note.line}: {note.reason}")
+            outcome = _OUTCOMES[note.severity]
+            report.add(outcome, "text", text.path, f"line {note.line}: {note.reason}")
         if text.changed and not text.notes:
-            report.add(Fate.TRANSLATED, "text", text.path, f"from {source} into {dialect}")
+            report.add(Outcome.TRANSLATED, "text", text.path, f"from {source} into {dialect}")
+
+
+_OUTCOMES = {
+    Severity.INFO: Outcome.TRANSLATED,
+    Severity.WARNING: Outcome.APPROXIMATED,
+    Severity.ERROR: Outcome.NOT_EXECUTED,
+}
+"""What became of a text by what its translation has to say: without a counterpart it is left as it stands."""
 
 
 def _note_limits(project: Project, report: ConversionReport) -> None:
@@ -224,7 +318,7 @@ def _note_limits(project: Project, report: ConversionReport) -> None:
         names |= {id_: f"transition {label}" for id_, label in chart.network.labels().items()}
         for problem in limits(chart.network):
             path = f"{chart.report_path} / {names.get(problem.symbol, problem.symbol)}"
-            report.add(Fate.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
+            report.add(Outcome.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
 
 
 def _patched(project: Project, origin: Origin, kind: Format, report: ConversionReport) -> bytes:
@@ -244,13 +338,29 @@ def _patched(project: Project, origin: Origin, kind: Format, report: ConversionR
     codec = kind.codec()
     before: Project = codec.read(origin.content).project
     options = WriteOptions(origin.version, same=True, source=origin.content, untouched=frozenset(untouched - touched))
-    after = codec.to_tree(project, replace(options, baseline=before), report)
-    data = patch(origin.content, codec.to_tree(before, options, ConversionReport()), after)
-    back = codec.to_tree(codec.read(data).project, options, ConversionReport())
+    if _is_rewritten(project, kind, origin.content):
+        options = replace(options, untouched=frozenset())
+
+    def tree(said: Project, baseline: Project | None, notes: ConversionReport) -> etree._Element:
+        """The tree of a project, in the terms of the tool where the file has or needs them."""
+        written = replace(options, baseline=baseline)
+        if options.untouched or not hasattr(codec, "rewrite") or not _is_rewritten(project, kind, origin.content):
+            plain: etree._Element = codec.to_tree(said, written, notes)
+            return plain
+        copy, marks = codec.rewrite(said, written, notes)
+        for _, _, body in copy.bodies():
+            if isinstance(body, SfcBody):
+                prepare_body(body, style, positions=False)
+        made: etree._Element = codec.to_tree(copy, replace(written, marks=marks), notes)
+        return made
+
+    after = tree(project, before, report)
+    data = patch(origin.content, tree(before, None, ConversionReport()), after)
+    back = tree(codec.read(data).project, None, ConversionReport())
     # comments carry ids in TC6 1.01, which may be others now
     if canonical(back) != canonical(after):
         # rather a large diff than a lost edit
-        report.add(Fate.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
+        report.add(Outcome.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
         options = WriteOptions(origin.version, same=True, baseline=before)
         prepare(project, style, positions=kind.positions)
         data = codec.write(project, options, report)
@@ -269,10 +379,10 @@ def _patched_text(project: Project, origin: Origin, kind: Format, report: Conver
     data, recoded = source.encode(patch(source, slices, codec.to_pieces(before, options, ConversionReport()), after))
     if recoded:
         why = f"{source.encoding} does not have all of its characters; the file is in UTF-8 now"
-        report.add(Fate.TRANSLATED, "encoding", origin.path or "", why)
+        report.add(Outcome.TRANSLATED, "encoding", origin.path or "", why)
     if next(differences(project, codec.read(data).project), None) is not None:
         # rather a large diff than a lost edit
-        report.add(Fate.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
+        report.add(Outcome.APPROXIMATED, "file", origin.path or "", "the edits did not fit into its text; written anew")
         data = codec.write(project, options, ConversionReport())
         verify(project, kind, codec.read(data).project, report)
     return data

@@ -14,6 +14,9 @@ from plcopen_sfc.version import __version__
 
 Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Files, folders of TIA exports, patterns (*.xml).")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+AcceptErrors = Annotated[
+    bool, typer.Option("--accept-errors", help="Write what could be read of a file whose reading finds errors.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No messages but errors.")]
 Verbose = Annotated[int, typer.Option("--verbose", "-v", count=True, help="More messages; twice: tracebacks.")]
 
@@ -144,7 +147,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
         str | None,
         typer.Argument(metavar="[DST]", help="A file, a folder (out/), - for standard output. Usual: next to SRC."),
     ] = None,
-    flavour: Annotated[str, typer.Option("--for", metavar="TOOL", help="Write for a tool: beremiz.")] = "",
+    flavour: Annotated[str, typer.Option("--for", metavar="TOOL", help="Write for a tool: beremiz, matiec.")] = "",
     tia: Annotated[str, typer.Option("--tia", metavar="VERSION", help="Write for a version of TIA Portal: V16.")] = "",
     strict: Annotated[bool, typer.Option("--strict", help="Refuse to lose or approximate anything.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Write from the model alone, not into the old text.")] = False,
@@ -154,6 +157,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     as_tool: Annotated[
         bool, typer.Option("--as-tool", help="Read as the tool of the file does, without what only this package reads.")
     ] = False,
+    accept_errors: AcceptErrors = False,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.json", help="Write what became of every item.")
     ] = None,
@@ -166,7 +170,9 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
         how = convert.How(to, flavour=flavour, tia=tia, strict=strict, fresh=fresh, normalize=normalize)
-        screen.exit_code = convert.run(screen, source, target, how, as_tool=as_tool, report_to=report)
+        screen.exit_code = convert.run(
+            screen, source, target, how, as_tool=as_tool, accept_errors=accept_errors, report_to=report
+        )
 
 
 def _rename(  # noqa: PLR0917  # typer calls it by name
@@ -196,6 +202,13 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     seed: Annotated[
         int | None, typer.Option("--seed", metavar="N", help="Random inputs, the same for the same N.")
     ] = None,
+    system_inputs: Annotated[
+        bool,
+        typer.Option(
+            "--system-inputs",
+            help="With --seed: what operates the chart too (INIT_SQ, SW_MAN, SFCInit); usual: it rests.",
+        ),
+    ] = False,
     scans: Annotated[
         int | None,
         typer.Option("--scans", metavar="N", min=0, help="How many scans; usual: as many as inputs, or 100."),
@@ -203,13 +216,17 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     scan_time: Annotated[str, typer.Option("--scan-time", metavar="TIME", help="The time from scan to scan.")] = "10ms",
     profile: Annotated[
         str | None,
-        typer.Option("--profile", metavar="NAME", help="iec, codesys, codesys23, s7graph, grafcet or matiec."),
+        typer.Option("--profile", metavar="NAME", help="iec, codesys, codesys23, s7graph, grafcet, matiec or beremiz."),
     ] = None,
     settings: Annotated[
         list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="A value before the first scan; repeatable.")
     ] = None,
     record: Annotated[
         list[str] | None, typer.Option("--record", metavar="NAME", help="Record only this variable; repeatable.")
+    ] = None,
+    free: Annotated[
+        list[str] | None,
+        typer.Option("--free", metavar="NAME", help="An input that is declared as none, or all. Repeatable."),
     ] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Save every scan as CSV.")] = None,
     vcd: Annotated[Path | None, typer.Option("--vcd", metavar="FILE", help="Save a wave file, for GTKWave.")] = None,
@@ -221,7 +238,9 @@ def _simulate(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
         from plcopen_sfc.cli.commands import simulate  # noqa: PLC0415
 
-        how = simulate.How(pou, inputs, seed, scans, profile, scan_time, settings or (), record or ())
+        how = simulate.How(
+            pou, inputs, seed, system_inputs, scans, profile, scan_time, settings or (), record or (), free or ()
+        )
         screen.exit_code = simulate.run(screen, file, how, csv=csv, vcd=vcd)
 
 
@@ -278,12 +297,23 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
         list[str] | None,
         typer.Option("--at-rest", metavar="NAME", help="Of S7-GRAPH: inputs nobody operates (S_ON, all). Repeatable."),
     ] = None,
+    free: Annotated[
+        list[str] | None,
+        typer.Option("--free", metavar="NAME", help="An input that is declared as none, or all. Repeatable."),
+    ] = None,
     lang: Annotated[str, typer.Option("--lang", metavar="LANG", help="Of titles and comments: en or de.")] = "en",
     verify: Annotated[bool, typer.Option("--verify/--no-verify", help="Compare the code with the chart.")] = True,
+    accept_untested: Annotated[
+        bool, typer.Option("--accept-untested", help="Write code too of which not all was reached in the comparison.")
+    ] = False,
+    limit: Annotated[
+        str | None, typer.Option("--limit", metavar="TIME", help="How long a comparison may take: 60s, 5m.")
+    ] = None,
     skip_refused: Annotated[
         bool, typer.Option("--skip-refused", help="Leave charts that cannot be lowered as they are, lower the others.")
     ] = False,
     tia: Annotated[str, typer.Option("--tia", metavar="V16", help="Write simaticml for this version of TIA.")] = "",
+    accept_errors: AcceptErrors = False,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE", help="Write the proof, the faults and the conversion.")
     ] = None,
@@ -316,6 +346,10 @@ def _lower(  # noqa: PLR0917  # typer calls it by name
             verify,
             skip_refused,
             tia,
+            tuple(free or ()),
+            accept_untested,
+            limit,
+            accept_errors,
         )
         screen.exit_code = lower.run(screen, file, target, how, report_to=report)
 

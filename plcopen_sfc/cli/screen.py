@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
@@ -14,6 +15,7 @@ from plcopen_sfc.cli.streams import is_terminal, is_unicode
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from plcopen_sfc.analysis.limits import SearchProgress
     from plcopen_sfc.cli.tables import Table
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.errors import SfcError
@@ -111,6 +113,23 @@ class Screen:
 
         console = self._console(sys.stderr)
         yield from track(items, description=doing, total=len(items), console=console, transient=True)
+
+    @contextmanager
+    def searching(self) -> Iterator[Callable[[SearchProgress], None] | None]:
+        """A bar that shows how far comparisons are, on a terminal; else None."""
+        if self.quiet or not is_terminal(sys.stderr):
+            yield None
+            return
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
+
+        columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=20), TimeElapsedColumn())
+        with Progress(*columns, console=self._console(sys.stderr), transient=True) as bar:
+            task = bar.add_task("Comparing", total=None)
+
+            def report(progress: SearchProgress) -> None:
+                bar.update(task, description=str(progress), completed=progress.seconds, total=progress.limit)
+
+            yield report
 
     def flush(self) -> None:
         """Write out what is still buffered, so that a full disk or a closed pipe is noticed here."""

@@ -10,11 +10,13 @@ from typing import BinaryIO, TypeVar
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.documents import read_document
-from plcopen_sfc.errors import FileAccessError, Location, SfcError, UnknownFormatError
+from plcopen_sfc.errors import FileAccessError, Location, SfcError, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.files import access_failure, read_bytes
 from plcopen_sfc.folders.merging import merged, shared_fields, with_objects, without_objects
 from plcopen_sfc.formats.base import Format
-from plcopen_sfc.formats.registry import FORMATS, HEAD, format_named, recognised_as
+from plcopen_sfc.formats.head import HEAD
+from plcopen_sfc.formats.registry import FORMATS, format_named, recognised_as
+from plcopen_sfc.formats.unread import named_like
 from plcopen_sfc.model.project import FolderOrigin, Project, SourceDocument
 from plcopen_sfc.model.project_object import ProjectObject
 
@@ -154,11 +156,13 @@ def _nothing(origin: FolderOrigin, kind: Format) -> SfcError:
         first = next(iter(origin.unreadable.values()))
         message = f"none of the {count} documents in this folder can be read; the first: {first.message}"
         return FileAccessError(message, location=Location(origin.path), hint=first.hint)
-    return UnknownFormatError(
-        f"the folder has no document of {kind.name}",
-        location=Location(origin.path),
-        hint="Folders are read as exports of TIA Portal Openness; name files of other formats one by one.",
-    )
+    message = f"the folder has no document of {kind.name}"
+    known = next((known for name in origin.others if (known := named_like(name)) is not None), None)
+    if known is not None:
+        message = f"{message}; a file in it is {known.title}, which is not read"
+        return UnreadFormatError(message, location=Location(origin.path), hint=known.advice)
+    hint = "Folders are read as exports of TIA Portal Openness; name files of other formats one by one."
+    return UnknownFormatError(message, location=Location(origin.path), hint=hint)
 
 
 def _findings(origin: FolderOrigin, project: Project) -> list[Diagnostic]:

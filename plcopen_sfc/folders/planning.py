@@ -23,13 +23,15 @@ PROJECT_DOCUMENT = "plcopen_sfc"
 class PlannedDocument:
     """A document to be written: its path in the folder, its objects and what is beside them.
 
-    `source`: the path of the document that it was read from, None for a new one.
+    `source`: the path of the document that it was read from, None for a new one. `added`: its objects are those that a
+    codec adds for its tool.
     """
 
     path: str
     things: list[ProjectObject]
     frame: Project
     source: str | None = None
+    added: bool = False
 
     def project(self) -> Project:
         """The document as a project; which folder its objects stand in is for the path to say."""
@@ -95,6 +97,10 @@ def plan_anew(project: Project, kind: Format, version: str) -> list[PlannedDocum
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(version))
         for thing in project.objects()
     ]
+    added = getattr(codec, "added_objects", None)
+    for thing in added(project) if added is not None else ():
+        path = _free_path(names, kind, thing)
+        planned.append(PlannedDocument(path, [thing], codec.new_document(version), added=True))
     return planned
 
 

@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
-from plcopen_sfc.documents import encode, normalized, note_unreadable, prepared, refuse_losses, verify
+from plcopen_sfc.conversion import compare, executed, report_execution
+from plcopen_sfc.documents import (
+    encode,
+    names_in_the_source,
+    normalized,
+    prepared,
+    refuse_losses,
+    refuse_reading_errors,
+    verify,
+)
 from plcopen_sfc.errors import FileAccessError, Location, OldVersionError
 from plcopen_sfc.files import read_bytes, write_all
 from plcopen_sfc.folders.loading import add_document, files_below, settle
@@ -54,7 +64,7 @@ def save_folder(
         plain, contents = contents, {path: normalized(data, name) for path, data in contents.items()}
         report.unchanged = report.unchanged and contents == plain
     if not home:
-        note_unreadable(project, report)
+        refuse_reading_errors(project, report)
     if strict:
         refuse_losses(report)
     before = {path: document.origin.content for path, document in origin.documents.items()} if home and origin else {}
@@ -158,19 +168,32 @@ def _convert(
     """The documents of a project of another format: adapted as a whole, written one by one, read back as a whole."""
     codec = kind.codec()
     options = WriteOptions(version)
-    copy = prepared(project, kind, options, report)
+    copy, _, options, source = prepared(project, kind, options, report)
     if not copy.header.product:
         copy.header = codec.new_document(version).header
     planned = plan_anew(copy, kind, version)
-    contents = _write_each(planned, lambda document: codec.write(document.project(), options, report))
-    back = FolderOrigin(kind.name, version, "", {}, {}, {}, [], [])
-    things: list[ProjectObject] = []
+    options = replace(options, whole=copy)
+    contents = _write_each(
+        planned, lambda document: codec.write(document.project(), replace(options, added=document.added), report)
+    )
     for document in planned:
-        settle(document.things, document.path)
-        things += add_document(back, document.path, contents[document.path])
-    verify(copy, kind, with_objects(merged(back.documents, kind), things), report)
+        if not document.added:
+            settle(document.things, document.path)
+    verify(copy, kind, _read_back(contents, kind, version, as_tool=False), report)
+    if source is not None:
+        seen = executed(_read_back(contents, kind, version, as_tool=True), lists=source.lists)
+        report_execution(report, compare(source, seen), kind.tool, names_in_the_source(project, copy))
     report.unchanged = False
     return planned, contents
+
+
+def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_tool: bool) -> Project:
+    """The project in the documents that are to be written."""
+    back = FolderOrigin(kind.name, version, "", {}, {}, {}, [], [])
+    things: list[ProjectObject] = []
+    for path, data in contents.items():
+        things += add_document(back, path, data, as_tool=as_tool)
+    return with_objects(merged(back.documents, kind), things)
 
 
 def _on_disk(path: Path) -> bytes | None:

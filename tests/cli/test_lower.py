@@ -66,7 +66,7 @@ def test_as_json(cli: Cli, plant: Path) -> None:
     data = json.loads(done.out)
     (pou,) = data["pous"]
     assert (pou["construction"], pou["profile"], data["file"]) == ("bits", "iec", "out.xml")
-    assert pou["proof"]["outcome"] == "equal (proof)"
+    assert pou["proof"]["kind"] == "equal (proof)"
     assert {"Q1", "S1.X", "S4.X"} <= set(pou["proof"]["compared"])
     assert pou["faults"] == []
 
@@ -92,7 +92,7 @@ def test_a_sequencer_becomes_a_case_where_nobody_switches_steps_by_hand(
     assert "--at-rest" in done.err
     done = cli("lower", chain, code, "--to", "scl", "--as", "case", "--at-rest", "all", "--json")
     (pou,) = json.loads(done.out)["pous"]
-    assert (done.code, pou["proof"]["outcome"], pou["at_rest"]["S_ON"]) == (0, "equal (proof)", False)
+    assert (done.code, pou["proof"]["kind"], pou["at_rest"]["S_ON"]) == (0, "equal (proof)", False)
     assert "CASE #step_number OF" in code.read_text(encoding="utf-8-sig")
     done = cli("lower", chain, code, "--to", "scl", "--at-rest", "B1")
     assert (done.code, "B1 does not operate sequencers" in done.err) == (2, True)
@@ -149,7 +149,7 @@ def test_networks_for_a_version_of_tia_portal_are_its_own_and_lose_nothing(cli: 
     for number, to in enumerate((["simaticml-V17"], ["simaticml", "--tia", "V17"])):
         done = cli("lower", "plant.xml", f"out{number}.xml", "--as", "fup", "--to", *to)
         assert done.code == 0
-        assert done.out.splitlines()[2:] == [f"written: out{number}.xml"]
+        assert done.out.splitlines()[3:] == [f"written: out{number}.xml"]
         assert '<Part Name="Sr"' in (plant / f"out{number}.xml").read_text(encoding="utf-8-sig")
 
 
@@ -214,6 +214,15 @@ def test_code_in_a_comment_is_no_code(cli: Cli, plant: Path, monkeypatch: pytest
     assert not (plant / "out.xml").exists()
 
 
+def test_a_source_of_scl_has_no_blocks_for_charts_that_were_not_asked_for(cli: Cli, line: Path) -> None:
+    """They would be function blocks that do nothing."""
+    done = cli("lower", "line.xml", "out.scl", "--to", "scl", "--pou", "Ablauf", "--as", "case", "--report", "r.json")
+    assert done.code in (0, 1)
+    seen = sfc.load(line / "out.scl", as_tool=True)
+    assert [pou.name for pou in seen.pous if pou.kind is not m.PouKind.FUNCTION] == ["Ablauf"]
+    assert "not asked for" in (line / "r.json").read_text("utf-8")
+
+
 def test_a_project_without_charts_says_so(cli: Cli, tmp_path: Path, fixtures: Path) -> None:
     done = cli("lower", fixtures / "scl" / "filling_line.scl", tmp_path / "out.xml", "--to", "codesys")
     assert (done.code, "there is no chart to be lowered" in done.err) == (2, True)
@@ -232,7 +241,7 @@ def line(plant: Path) -> Path:
     assert belt is not None
     press.steps[1].actions[0].qualifier = m.Qualifier.D
     tongs.transitions[0].condition = m.Expression(text="B1 AND (")
-    belt.transitions[0].condition = m.Expression(text="Vendor(B1)")
+    belt.transitions[0].condition = m.Expression(text="B1 + 1")
     sfc.save(m.Project(name="Anlage", pous=list(pous.values())), "line.xml", format="plcopen-2.01")
     return plant
 
@@ -252,7 +261,7 @@ def test_all_refusals_are_listed_and_nothing_is_written(cli: Cli, line: Path) ->
     assert [each["pou"] for each in data["refused"]] == ["Presse", "Zange", "Band"]
     assert data["refused"][0]["path"] == "POU Presse / step S2 / action Q2"
     assert (data["file"], data["conversion"], [each["pou"] for each in data["pous"]]) == (None, None, ["Ablauf"])
-    assert data["pous"][0]["proof"]["outcome"] == "equal (proof)"
+    assert data["pous"][0]["proof"]["kind"] == "equal (proof)"
     done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "bits", "--json")
     assert (done.code, json.loads(done.out)) == (2, data)
 
@@ -263,6 +272,7 @@ def test_refused_charts_can_be_left_as_they_are(cli: Cli, line: Path) -> None:
     assert done.out.splitlines() == [
         "Ablauf: exact bits in ST: asked for",
         "under the profile iec: equal (proof: 5 states, all inputs)",
+        "covered: 4 of 4 steps, 4 of 4 transitions, 3 of 3 actions; 16 of 16 assignments",
         "written: out.xml",
     ]
     assert "(POU Presse / step S2 / action Q2): D needs a time" in done.err
@@ -312,3 +322,26 @@ def test_an_option_that_is_wrong_is_told_once(cli: Cli, line: Path) -> None:
     done = cli("lower", "line.xml", "out.xml", "--to", "plcopen", "--as", "petri")
     assert (done.code, done.err.count("error: ")) == (2, 1)
     assert "there is no construction 'petri'" in done.err
+
+
+def test_a_file_that_was_read_with_errors_is_not_lowered_into_another_format(
+    cli: Cli, fixtures: Path, tmp_path: Path
+) -> None:
+    arguments = (
+        "lower",
+        "twincat/press_station.xml",
+        tmp_path / "x.st",
+        "--to",
+        "iec-text",
+        "--pou",
+        "MAIN",
+        "--no-verify",
+    )
+    refused = cli(*arguments)
+    assert refused.code == 2
+    assert "an error was found in reading" in refused.err
+    assert list(tmp_path.iterdir()) == []
+    accepted = cli(*arguments, "--accept-errors")
+    assert accepted.code == 1
+    assert "approximated: error POU FB_Press" in accepted.out
+    assert (tmp_path / "x.st").exists()

@@ -11,7 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
-from plcopen_sfc.errors import FileAccessError, LossError, ModelError, OldVersionError, UnknownFormatError
+from plcopen_sfc.errors import (
+    DamagedSourceError,
+    FileAccessError,
+    LossError,
+    ModelError,
+    OldVersionError,
+    UnknownFormatError,
+)
 from plcopen_sfc.model import Project
 from plcopen_sfc.model.compare import differences
 from tests.corpus import ROOT
@@ -216,6 +223,10 @@ def test_one_bad_file_does_not_cost_the_others(tmp_path: Path) -> None:
     assert all("Error" not in found.message for found in errors)
     report = sfc.save(project, folder)
     assert {Path(path).relative_to(folder).as_posix() for path in report.left_alone} == strangers.keys() | others.keys()
+    with pytest.raises(DamagedSourceError, match="DIR101"):
+        sfc.save(project, tmp_path / "copy")
+    assert not (tmp_path / "copy").exists()
+    project.accept_errors()
     elsewhere = sfc.save(project, tmp_path / "copy")
     assert {item.path for item in elsewhere.losses} == strangers.keys()
     with pytest.raises(LossError, match="could not be read"):
@@ -226,7 +237,11 @@ def test_one_bad_file_does_not_cost_the_others(tmp_path: Path) -> None:
 def test_unreadable_documents_are_missing_in_other_formats(tmp_path: Path) -> None:
     folder = export(tmp_path)
     (folder / "cut.xml").write_bytes((folder / "PLC tags" / "tags.xml").read_bytes()[:900])
-    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen")
+    project = sfc.load(folder)
+    with pytest.raises(DamagedSourceError, match="DIR101"):
+        sfc.save(project, tmp_path / "all.xml", format="plcopen")
+    project.accept_errors()
+    report = sfc.save(project, tmp_path / "all.xml", format="plcopen")
     assert [item.path for item in report.losses if item.what == "file"] == ["cut.xml"]
 
 

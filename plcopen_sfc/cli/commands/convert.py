@@ -6,6 +6,7 @@ import io
 import json
 import sys
 from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -17,17 +18,18 @@ from plcopen_sfc.errors import LossError, SfcError
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Item, Outcome
 
 _SHOWN = 20
 _FINDINGS = 1
-_FATE_STYLES = {
-    Fate.DROPPED: "bold red",
-    Fate.APPROXIMATED: "yellow",
-    Fate.CARRIED: "cyan",
-    Fate.TRANSLATED: "green",
+_OUTCOME_STYLES = {
+    Outcome.NOT_EXECUTED: "bold red",
+    Outcome.APPROXIMATED: "yellow",
+    Outcome.DROPPED: "red",
+    Outcome.EXTENSION_DATA: "cyan",
+    Outcome.TRANSLATED: "green",
 }
-"""Every fate but `kept`, the worst first."""
+"""Every outcome but `kept`, the worst first."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,16 @@ class How:
     normalize: bool = False
 
 
-def run(screen: Screen, source: str, target: str | None, how: How, *, as_tool: bool, report_to: Path | None) -> int:
+def run(
+    screen: Screen,
+    source: str,
+    target: str | None,
+    how: How,
+    *,
+    as_tool: bool,
+    accept_errors: bool,
+    report_to: Path | None,
+) -> int:
     """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`."""
     extension = format_named(how.format)[0].extensions[0]
     to_stdout = target == "-"
@@ -54,6 +65,8 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, as_tool: b
     project = load(source, progress=lambda files: screen.progress(files, "Loading"), as_tool=as_tool)
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
+    if accept_errors:
+        project.accept_errors()
     try:
         report = _save(project, target, how)
     except LossError as loss:
@@ -110,34 +123,76 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     if report.unchanged:
         screen.line("the format is the same and nothing was edited: the file as it was read")
         return
+    _show_not_executed(screen, report.with_outcome(Outcome.NOT_EXECUTED))
     counts = report.counts()
-    fates = [fate for fate in Fate if any(fate is known for _, known in counts)]
-    if not fates:
+    outcomes = [outcome for outcome in Outcome if any(outcome is known for _, known in counts)]
+    if not outcomes:
         return
-    table = Table(["what", *(fate.value for fate in fates)])
+    table = Table(["what", *(outcome.value for outcome in outcomes)])
     for what in sorted({what for what, _ in counts}):
-        table.rows.append([what, *(counts.get((what, fate), 0) for fate in fates)])
+        table.rows.append([what, *(counts.get((what, outcome), 0) for outcome in outcomes)])
     screen.table(table)
     _show_items(screen, report)
 
 
+def _show_not_executed(screen: Screen, items: Sequence[Item]) -> None:
+    """What the target will not execute, all of it: by chart or object, then by step or transition."""
+    if not items:
+        return
+    screen.line((f"NOT EXECUTED in the target: {len(items)}", _OUTCOME_STYLES[Outcome.NOT_EXECUTED]))
+    for around, those in _grouped(items, _owner).items():
+        screen.line(f"  {around or 'the project'}")
+        for place, these in _grouped(those, _inside).items():
+            indent = "    "
+            if place:
+                screen.line(f"    {place}{_position(these[0])}")
+                indent = "      "
+            for item in these:
+                screen.line(f"{indent}{item.what}: {item.why}{'' if place else _position(item)}")
+    screen.line()
+
+
+def _grouped(items: Iterable[Item], key: Callable[[Item], str]) -> dict[str, list[Item]]:
+    groups: dict[str, list[Item]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups
+
+
+def _owner(item: Item) -> str:
+    """The chart or the object that an item belongs to: its path up to a step or a transition."""
+    places = item.path.split(" / ")
+    inside = (i for i, place in enumerate(places) if place.startswith(("step ", "transition ")))
+    return " / ".join(places[: next(inside, len(places))])
+
+
+def _inside(item: Item) -> str:
+    """The step or transition that an item belongs to; empty: it concerns the whole object."""
+    return next(iter(item.path.removeprefix(_owner(item)).removeprefix(" / ").split(" / ")), "")
+
+
+def _position(item: Item) -> str:
+    if not item.line:
+        return ""
+    return f" ({item.file}:{item.line})" if item.file else f" (line {item.line})"
+
+
 def _show_items(screen: Screen, report: ConversionReport) -> None:
-    """Every item that is not simply kept; the worst first."""
-    changed = [item for fate in _FATE_STYLES for item in report.with_fate(fate)]
+    """The other items that are not simply kept; the worst first."""
+    others = [outcome for outcome in _OUTCOME_STYLES if outcome is not Outcome.NOT_EXECUTED]
+    changed = [item for outcome in others for item in report.with_outcome(outcome)]
     shown = changed if screen.verbose else changed[:_SHOWN]
     if shown:
         screen.line()
     for item in shown:
-        place = f"{item.what} {item.path}".strip()
-        if item.line:
-            place += f" ({item.file}:{item.line})" if item.file else f" (line {item.line})"
+        place = f"{item.what} {item.path}".strip() + _position(item)
         reason = f": {item.why}" if item.why else ""
-        screen.line((item.fate.value, _FATE_STYLES.get(item.fate, "")), f": {place}{reason}")
-    left_out = Counter(item.fate.value for item in changed[len(shown) :])
+        screen.line((item.outcome.value, _OUTCOME_STYLES.get(item.outcome, "")), f": {place}{reason}")
+    left_out = Counter(item.outcome.value for item in changed[len(shown) :])
     if left_out:
-        what = ", ".join(f"{count} {fate}" for fate, count in left_out.items())
+        what = ", ".join(f"{count} {outcome}" for outcome, count in left_out.items())
         screen.line(f".. and {left_out.total()} more ({what}): --verbose shows all, --report writes all")
-    if changed:
+    if report.items:
         screen.line()
 
 

@@ -5,25 +5,27 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from plcopen_sfc.analysis.equivalence import Outcome
+from plcopen_sfc.analysis.limits import SearchProgress
 from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.guard import UNREADABLE
 from plcopen_sfc.cli.reading import error_data, exit_code_for
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.errors import Location, LoweringError, UntestedError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.lowering.code.flag_places import flags_of_several
 from plcopen_sfc.lowering.lower import LoweredPou, faults_of, lower
 from plcopen_sfc.lowering.placing import errors_of
+from plcopen_sfc.lowering.proving import refuse_untested
 from plcopen_sfc.lowering.written import prove_written
+from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.report import ConversionReport, Fate
+from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.subjects import resolve
 
 _FINDINGS = 1
@@ -52,6 +54,10 @@ class How:
     verify: bool
     skip_refused: bool = False
     tia: str = ""
+    free: tuple[str, ...] = ()
+    accept_untested: bool = False
+    limit: str | None = None
+    accept_errors: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,17 +84,21 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
     project = load(source, progress=lambda files: screen.progress(files, "Loading"))
     for finding in project.diagnostics:
         screen.finding(finding, result=False)
+    if how.accept_errors:
+        project.accept_errors()
     name = target or _beside(Path(source), how.to)
     with tempfile.TemporaryDirectory() as folder:
-        made = _made(project, how, Path(folder), name)
+        with screen.searching() as progress:
+            made = _made(project, how, Path(folder), name, progress)
         written = bool(made.lowered) and (how.skip_refused or not made.refused)
-        if not written and len(made.refused) == 1 and not made.lowered:
+        untested = all(isinstance(error, UntestedError) for error in made.refused.values())
+        if not written and len(made.refused) == 1 and not made.lowered and not untested:
             raise next(iter(made.refused.values()))
         report = _written(made, how, name) if written else made.report
     data = {
         "file": name if written else None,
         "pous": [each.as_dict() for each in made.lowered],
-        "refused": [{"pou": pou, **error_data(error)} for pou, error in made.refused.items()],
+        "refused": [{"pou": pou, **_refusal(error)} for pou, error in made.refused.items()],
         "conversion": report.as_dict() if written else None,
     }
     if report_to is not None:
@@ -103,14 +113,22 @@ def run(screen: Screen, source: str, target: str | None, how: How, *, report_to:
         screen.complain(f"nothing is written: {len(made.refused)} of {made.charts} charts are refused")
         if made.lowered:
             screen.advise("--skip-refused leaves them as they are and lowers the others.")
-        return UNREADABLE
+        return _FINDINGS if untested else UNREADABLE
     if made.refused:
         screen.note(f"{len(made.refused)} of {made.charts} charts are refused, and left as they are")
-    different = any(each.proof is not None and each.proof.outcome is Outcome.DIFFERENT for each in made.lowered)
+    different = any(each.proof is not None and each.proof.different for each in made.lowered)
     return _FINDINGS if different or made.refused else exit_code_for(screen, project.diagnostics)
 
 
-def _made(project: Project, how: How, folder: Path, name: str) -> _Made:
+def _refusal(error: LoweringError) -> dict[str, object]:
+    """A refusal as plain data, with the comparison that has led to it."""
+    data: dict[str, object] = dict(error_data(error))
+    return data | ({"proof": error.verdict.as_dict()} if isinstance(error, UntestedError) else {})
+
+
+def _made(
+    project: Project, how: How, folder: Path, name: str, progress: Callable[[SearchProgress], None] | None
+) -> _Made:
     """Lower the charts and write them into a folder of drafts; what is written has been compared."""
     refused: dict[str, LoweringError] = {}
     while True:
@@ -121,7 +139,11 @@ def _made(project: Project, how: How, folder: Path, name: str) -> _Made:
         place.mkdir()
         draft = place / Path(name).name
         is_folder = name.endswith(("/", os.sep))
-        report = save(lowered[-1].project, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
+        asked_for, left_out = _asked_for(lowered[-1].project, how)
+        report = save(asked_for, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
+        for pou in left_out:
+            why = "it was not asked for, and SCL has no charts: the file has no such block"
+            report.add(Outcome.NOT_EXECUTED, "chart", pou.report_path, why)
         seen = load(draft, format=how.to, as_tool=True) if how.verify else None
         late: dict[str, LoweringError] = {}
         for number, each in enumerate(lowered):
@@ -130,14 +152,37 @@ def _made(project: Project, how: How, folder: Path, name: str) -> _Made:
                 with errors_of(chart.project, chart.pou, chart.name):
                     refuse_comments(report, [each])
                     if seen is not None:
-                        proof = prove_written(chart, each, seen, partial(load, draft, format=how.to))
+                        proof = prove_written(
+                            chart,
+                            each,
+                            seen,
+                            partial(load, draft, format=how.to),
+                            free_inputs=how.free,
+                            limit=how.limit,
+                            progress=progress,
+                        )
+                        refuse_untested(each.name, proof, accepted=how.accept_untested)
                         lowered[number] = replace(each, proof=proof, faults=faults_of(chart, each))
             except LoweringError as error:
                 late[each.name] = error
+                if isinstance(error, UntestedError) and error.verdict.interrupted:
+                    break
         refused |= late
         lowered = [each for each in lowered if each.name not in late]
-        if not late or not how.skip_refused:
+        stopped = any(isinstance(error, UntestedError) and error.verdict.interrupted for error in late.values())
+        if not late or not how.skip_refused or stopped:
             return _Made(lowered, refused, report, draft)
+
+
+def _asked_for(project: Project, how: How) -> tuple[Project, list[Pou]]:
+    """The project without the charts that were not asked for, where they would be blocks that do nothing; and these."""
+    left_out = [pou for pou in project.pous if pou.sfc is not None] if how.pou is not None and how.to == "scl" else []
+    if not left_out:
+        return project, []
+    copy = project.model_copy(deep=True)
+    names = {pou.name for pou in left_out}
+    copy.pous = [pou for pou in copy.pous if pou.name not in names]
+    return copy, left_out
 
 
 def _written(made: _Made, how: How, name: str) -> ConversionReport:
@@ -152,7 +197,7 @@ def _written(made: _Made, how: How, name: str) -> ConversionReport:
 def refuse_comments(report: ConversionReport, lowered: Sequence[LoweredPou]) -> None:
     """Raise `LoweringError` where networks would stand in a comment: the proof finds that too, but not why."""
     blocks = {f"POU {each.name}" for each in lowered}
-    for item in report.with_fate(Fate.CARRIED):
+    for item in report.with_outcome(Outcome.EXTENSION_DATA, Outcome.NOT_EXECUTED):
         if item.what in ("network", "body") and item.path in blocks:
             raise LoweringError(
                 f"a network would stand in a comment only: {item.why}",
@@ -232,7 +277,7 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
             screen.line(line)
     losses = [*(item for each in lowered for item in each.losses), *report.losses]
     for item in losses if screen.verbose else losses[:_SHOWN]:
-        screen.line((item.fate.value, "yellow"), f": {item.what} {item.path}: {item.why}")
+        screen.line((item.outcome.value, "yellow"), f": {item.what} {item.path}: {item.why}")
     if len(losses) > _SHOWN and not screen.verbose:
         screen.line(f".. and {len(losses) - _SHOWN} more: --verbose shows all, --report writes all")
     screen.line("written: ", (target, "bold"))

@@ -26,11 +26,13 @@ class How:
     pou: str | None = None
     inputs: str | None = None
     seed: int | None = None
+    system_inputs: bool = False
     scans: int | None = None
     profile: str | None = None
     scan_time: str = "10ms"
     settings: Sequence[str] = ()
     record: Sequence[str] = ()
+    free: Sequence[str] = ()
 
 
 def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | None) -> int:
@@ -43,6 +45,7 @@ def run(screen: Screen, file: str, how: How, *, csv: Path | None, vcd: Path | No
         profile=how.profile,
         scan_time=how.scan_time,
         record=how.record or None,
+        free_inputs=how.free,
     )
     for setting in how.settings:
         name, sign, value = setting.partition("=")
@@ -72,7 +75,7 @@ def _drive(screen: Screen, simulation: Simulation, how: How) -> SimulationError 
     if how.inputs is not None:
         source = CsvInputs.load(how.inputs)
     elif how.seed is not None:
-        source = RandomInputs(how.seed)
+        source = RandomInputs(how.seed, system_inputs=how.system_inputs)
     given = source.scans(simulation.scan_time) if source is not None else None
     scans = next((each for each in (how.scans, given) if each is not None), _DEFAULT_SCANS)
     inputs = source.bind(simulation.variables, simulation.scan_time) if source is not None else lambda _: {}

@@ -1,0 +1,204 @@
+"""Program text, conditions and values in a form that can be compared.
+
+A text has the same meaning as another if both are the same, or have the same normal form
+(`plcopen_sfc.languages.networks.normal_form`), or, of conditions, if z3 proves that one is TRUE whenever the other is.
+The forms are made only where the texts differ: most texts of a conversion do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any
+
+from plcopen_sfc.languages.declarations.writing import write_type
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import NetworkExpression, body_statements, normal_form
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
+from plcopen_sfc.languages.st.literals import LiteralError, literal_value
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.types import DataType, DerivedType, SimpleValue, Value
+
+__all__ = [
+    "Meaning",
+    "address_meaning",
+    "code_meaning",
+    "condition_meaning",
+    "is_stronger",
+    "plain",
+    "same",
+    "type_meaning",
+    "value_meaning",
+]
+
+_NOT_EXECUTED = frozenset(
+    {"carried", "comment", "global_id", "title", "markup", "worksheet", "attributes", "position", "points"}
+    | {"width", "height", "local_id"}
+)
+"""Fields of types, values and networks that people and tools look at and no machine."""
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """Something that is executed: as people read it (`show`), as it is written (`raw`), and in normal form.
+
+    `condition` is the expression of a condition, which z3 can compare with another.
+    """
+
+    show: Callable[[], str]
+    raw: Hashable
+    form: Callable[[], Hashable]
+    condition: Callable[[], NetworkExpression] | None = None
+
+    @classmethod
+    def of(cls, value: Hashable, shown: str | None = None) -> Meaning:
+        """A plain value."""
+        return cls(lambda: str(value) if shown is None else shown, value, lambda: value)
+
+
+def same(left: Meaning | None, right: Meaning | None) -> bool:
+    """True if both mean the same."""
+    if left is None or right is None:
+        return left is right
+    if left.raw == right.raw or left.form() == right.form():
+        return True
+    return is_stronger(left, right) and is_stronger(right, left)
+
+
+def is_stronger(one: Meaning | None, other: Meaning | None) -> bool:
+    """True if z3 proves that the condition `other` is TRUE whenever `one` is."""
+    if one is None or other is None or one.condition is None or other.condition is None:
+        return False
+    left, right = one.condition(), other.condition()
+    if left.before or right.before or not left.complete or not right.complete:
+        return False
+    from plcopen_sfc.analysis.exclusivity import covered  # noqa: PLC0415  # z3 takes long to import
+
+    return bool(covered(left, [right]))
+
+
+def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> Meaning:
+    """The meaning of a condition that `read` gives as an expression."""
+
+    def form() -> Hashable:
+        found = read()
+        if found.tree is None or found.obstacles:
+            return ("unreadable", raw)
+        before = tuple(print_node(normal_form(statement)) for statement in found.before)
+        return (*before, print_node(normal_form(found.tree)))
+
+    return Meaning(lambda: _shown_condition(read), raw, form, read)
+
+
+def _shown_condition(read: Callable[[], NetworkExpression]) -> str:
+    found = read()
+    if found.tree is None:
+        return "a condition that cannot be read"
+    return print_node(found.tree)
+
+
+Renaming = Callable[[n.Node], n.Node]
+"""What puts the names in a text into a common form."""
+
+
+def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meaning | None:
+    """The meaning of a body that is no chart; None for one that does nothing."""
+    if body is None or body.language == "SFC":
+        return None
+    if isinstance(body, StBody):
+        return _text_meaning(body.text, dialect, named) if body.text.strip() else None
+    if isinstance(body, FbdBody | LdBody):
+        if not any(network.nodes for network in body.networks):
+            return None
+        return Meaning(lambda: f"a body in {body.language}", plain(body), lambda: _network_form(body, dialect, named))
+    text = body.content if body.language == "opaque" else body.text
+    if not text.strip():
+        return None
+    return Meaning(lambda: f"a body in {body.language}", (body.language, text), lambda: " ".join(text.split()))
+
+
+def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
+    def form() -> Hashable:
+        parsed = parse_statements(text, dialect)
+        if parsed.problems:
+            return " ".join(text.split())
+        return print_node(transform(normal_form(parsed.tree), named))
+
+    return Meaning(lambda: " ".join(text.split()), text, form)
+
+
+def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> Hashable:
+    found = body_statements(body, dialect)
+    # titles and attributes are elements that other tools do not know; no machine executes them
+    obstacles = [problem.message for problem in found.obstacles if "only its tool understands" not in problem.message]
+    if obstacles:
+        return plain(body)
+    ends = tuple(print_node(transform(normal_form(value), named)) for _, value in found.open_ends)
+    whole = print_node(transform(normal_form(found.tree), named))
+    return (whole, *ends) if ends else whole
+
+
+def value_meaning(value: Value | None, type_: DataType | None) -> Meaning | None:
+    """The meaning of an initial value; None for the value that a variable of this type has anyway."""
+    if value is None or (isinstance(value, SimpleValue) and value.text is None):
+        return None
+    if not isinstance(value, SimpleValue):
+        return Meaning.of(plain(value), "its initial values")
+    text = (value.text or "").strip()
+    literal = _literal(text)
+    if literal in _ZEROS and type_ is not None and not isinstance(type_, DerivedType):
+        return None
+    return Meaning(lambda: text, text, lambda: literal)
+
+
+def _literal(text: str) -> Hashable:
+    try:
+        found = literal_value(text)
+    except LiteralError:
+        parsed = parse_expression(text)
+        return text.casefold() if parsed.problems else print_node(normal_form(parsed.tree)).casefold()
+    return (found.value,)
+
+
+_ZEROS = ((False,), (0,), ("",))
+
+
+def type_meaning(type_: DataType | None, dialect: Dialect) -> Meaning | None:
+    """The meaning of a data type."""
+    return None if type_ is None else Meaning(lambda: write_type(type_, dialect), plain(type_), lambda: plain(type_))
+
+
+def address_meaning(address: str | None, dialect: Dialect) -> Meaning | None:
+    """The bits that an address names: ``%MW2`` is byte 2 for S7 and word 2 for other tools."""
+    if not address:
+        return None
+    text = address.strip().upper().replace("%", "")
+    area, rest = text[:1], text[1:]
+    area = {"E": "I", "A": "Q"}.get(area, area)
+    size = rest[:1] if rest[:1].isalpha() else "X"
+    places = rest.lstrip("XBWDL").split(".")
+    if not all(place.isdigit() for place in places):
+        return Meaning.of(text, address)
+    numbers = [int(place) for place in places]
+    if size == "X":
+        bits: Hashable = numbers[0] * 8 + numbers[1] if len(numbers) == 2 else tuple(numbers)
+    else:
+        width = {"B": 8, "W": 16, "D": 32, "L": 64}.get(size, 8)
+        unit = 8 if dialect is Dialect.SCL else width
+        bits = numbers[0] * unit if len(numbers) == 1 else tuple(numbers)
+    return Meaning.of((area, size, bits), address)
+
+
+def plain(thing: Any) -> Hashable:
+    """A model object without what no machine executes, as nested tuples. Case of names does not matter."""
+    if isinstance(thing, Model):
+        names = [name for name in type(thing).model_fields if name not in _NOT_EXECUTED]
+        fields = ((name, plain(getattr(thing, name))) for name in names)
+        return type(thing).__name__, tuple((name, value) for name, value in fields if value not in (None, ()))
+    if isinstance(thing, list):
+        return tuple(map(plain, thing))
+    if isinstance(thing, dict):
+        return tuple(sorted((str(key), plain(value)) for key, value in thing.items()))
+    return thing.casefold() if isinstance(thing, str) else thing

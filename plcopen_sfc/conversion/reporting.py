@@ -1,0 +1,290 @@
+"""Differences in what is executed as items of a `ConversionReport`, in the words of an engineer."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+
+from plcopen_sfc.conversion.comparison import Difference
+from plcopen_sfc.conversion.execution import UNDECLARED
+from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
+
+__all__ = ["report_execution"]
+
+_SHOWN = 60
+_LISTED = 5
+
+
+def report_execution(
+    report: ConversionReport, differences: Iterable[Difference], tool: str, called: Mapping[str, str]
+) -> None:
+    """Add to `report` what the target `tool` does not execute, or executes otherwise.
+
+    What a writer says it has translated, or has listed as a loss, is not listed again. What it has noted as extension
+    data is taken out where it is not executed. A difference at a place of which no writer has said anything is a
+    mistake of this package, and the item says so. `called` gives the paths in the source of what has another name in
+    the target.
+    """
+    found = list(_without_repetition(differences))
+    settled = Counter(
+        (_in_the_source(item.path, called), item.what)
+        for item in report.items
+        if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
+    )
+    rewritten = _rewritten_steps(found, settled)
+    changed = {(difference.path, difference.aspect) for difference in found}
+    said = " ".join(item.why for item in report.items if item.outcome in LOSSES)
+    noticed = {item.path for item in report.items if item.outcome is not Outcome.KEPT}
+    told = set()
+    for difference in found:
+        what = difference.aspect or difference.kind
+        place = _in_the_source(difference.path, called)
+        names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
+        if difference.kind == "method":
+            names.add((place.rpartition(" / ")[0], "methods"))
+        if difference.kind == UNDECLARED and difference.name in said:
+            continue
+        if names & settled.keys() or _is_rewritten(difference, rewritten, settled, changed):
+            continue
+        told |= names
+        why = _why(difference, tool)
+        if not _is_noticed(difference, noticed):
+            why += "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
+        report.items.append(Item(_outcome(difference), what, place, why))
+    report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+def _rewritten_steps(differences: Iterable[Difference], settled: Counter[tuple[str, str]]) -> set[str]:
+    """The steps whose actions a writer has rewritten: it accounts for each of them that is not found again."""
+    missing: dict[str, set[str]] = {}
+    for difference in differences:
+        if difference.kind == "action" and difference.left is not None and len(difference.steps) == 1:
+            missing.setdefault(difference.steps[0], set()).add(difference.path)
+    told: Counter[str] = Counter()
+    for (path, what), count in settled.items():
+        if what in _ACTIONS:
+            told[_step_of(path)] += count
+    return {step for step, count in told.items() if count >= len(missing.get(step, ()))}
+
+
+def _step_of(path: str) -> str:
+    """The step that something belongs to; the path itself where it is in no step."""
+    before, step, rest = path.partition(" / step ")
+    return before + step + rest.partition(" / ")[0]
+
+
+_ACTIONS = ("action", "action association", "entry action", "main action", "exit action")
+
+
+def _is_rewritten(
+    difference: Difference, rewritten: set[str], settled: Counter[tuple[str, str]], changed: set[tuple[str, str]]
+) -> bool:
+    """True if a writer accounts for it: actions as statements, supervisions and times in the conditions behind them.
+
+    `changed` are the aspects that differ, by the paths of their parts.
+    """
+    if difference.aspect == "trigger" and (difference.path, "code") not in changed:
+        return False  # the action is there, and executed at other times
+    if difference.kind == "action" or difference.aspect == "interlock":
+        return bool(difference.steps) and set(difference.steps) <= rewritten
+    if difference.aspect == "condition" and difference.is_stronger:
+        return any(settled[step, what] for step in difference.steps for what in ("supervision", "min time"))
+    if difference.aspect == "type":
+        owner = difference.path.partition(" / ")[0]
+        return any(what == "length of a string" and path.partition(" / ")[0] == owner for path, what in settled)
+    if difference.kind in _OF_THE_PROJECT:
+        name = difference.name.rpartition(".")[2]
+        return any(path.replace(".", " ").split(" ")[-1] == name for path, _ in settled)
+    if difference.aspect == "acknowledge errors required":
+        return any(what == "supervision" and path.startswith(difference.path) for path, what in settled)
+    if difference.kind in ("step", "transition") and difference.left is None:  # it stays, but does nothing
+        chart = difference.path.rpartition(" / ")[0]
+        return any(what == "exclude" and path.startswith(chart) for path, what in settled)
+    return False
+
+
+def _is_superseded(item: Item, told: set[tuple[str, str]]) -> bool:
+    """True for extension data of which it is said now that the target does not execute it."""
+    if item.outcome is not Outcome.EXTENSION_DATA:
+        return False
+    return any(what == item.what and f"{path} / ".startswith(f"{item.path} / ") for path, what in told)
+
+
+_ALSO_CALLED = {
+    "step": ("exclude",),
+    "transition": ("exclude",),
+    "kind": ("program",),
+    "trigger": ("event", "qualifier"),
+    "permanent instruction before the sequence": ("chart permanent pre", "permanent pre"),
+    "permanent instruction after the sequence": ("chart permanent post", "permanent post"),
+    "variable": ("section",),
+    "type": ("data type", "length of a string"),
+    "action of the POU": ("body",),
+    "initial value": ("data type", "initial"),
+    "max time": ("maximum time",),
+    "min time": ("minimum time",),
+    "code": ("body", "network"),
+}
+"""What writers call an aspect or a part too."""
+
+
+def _without_repetition(differences: Iterable[Difference]) -> Iterator[Difference]:
+    """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole."""
+    found = list(differences)
+    without = {d.path.rpartition(" / ")[0] for d in found if d.kind == "action" and d.aspect == "interlock"}
+    lists: dict[str, list[str]] = {}
+    missing = {_last(d.name) for d in found if d.right is None and not d.aspect}
+    missing |= {d.name.partition(".")[0].casefold() for d in found if d.kind == "global variable"}
+    for difference in found:
+        if difference.kind == UNDECLARED and difference.name.casefold() in missing:
+            continue
+        if difference.aspect == "interlock" and difference.path in without:
+            continue
+        if difference.kind == "global variable" and not difference.aspect and "." in difference.name:
+            around, _, name = difference.name.partition(".")
+            lists.setdefault(around, []).append(name)
+            continue
+        yield difference
+    for around, names in lists.items():
+        shown = ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
+        yield Difference(f"global variables {around}", "global variables", around, "", shown, None)
+
+
+def _last(name: str) -> str:
+    return name.rpartition(".")[2].casefold()
+
+
+def _in_the_source(path: str, called: Mapping[str, str]) -> str:
+    """The path of something in the source: names may be others in the target."""
+    around, rest = path, ""
+    while around:
+        if around in called:
+            return called[around] + rest
+        around, _, last = around.rpartition(" / ")
+        rest = f" / {last}{rest}"
+    return path
+
+
+def _is_noticed(difference: Difference, noticed: set[str]) -> bool:
+    """True if a writer said something of the part, of something in it, or of what it is in."""
+    path = difference.path
+    if difference.kind in _OF_THE_PROJECT or any(other.startswith(f"{path} / ") for other in noticed):
+        return True
+    while path:
+        if path in noticed:
+            return True
+        path = path.rpartition(" / ")[0]
+    return False
+
+
+_OF_THE_PROJECT = frozenset({"global variable", "global variables", "task", "program instance", "instance", "type"})
+"""Kinds of parts of which writers speak as a whole: "data blocks", "configurations"."""
+
+
+def _outcome(difference: Difference) -> Outcome:
+    """What is executed once more, or besides, is an approximation; anything else is not executed."""
+    if difference.kind != UNDECLARED and (
+        difference.left is None or _is_later(difference) or _is_final_scan(difference)
+    ):
+        return Outcome.APPROXIMATED
+    return Outcome.NOT_EXECUTED
+
+
+def _is_later(difference: Difference) -> bool:
+    """True for the chart of an action where one tool tests transitions and the other executes actions first."""
+    return (
+        difference.aspect == "code" and (difference.left or "").startswith("a chart, ") and difference.right is not None
+    )
+
+
+def _is_final_scan(difference: Difference) -> bool:
+    """True if an action only differs in whether it is executed once more after its step was left."""
+    return difference.aspect == "trigger" and {difference.left, difference.right} <= {"N", "None", "main action"}
+
+
+def _why(difference: Difference, tool: str) -> str:
+    short = replace(difference, left=_cut(difference.left), right=_cut(difference.right))
+    if difference.aspect == "":
+        return _whole(short, tool)
+    if difference.kind == "action":
+        return _action(short, tool)
+    left, right, aspect = short.left, short.right, short.aspect
+    template = _MISSING.get(aspect)
+    if template is not None and right is None:
+        return template.format(left=left, tool=tool, name=short.name, kind=short.kind)
+    if aspect == "kind" and left == "program":
+        return f"the program is a {right} in {tool}, which nothing calls"
+    if aspect == "address" and left == right:
+        return f"{left} is another place in {tool}, which counts words where S7 counts bytes"
+    if left is None:
+        return f"{aspect} `{right}` in {tool}, none in the source"
+    if right is None:
+        return f"{aspect} has no effect in {tool}" if left in (aspect, "on") else f"{aspect} `{left}` is not in {tool}"
+    return f"{aspect} is `{right}` in {tool} instead of `{left}`"
+
+
+def _whole(difference: Difference, tool: str) -> str:
+    kind, name = difference.kind, difference.name
+    if kind == UNDECLARED:
+        return f"the name `{name}` is not declared in {tool}"
+    if difference.left is None:
+        return f"{tool} executes a {kind} `{name}` that the source does not"
+    if kind == "action":
+        how = f" ({difference.left})" if difference.left else ""
+        return f"{_called(name)}{how} is NOT executed in {tool}"
+    if kind == "global variables":
+        return f"not declared in {tool}: {difference.left}"
+    if kind in ("global variable", "variable", "type", "instance"):
+        return f"{kind} `{name}` is not declared in {tool}"
+    return f"{kind} `{name}` is NOT executed in {tool}" if name else f"the {kind} is NOT executed in {tool}"
+
+
+def _called(action: str) -> str:
+    return "the action in place" if action == "in place" else f"action `{action}`"
+
+
+def _action(difference: Difference, tool: str) -> str:
+    left, right, aspect = difference.left, difference.right, difference.aspect
+    name = _called(difference.name)
+    if _is_final_scan(difference):
+        more, less = ("once more", "") if left == "main action" else ("", "not ")
+        return f"{name} runs {more or less + 'once more'} in {tool} after the step is left"
+    if _is_later(difference):
+        return f"the chart of {name} begins a scan earlier or later in {tool}: {right}, in the source {left}"
+    if aspect == "trigger" and left == right:
+        return f"{name} is controlled otherwise in {tool}: it also belongs to other steps"
+    if aspect == "trigger":
+        return f"{name} runs as {right} in {tool}, not as {left}"
+    if right is None and aspect == "value":
+        return f"{name} sets its variable to TRUE in {tool} instead of `{left}`"
+    if right is None and aspect == "code":
+        return f"{name} has no program in {tool}"
+    if right is None:
+        return f"{name} runs WITHOUT its {aspect} `{left}` in {tool}"
+    if left is None:
+        return f"{name} has the {aspect} `{right}` in {tool}, and none in the source"
+    return f"the {aspect} of {name} is `{right}` in {tool} instead of `{left}`"
+
+
+_MISSING = {
+    "min time": "the step may be left before its minimum time {left} in {tool}",
+    "max time": "exceeding the maximum time {left} is not reported in {tool}",
+    "interlock": "the interlock `{left}` has no effect in {tool}",
+    "supervision": "the supervision `{left}` does NOT hold the step in {tool}",
+    "condition": "the transition has no condition in {tool} instead of `{left}`",
+    "initial value": "`{name}` does not start as {left} in {tool}",
+    "address": "`{name}` is not at {left} in {tool}",
+    "retain": "`{name}` does not keep its value over a power failure in {tool}",
+    "constant": "`{name}` is no constant in {tool}",
+    "operating inputs": "no effect in {tool}: {left}",
+    "code": "the {kind} has no program in {tool}",
+}
+"""What it means that an aspect is missing in the target."""
+
+
+def _cut(text: str | None) -> str | None:
+    if text is None:
+        return None
+    text = " ".join(text.split())
+    return text if len(text) <= _SHOWN else text[: _SHOWN - 2] + ".."

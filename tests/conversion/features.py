@@ -1,0 +1,507 @@
+"""Charts of one feature each, in the format of each tool that has it: the rows of the behaviour matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from plcopen_sfc import model as m
+from plcopen_sfc.languages.networks import DrawingRules, draw_fbd, draw_fbd_expression, draw_ld
+from plcopen_sfc.languages.st import parse_expression, parse_statements
+
+__all__ = ["FEATURES", "SOURCES", "Feature", "feature_project"]
+
+SOURCES = {
+    "codesys": m.Dialect.CODESYS,
+    "plcopen": m.Dialect.IEC,
+    "iec-text": m.Dialect.IEC,
+    "simaticml": m.Dialect.SCL,
+}
+_IEC = ("codesys", "plcopen", "iec-text")
+_ALL = (*_IEC, "simaticml")
+
+
+class Rig(NamedTuple):
+    """A chart with the steps Idle, Work and Done in a ring, in a POU with inputs a, b, c, g and outputs q, r, n."""
+
+    project: m.Project
+    pou: m.Pou
+    chart: m.SfcNetwork
+
+    def name(self, text: str) -> str:
+        """A name or an expression of local names as the dialect spells it."""
+        if self.project.dialect is not m.Dialect.SCL:
+            return text
+        words = text.split(" ")
+        return " ".join(f"#{w}" if w[0].isalpha() and w not in _WORDS and "#" not in w else w for w in words)
+
+    def act(self, step: str, target: str | None = "q", qualifier: str = "N", **fields: object) -> m.ActionAssociation:
+        """Add an action to a step."""
+        for each in ("value", "condition"):
+            if isinstance(fields.get(each), str):
+                fields[each] = self.name(str(fields[each]))
+        association = m.ActionAssociation.model_validate(
+            {
+                "id": self.chart.new_id(),
+                "target": self.name(target) if target is not None else None,
+                "qualifier": qualifier,
+                **fields,
+            }
+        )
+        self.chart.step(step).actions.append(association)
+        return association
+
+    def action(self, name: str, body: m.Body) -> None:
+        """Add an action to the POU."""
+        self.pou.actions.append(m.Action(name=name, body=body))
+
+    def declare(self, kind: m.SectionKind, *variables: m.Variable, **flags: bool) -> None:
+        """Add variables."""
+        assert self.pou.interface is not None
+        section = m.VariableSection.model_validate({"kind": kind, "variables": [*variables], **flags})
+        self.pou.interface.sections.append(section)
+
+    def go(self, source: str, target: str, condition: object, **fields: object) -> m.Transition:
+        """Add a transition."""
+        text = self.name(condition) if isinstance(condition, str) else condition
+        chart = self.chart
+        made = chart.add_transition(chart.step(source), chart.step(target), text)  # type: ignore[arg-type]
+        for name, value in fields.items():
+            setattr(made, name, value)
+        return made
+
+
+_WORDS = frozenset("AND OR NOT XOR TRUE FALSE MOD THEN IF END_IF;".split())
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A feature: what it is called, the formats whose tools have it, and how a chart gets it."""
+
+    name: str
+    sources: tuple[str, ...]
+    build: Callable[[Rig], None]
+
+
+def feature_project(feature: Feature, source: str) -> m.Project:
+    """The chart of a feature for the tool of the format `source`."""
+    dialect = SOURCES[source]
+    chart = m.SfcNetwork()
+    for name in ("Idle", "Work", "Done"):
+        chart.add_step(name, initial=name == "Idle")
+    sections = [
+        m.VariableSection(kind=m.SectionKind.INPUT, variables=[variable(name) for name in "abcg"]),
+        m.VariableSection(kind=m.SectionKind.OUTPUT, variables=[variable("q"), variable("r"), variable("n", "INT")]),
+    ]
+    pou = m.Pou(
+        name="Main",
+        kind=m.PouKind.FUNCTION_BLOCK,
+        interface=m.Interface(sections=sections),
+        bodies=[m.SfcBody(chart=chart)],
+    )
+    rig = Rig(m.Project(name="Matrix", dialect=dialect, pous=[pou]), pou, chart)
+    for start, end, condition in (("Idle", "Work", "a"), ("Work", "Done", "b"), ("Done", "Idle", "c")):
+        rig.go(start, end, condition)
+    feature.build(rig)
+    return rig.project
+
+
+def variable(name: str, type_: str = "BOOL", **fields: object) -> m.Variable:
+    """A variable of an elementary or derived type."""
+    return m.Variable.model_validate({"name": name, "type": type_, **fields})
+
+
+def st(rig: Rig, text: str) -> m.StBody:
+    """A body in structured text."""
+    return m.StBody(text="\n".join(f"{rig.name(line)};" for line in text.split("; ")))
+
+
+# -- the features
+
+
+def _qualifier(qualifier: str, duration: str | None = None) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.act("Work", "q", qualifier, duration=duration)
+        if qualifier in ("S", "SD", "DS", "SL"):
+            rig.act("Idle", "q", "R")
+
+    return build
+
+
+def _reset(rig: Rig) -> None:
+    rig.act("Idle", "q", "S")
+    rig.act("Work", "q", "R")
+    rig.act("Done", "r", "N")
+
+
+def _program(qualifier: str, language: str = "ST") -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        body: m.Body = st(rig, "n := n + 1; r := NOT r")
+        if language == "IL":
+            body = m.IlBody(text="LD n\nADD 1\nST n\nLD r\nNOT\nST r")
+        if language in ("FBD", "LD"):
+            body = drawn("r := g;", language)
+        rig.action("Count", body)
+        rig.act("Work", "Count", qualifier)
+        rig.act("Done", "q")
+
+    return build
+
+
+def drawn(text: str, language: str, dialect: m.Dialect = m.Dialect.IEC) -> m.Body:
+    """Statements as a body in FBD or LD."""
+    statements = parse_statements(text, dialect).tree.statements
+    rules = DrawingRules(dialect=dialect)
+    return draw_fbd(statements, rules).body if language == "FBD" else draw_ld(statements, rules).body
+
+
+def _in_place(rig: Rig) -> None:
+    rig.act("Work", None, "N", body=st(rig, "n := n + 1"))
+    rig.act("Done", "q")
+
+
+def _step_action(kind: str) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.action("Count", st(rig, "n := n + 1; r := NOT r"))
+        setattr(rig.chart.step("Work"), f"{kind}_action", "Count")
+        rig.act("Done", "q")
+
+    return build
+
+
+def _chart_action(rig: Rig) -> None:
+    inner = m.SfcNetwork()
+    one, two = inner.add_step("One", initial=True), inner.add_step("Two")
+    inner.add_transition(one, two, "TRUE")
+    inner.add_transition(two, one, "TRUE")
+    two.actions.append(m.ActionAssociation(id=inner.new_id(), target="r"))
+    rig.action("Inner", m.SfcBody(chart=inner))
+    rig.act("Work", "Inner")
+    rig.act("Done", "q")
+
+
+def _priority(rig: Rig) -> None:
+    rig.chart.add_step("Other")
+    first = rig.chart.transitions[0]
+    first.priority = 2
+    rig.go("Idle", "Other", "g", priority=1)
+    rig.go("Other", "Idle", "c")
+    rig.act("Work", "q")
+    rig.act("Other", "r")
+
+
+def _parallel(rig: Rig) -> None:
+    chart = rig.chart
+    left, right = chart.add_step("Left"), chart.add_step("Right")
+    chart.transitions[0].targets = [left.id, right.id]
+    chart.transitions[1].sources = [left.id, right.id]
+    chart.steps = [step for step in chart.steps if step.name != "Work"]
+    rig.act("Left", "q")
+    rig.act("Right", "r")
+
+
+def _condition(text: str) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.chart.transition(rig.chart.transitions[1].id).condition = m.Expression(text=rig.name(text))
+        rig.act("Work", "q")
+        rig.act("Done", "r")
+
+    return build
+
+
+def _negated_condition(rig: Rig) -> None:
+    rig.chart.transitions[1].condition = m.Expression(text="g", negated=True)
+    rig.act("Work", "q")
+
+
+def _named(language: str) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        body: m.Body = m.StBody(text="b AND NOT g")
+        if language != "ST":
+            body = drawn("Ready := b AND NOT g;", language)
+        rig.pou.transitions.append(m.NamedTransition(name="Ready", body=body))
+        rig.chart.transitions[1].condition = m.NamedCondition(name="Ready")
+        rig.act("Work", "q")
+
+    return build
+
+
+def _wired(rig: Rig) -> None:
+    tree = parse_expression("b AND NOT g").tree
+    assert tree is not None
+    drawing = draw_fbd_expression(tree, first_id=rig.chart.new_id())
+    rig.chart.logic = drawing.network.nodes
+    pin = m.InputPin(connections=list(drawing.outputs))
+    rig.chart.transitions[1].condition = m.WiredCondition(input=pin)
+    rig.act("Work", "q")
+
+
+def _minimum(rig: Rig) -> None:
+    rig.chart.step("Work").min_time = "T#100ms"
+    rig.act("Work", "q")
+
+
+def _maximum(rig: Rig) -> None:
+    rig.chart.step("Work").max_time = "T#50ms"
+    rig.declare(m.SectionKind.OUTPUT, variable("SFCError"), variable("SFCEnableLimit", initial="TRUE"))
+    rig.chart.settings = settings(m.SfcFlag.ERROR)
+    rig.act("Work", "q")
+
+
+def settings(*flags: m.SfcFlag) -> m.SfcSettings:
+    """SFC settings in which some flags are in use."""
+    return m.SfcSettings(flags={flag: m.FlagUse(use=True, declare=False) for flag in flags})
+
+
+def _flag(flag: m.SfcFlag) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.declare(m.SectionKind.INPUT, variable(flag.variable))
+        rig.chart.settings = settings(flag)
+        rig.act("Work", "q")
+        rig.act("Done", "r")
+
+    return build
+
+
+def _initial_value(rig: Rig) -> None:
+    rig.declare(m.SectionKind.LOCAL, variable("limit", "INT", initial="3"))
+    rig.action("Count", st(rig, "n := n + limit"))
+    if rig.project.dialect is m.Dialect.SCL:
+        rig.pou.actions.clear()
+        rig.act("Work", "n", "N", value="limit")
+    else:
+        rig.act("Work", "Count")
+    rig.act("Done", "q")
+
+
+def _constant(rig: Rig) -> None:
+    kind = m.SectionKind.CONSTANT if rig.project.dialect is m.Dialect.SCL else m.SectionKind.LOCAL
+    rig.declare(kind, variable("LIMIT", "INT", initial="5"), constant=kind is m.SectionKind.LOCAL)
+    rig.declare(m.SectionKind.INPUT, variable("level", "INT"))
+    _condition("level > LIMIT")(rig)
+
+
+def _address(rig: Rig) -> None:
+    name = "%QX4.0" if rig.project.dialect is not m.Dialect.SCL else "%Q4.0"
+    if rig.project.dialect is m.Dialect.SCL:
+        rig.project.tag_tables.append(m.TagTable(name="Tags", tags=[m.Tag(name="Lamp", type="Bool", address=name)]))
+        rig.act("Work", None, "N")
+        rig.chart.step("Work").actions[-1].target = '"Lamp"'
+    else:
+        rig.declare(m.SectionKind.LOCAL, variable("Lamp", address=name))
+        rig.act("Work", "Lamp")
+    rig.act("Work", "q")
+
+
+def _globals(rig: Rig) -> None:
+    kind, lamp = m.SectionKind.GLOBAL, variable("lamp")
+    text = "GVL.lamp"
+    if rig.project.dialect is m.Dialect.SCL:
+        section = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[lamp])
+        rig.project.data_blocks.append(m.DataBlock(name="GVL", interface=m.Interface(sections=[section])))
+        text = '"GVL".lamp'
+    else:
+        rig.project.global_variables.append(m.VariableSection(kind=kind, name="GVL", variables=[lamp]))
+    rig.act("Work", None, "S")
+    rig.chart.step("Work").actions[-1].target = text
+    rig.chart.transitions[1].condition = m.Expression(text=f"{rig.name('b')} AND {text}")
+    rig.act("Done", "q")
+
+
+def _enumeration(rig: Rig) -> None:
+    values = [m.EnumValue(name=name) for name in ("Low", "High")]
+    rig.project.data_types.append(m.DataTypeDeclaration(name="E_Level", type=m.EnumType(values=values)))
+    rig.declare(m.SectionKind.LOCAL, variable("level", "E_Level"))
+    rig.action("Raise", m.StBody(text="level := E_Level.High;"))
+    rig.act("Work", "Raise")
+    rig.chart.transitions[1].condition = m.Expression(text="b AND level = E_Level.High")
+    rig.act("Done", "q")
+
+
+def _excluded(rig: Rig) -> None:
+    rig.chart.add_step("Test")
+    rig.chart.step("Test").exclude = True
+    rig.go("Idle", "Test", "g", exclude=True)
+    rig.go("Test", "Idle", "c", exclude=True)
+    rig.act("Test", "r")
+    rig.act("Work", "q")
+
+
+def _retain(rig: Rig) -> None:
+    rig.declare(m.SectionKind.LOCAL, variable("total", "INT"), retain=True)
+    rig.action("Count", st(rig, "total := total + 1; n := total"))
+    rig.act("Work", "Count", "P1" if rig.project.dialect is m.Dialect.IEC else "P")
+
+
+def _negated_action(rig: Rig) -> None:
+    rig.act("Work", "q", "N", negated=True)
+
+
+def _macro(rig: Rig) -> None:
+    inner = m.SfcNetwork()
+    one, two = inner.add_step("One", initial=True), inner.add_step("Two")
+    inner.add_transition(one, two, "g")
+    two.actions.append(m.ActionAssociation(id=inner.new_id(), target="q"))
+    rig.chart.step("Work").macro = m.Macro(body=m.SfcBody(chart=inner))
+
+
+# -- S7-GRAPH
+
+
+def _event(event: str, qualifier: str = "N", **fields: object) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        if event in ("V1", "V0", "A1"):
+            rig.chart.step("Work").supervision = m.Supervised(condition=m.Expression(text="#g"))
+        if event in ("L1", "L0"):
+            rig.chart.step("Work").interlock = m.Supervised(condition=m.Expression(text="#g"))
+        rig.act("Work", "q", qualifier, event=event, **fields)
+        rig.act("Done", "r")
+
+    return build
+
+
+def _value(value: str, target: str = "n") -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.act("Work", target, "N", value=value)
+        rig.act("Done", "r")
+
+    return build
+
+
+def _interlock(qualifier: str, duration: str | None = None) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.chart.step("Work").interlock = m.Supervised(condition=m.Expression(text="#g"))
+        rig.act("Work", "q", qualifier, interlock=True, duration=duration)
+        rig.act("Idle", "q", "R")
+
+    return build
+
+
+def _supervision(rig: Rig) -> None:
+    rig.chart.step("Work").supervision = m.Supervised(condition=m.Expression(text="#g"))
+    rig.act("Work", "q")
+    rig.act("Done", "r")
+
+
+def _permanent(when: str) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        operation = m.PermanentOperation(body=drawn("#r := #g;", "LD", m.Dialect.SCL))
+        getattr(rig.chart, f"permanent_{when}").append(operation)
+        rig.act("Work", "q")
+
+    return build
+
+
+def _input(name: str) -> Callable[[Rig], None]:
+    def build(rig: Rig) -> None:
+        rig.declare(m.SectionKind.INPUT, variable(name))
+        rig.act("Work", "q")
+        rig.act("Done", "r")
+
+    return build
+
+
+def _skip(rig: Rig) -> None:
+    rig.chart.graph_settings = m.GraphSettings(skip_steps=True)
+    rig.act("Work", "q")
+    rig.act("Done", "r")
+
+
+def _second_sequence(rig: Rig) -> None:
+    chart = rig.chart
+    one, two = chart.add_step("One", initial=True), chart.add_step("Two")
+    chart.add_transition(one, two, "#g")
+    chart.add_transition(two, one, "#c")
+    rig.act("Two", "r")
+    rig.act("Work", "q")
+    steps = {step.name: step.id for step in chart.steps}
+    chart.sequences = [
+        m.Sequence(steps=[steps[name] for name in ("Idle", "Work", "Done")]),
+        m.Sequence(steps=[steps[name] for name in ("One", "Two")]),
+    ]
+
+
+def _switch(rig: Rig) -> None:
+    rig.chart.add_step("Side")
+    rig.go("Side", "Idle", "c")
+    rig.act("Work", None, "ON", event="S1")
+    rig.chart.step("Work").actions[-1].target = "Side"
+    rig.act("Side", "r")
+    rig.act("Done", "q")
+
+
+def _counter(rig: Rig) -> None:
+    rig.declare(m.SectionKind.INPUT, variable("C1", "COUNTER"))
+    rig.act("Work", "C1", "CU", event="S1")
+    rig.act("Done", "q")
+
+
+def _features() -> Iterator[Feature]:
+    for qualifier, duration in (("N", None), ("S", None), ("L", "T#50ms"), ("D", "T#50ms")):
+        yield Feature(f"qualifier {qualifier}", _ALL, _qualifier(qualifier, duration))
+    yield Feature("qualifier R", _ALL, _reset)
+    yield Feature("qualifier P", _IEC, _qualifier("P"))
+    for qualifier in ("P1", "P0"):
+        yield Feature(f"qualifier {qualifier}", ("plcopen", "iec-text"), _qualifier(qualifier))
+    for qualifier in ("SD", "DS", "SL"):
+        yield Feature(f"qualifier {qualifier}", _IEC, _qualifier(qualifier, "T#50ms"))
+    for language in ("ST", "FBD", "LD", "IL"):
+        yield Feature(f"action in {language}", _IEC, _program("N", language))
+    yield Feature("action in ST with S", _IEC, lambda rig: (_program("S")(rig), rig.act("Idle", "Count", "R"), None)[2])
+    yield Feature("action in ST with P", _IEC, _program("P"))
+    yield Feature("action in place", ("plcopen", "iec-text"), _in_place)
+    yield Feature("action that is a chart", ("codesys", "plcopen"), _chart_action)
+    for kind in ("entry", "main", "exit"):
+        yield Feature(f"{kind} action", ("codesys",), _step_action(kind))
+    yield Feature("priority", _ALL, _priority)
+    yield Feature("simultaneous sequences", _ALL, _parallel)
+    yield Feature("condition: expression", _ALL, _condition("b AND NOT g OR c"))
+    yield Feature("condition: negated", ("plcopen",), _negated_condition)
+    for language in ("ST", "FBD", "LD"):
+        yield Feature(f"condition: named, {language}", ("codesys", "plcopen"), _named(language))
+    yield Feature("condition: wired", ("plcopen",), _wired)
+    yield Feature("condition: step flag", _ALL, _condition("Work.X AND b"))
+    yield Feature("condition: step time", _ALL, _condition("Work.T > T#50ms"))
+    yield Feature("minimum time", ("codesys",), _minimum)
+    yield Feature("maximum time with SFCError", ("codesys",), _maximum)
+    for flag in (m.SfcFlag.INIT, m.SfcFlag.RESET, m.SfcFlag.PAUSE):
+        yield Feature(flag.variable, ("codesys",), _flag(flag))
+    yield Feature("initial value", _ALL, _initial_value)
+    yield Feature("constant", _ALL, _constant)
+    yield Feature("address", ("codesys", "plcopen", "simaticml"), _address)
+    yield Feature("global variable", ("codesys", "simaticml"), _globals)
+    yield Feature("enumeration", ("codesys", "plcopen"), _enumeration)
+    yield Feature("excluded element", ("codesys",), _excluded)
+    yield Feature("retain", ("codesys", "plcopen", "iec-text"), _retain)
+    yield Feature("negated action", ("plcopen",), _negated_action)
+    yield Feature("macro-step", ("plcopen",), _macro)
+    for event in ("S1", "S0", "V1", "V0", "L1", "L0", "A1", "R1"):
+        yield Feature(f"event {event}", ("simaticml",), _event(event, "S"))
+    yield Feature("event S1 with N", ("simaticml",), _event("S1"))
+    yield Feature("event S1 with a value", ("simaticml",), lambda rig: (_value("g", "q")(rig), _count(rig), None)[2])
+    yield Feature("value: constant", ("simaticml",), _value("7"))
+    yield Feature("value: FALSE", ("simaticml",), lambda rig: (_value("FALSE", "q")(rig), _set(rig), None)[2])
+    yield Feature("value: variable", ("simaticml",), _value("g", "q"))
+    for qualifier, duration in (("N", None), ("S", None), ("L", "T#50ms"), ("D", "T#50ms")):
+        yield Feature(f"interlock with {qualifier}", ("simaticml",), _interlock(qualifier, duration))
+    yield Feature("supervision", ("simaticml",), _supervision)
+    yield Feature("permanent instruction before", ("simaticml",), _permanent("pre"))
+    yield Feature("permanent instruction after", ("simaticml",), _permanent("post"))
+    for name in ("INIT_SQ", "OFF_SQ"):
+        yield Feature(name, ("simaticml",), _input(name))
+    yield Feature("SkipSteps", ("simaticml",), _skip)
+    yield Feature("two sequences", ("simaticml",), _second_sequence)
+    yield Feature("ON", ("simaticml",), _switch)
+    yield Feature("counter", ("simaticml",), _counter)
+
+
+def _count(rig: Rig) -> None:
+    rig.act("Work", "n", "N", value="n + 1", event="S1")
+
+
+def _set(rig: Rig) -> None:
+    rig.act("Idle", "q", "S")
+
+
+FEATURES = tuple(_features())

@@ -1,0 +1,141 @@
+"""What became of each feature in each target, judged by running the source and what the target tool reads of it.
+
+``python -m tests.conversion.matrix`` prints the table of docs/conversion.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import Verdict, equivalent
+from plcopen_sfc.conversion import executed
+from plcopen_sfc.report import Outcome
+from plcopen_sfc.semantics.profile import default_profile
+from tests.conversion.features import FEATURES, Feature, feature_project
+
+_IMPORT = "no export of CODESYS has it, so its importer may not read it"
+_FINAL = "the final scan of the source makes no difference in this chart"
+_OPERATED = "it depends on ACK_EF or REG_EF, which nothing operates here"
+
+__all__ = ["TARGETS", "Cell", "cells", "judge", "table"]
+
+CAUTIOUS = {
+    ("qualifier P1", "codesys"): _IMPORT,
+    ("qualifier P0", "codesys"): _IMPORT,
+    ("retain", "codesys"): _IMPORT,
+    ("condition: wired", "codesys"): _IMPORT,
+    ("macro-step", "codesys"): _IMPORT,
+    ("negated action", "codesys"): _IMPORT,
+    ("two sequences", "codesys"): _IMPORT,
+    ("address", "simaticml"): "the simulation has no inputs and outputs at addresses",
+    ("enumeration", "simaticml"): _FINAL,
+    ("event A1", "codesys"): _OPERATED,
+    ("event A1", "plcopen"): _OPERATED,
+    ("event R1", "codesys"): _OPERATED,
+    ("event R1", "plcopen"): _OPERATED,
+    ("supervision", "codesys"): _OPERATED,
+    ("supervision", "plcopen"): _OPERATED,
+    ("counter", "codesys"): "nothing in the chart reads the counter",
+    ("counter", "plcopen"): "nothing in the chart reads the counter",
+}
+"""Where the report says less than that all is executed although both run the same here, and why."""
+TARGETS = ("codesys", "plcopen-2.01", "iec-text", "simaticml", "scl")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A feature in a target: what running both shows, and what the report says."""
+
+    feature: str
+    source: str
+    target: str
+    runs_the_same: bool
+    verdict: str
+    reported: str
+    why: str
+
+    @property
+    def agrees(self) -> bool:
+        """True if the report says that all is executed exactly where both run the same."""
+        if self.reported == "refused" or self.runs_the_same == (self.reported == "executed"):
+            return True
+        return self.runs_the_same and (self.feature, self.target.partition("-")[0]) in CAUTIOUS
+
+    @property
+    def outcome(self) -> str:
+        """The word of the table."""
+        if self.reported == "refused":
+            return "refused"
+        if self.runs_the_same and self.reported != Outcome.NOT_EXECUTED:
+            return "executed"
+        return self.reported
+
+
+def cells(features: Sequence[Feature] = FEATURES) -> Iterator[Cell]:
+    """Every cell of the matrix."""
+    for feature in features:
+        for source in feature.sources:
+            for target in TARGETS:
+                if not target.startswith(source):
+                    yield judge(feature, source, target)
+
+
+def judge(feature: Feature, source: str, target: str) -> Cell:
+    """Convert the chart of a feature and run both."""
+    original = sfc.loads(sfc.dumps(feature_project(feature, source), format=source), format=source)
+    try:
+        data, report = sfc.convert(original, target)
+    except sfc.SfcError as error:
+        return Cell(feature.name, source, target, False, "", "refused", error.message)
+    losses = report.losses
+    reported = losses[0].outcome.value if losses else "executed"
+    result = sfc.loads(data, format=target, as_tool=True)
+    verdict = same_behaviour(original, result) if not undeclared(original, result) else None
+    why = "; ".join(dict.fromkeys(item.why for item in losses))
+    same = verdict is not None and verdict.equal
+    return Cell(feature.name, source, target, same, str(verdict), reported, why)
+
+
+def same_behaviour(source: m.Project, result: m.Project) -> Verdict | None:
+    """The comparison of both under the rules of their tools; None if the result cannot run."""
+    profiles = (default_profile(source), default_profile(result))
+    operated = {name: name for name in OPERATED if any(v.name == name for v in source.pou("Main").variables())}
+    outputs = [name for name in OUTPUTS if any(v.name == name for v in source.pou("Main").variables())]
+    try:
+        return equivalent(
+            source.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=outputs, inputs=operated, cap=2000
+        )
+    except sfc.SfcError:
+        return None
+
+
+def undeclared(source: m.Project, result: m.Project) -> set[str]:
+    """Names that the result uses and only the source declares: its tool does not compile it."""
+    kinds = [{key.name for key in executed(each).parts if key.kind == "undeclared name"} for each in (source, result)]
+    return kinds[1] - kinds[0]
+
+
+OPERATED = ("INIT_SQ", "OFF_SQ", "SFCInit", "SFCReset", "SFCPause")
+OUTPUTS = ("q", "r", "n", "SFCError")
+
+
+def table(found: Sequence[Cell]) -> str:
+    """The matrix as a table in Markdown."""
+    rows = ["| feature | of | " + " | ".join(TARGETS) + " |", "|---|---|" + "---|" * len(TARGETS)]
+    by_row: dict[tuple[str, str], dict[str, str]] = {}
+    for cell in found:
+        by_row.setdefault((cell.feature, cell.source), {})[cell.target] = cell.outcome
+    for (feature, source), row in by_row.items():
+        rows.append(f"| {feature} | {source} | " + " | ".join(row.get(target, "") for target in TARGETS) + " |")
+    return "\n".join(rows)
+
+
+if __name__ == "__main__":
+    import sys
+
+    every = list(cells())
+    wrong = [cell for cell in every if not cell.agrees]
+    sys.stdout.write("\n".join([table(every), *map(str, wrong), ""]))
