@@ -31,7 +31,7 @@ import plcopen_sfc as sfc
 from benchmarks.chart_mutants import chart_mutants
 from benchmarks.code_mutants import Mutant, body_mutants, initial_value_mutants
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Verdict, equivalent
+from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.documents import read_document
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.lowering.lower import LoweredPou, lower

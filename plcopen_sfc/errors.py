@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from plcopen_sfc.analysis.equivalence import Verdict
+    from plcopen_sfc.analysis.verdict import Verdict
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.report import ConversionReport
 

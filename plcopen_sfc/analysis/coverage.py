@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.net import Net, NetTransition
 
-__all__ = ["Coverage", "Tally", "Unreached"]
+__all__ = ["Coverage", "Tally", "Unreached", "any_untested"]
 
 STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
 _SHOWN = 10
@@ -142,6 +142,12 @@ class Tally:
             reasons = _Reasons(self.system, reached, complete=complete)
             unreached = [reasons.of(kind, key) for kind in kinds for key in missing[kind]]
         return Coverage(self.system.subject.name, counts, tuple(unreached))
+
+
+def any_untested(coverage: Sequence[Coverage]) -> bool:
+    """Whether something that may be reachable was not reached: of a chart, where there is one."""
+    charts = [each for each in coverage if each.has_chart]
+    return any(each.untested for each in charts or coverage)
 
 
 def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:

@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from typing import Any, TypeVar, Unpack
 
-from plcopen_sfc.analysis.equivalence import Searching, Verdict, VerdictKind
+from plcopen_sfc.analysis.equivalence import Searching
+from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.standard_blocks import Tool

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from plcopen_sfc.analysis.equivalence import Verdict
+from plcopen_sfc.analysis.verdict import Verdict
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile

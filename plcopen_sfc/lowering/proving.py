@@ -8,8 +8,9 @@ from dataclasses import replace
 from time import monotonic
 from typing import Any, Unpack
 
-from plcopen_sfc.analysis.equivalence import Searching, Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis.equivalence import Searching, equivalent
 from plcopen_sfc.analysis.limits import seconds
+from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, SfcError, UntestedError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Unpack
 
-from plcopen_sfc.analysis.equivalence import Searching, Verdict, VerdictKind
+from plcopen_sfc.analysis.equivalence import Searching
+from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, ModelError
 from plcopen_sfc.lowering.forms import Style
 from plcopen_sfc.lowering.lower import LoweredPou

@@ -7,7 +7,7 @@ import json
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.equivalence import Verdict, equivalent
+from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import Project
 

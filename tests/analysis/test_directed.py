@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.limits import SearchProgress
 from plcopen_sfc.errors import UntestedError
 from plcopen_sfc.languages.st import nodes as n

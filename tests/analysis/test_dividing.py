@@ -10,8 +10,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis import equivalence
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
 from plcopen_sfc.analysis.product import Explored, Search, ended
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import construct

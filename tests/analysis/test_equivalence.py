@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import ActionAssociation, Pou, Qualifier, SfcNetwork
 from plcopen_sfc.semantics.net import Rivals

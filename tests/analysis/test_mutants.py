@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 
 from benchmarks.mutation import FIXTURES, Effort, Result, converted_result, lowered_result
-from plcopen_sfc.analysis.equivalence import VerdictKind
+from plcopen_sfc.analysis import VerdictKind
 
 EFFORT = Effort(cap=500, runs=30, scans=200)
 PUSHER = ("codesys/sorting_conveyor.xml", "FB_Pusher")

@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis import equivalence
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalence, equivalent
 from plcopen_sfc.analysis.domains import NotProvableError
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
 from plcopen_sfc.analysis.product import Branching, Explored
 from plcopen_sfc.analysis.terms import Answers, Term
 from plcopen_sfc.model import ActionAssociation, Qualifier, SfcNetwork, StBody

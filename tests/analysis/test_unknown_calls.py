@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import UnknownFunctionError
 from plcopen_sfc.model import Project
 

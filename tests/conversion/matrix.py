@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Verdict, equivalent
+from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.conversion import executed
 from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.profile import default_profile

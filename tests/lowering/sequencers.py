@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Verdict, equivalent
+from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Constructed, construct
 from plcopen_sfc.lowering.forms import Construction, Language

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.semantics.subjects import resolve

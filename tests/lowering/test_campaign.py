@@ -13,7 +13,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.analysis.marking import marking_graph
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect

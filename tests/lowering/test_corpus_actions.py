@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.lowering.proving import compared_subjects
 from plcopen_sfc.semantics.subjects import resolve

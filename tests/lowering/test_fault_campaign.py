@@ -10,7 +10,7 @@ import os
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.faults.kinds import Fault, FaultKind
 from plcopen_sfc.lowering.lower import faults_of, lower

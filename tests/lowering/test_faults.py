@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind
+from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.lowering.faults.kinds import Fault, FaultKind
 from plcopen_sfc.lowering.faults.search import find_faults

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind
+from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import construct

@@ -10,7 +10,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.chains.bits import StepBits
 from plcopen_sfc.lowering.code.memory import BitMemory

@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind
+from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.model.dialect import Dialect
 from tests.lowering.charts import act, pou_with
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind
+from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.lower import lower

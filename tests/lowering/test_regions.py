@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Constructed, construct

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind
+from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate

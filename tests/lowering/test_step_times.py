@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node

@@ -13,7 +13,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.formats.codesys.schema import validate
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.networks.sheets import on_one_sheet

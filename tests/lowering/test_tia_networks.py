@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.languages.networks import declared_rules, draw_ld
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.model import StBody

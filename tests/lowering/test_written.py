@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import Verdict, VerdictKind
+from plcopen_sfc.analysis import Verdict, VerdictKind
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.lowering.inlining import with_actions_inside
 from plcopen_sfc.lowering.lower import LoweredPou, lower

@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.formats.simaticml.bit_moves import writes_bits_on_a_condition
 from plcopen_sfc.formats.simaticml.flip_flops import put_operands

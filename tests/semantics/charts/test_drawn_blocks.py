@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from plcopen_sfc import model as m
-from plcopen_sfc.analysis.equivalence import VerdictKind, equivalent
+from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.lowering.lower import lower
 from plcopen_sfc.semantics.drawn import as_executed

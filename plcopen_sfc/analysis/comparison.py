@@ -1,0 +1,229 @@
+"""Two systems side by side: what of them is compared, and what both do with given inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from plcopen_sfc.analysis.delay import Delay
+from plcopen_sfc.analysis.domains import plain
+from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem, step_observations
+from plcopen_sfc.analysis.verdict import Counterexample, Difference
+from plcopen_sfc.errors import ModelError, SfcError
+from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.signals import Signal, Value
+from plcopen_sfc.semantics.trace import Column, Trace
+
+__all__ = ["Comparison", "filled", "operating_names"]
+
+_CALLS = "calls of unknown blocks"
+_SHRINKING_RUNS = 500
+
+_SEEDS = 64
+"""Results of unknown functions that are tried with the inputs of a difference."""
+
+_OUTPUTS = frozenset({"output", "external"})
+
+
+class Comparison:
+    """Two systems and what of them is compared."""
+
+    def __init__(
+        self,
+        left: ProgramSystem,
+        right: ProgramSystem,
+        outputs: Iterable[str] | Mapping[str, str] | None,
+        step_flags: Mapping[str, str] | None,
+        delay: Delay,
+    ) -> None:
+        self.left = left
+        self.right = right
+        self._delay = delay
+        pairs = _outputs(left, right, outputs, delayed=delay.queued != 0)
+        if outputs is None:
+            own = operating_names(left.profile) ^ operating_names(right.profile)
+            pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
+        steps = step_observations(left, right, step_flags)
+        self.names = [name for name, _, _ in pairs] + [f"{path}.X" for path, _, _ in steps]
+        self.signals = [signal for _, signal, _ in pairs] + [Signal.elementary("BOOL")] * len(steps)
+        if not self.names:
+            hint = "Name variables of both with outputs=, or flags of steps with step_flags=."
+            raise ModelError("the two have nothing in common that could be compared", hint=hint)
+        self.pairs = [(Observation(name), Observation(other)) for name, _, other in pairs]
+        self.pairs += [(own, other) for _, own, other in steps]
+        if left.calls_blocks or right.calls_blocks:
+            self.names.append(_CALLS)
+            self.signals.append(Signal.elementary("STRING"))
+            left.observe_calls()
+            right.observe_calls()
+        for system in (left, right):
+            system.unknown_calls.is_delayed = delay.queued != 0
+        self.unknown = tuple(dict.fromkeys([*left.unknown, *right.unknown]))
+        left.observe([own for own, _ in self.pairs])
+        right.observe([other for _, other in self.pairs])
+        compared = {name.casefold() for name in self.names}
+        told = {path.casefold() for path, _, _ in steps}
+        self.uncompared = [
+            name
+            for name, each in left.variables.items()
+            if each.direction in _OUTPUTS and name.casefold() not in compared
+        ]
+        self.uncompared += [f"{path}.X" for path in left.steps if path.casefold() not in told]
+
+    def vary(self, seed: int) -> None:
+        """Have other results of unknown functions and blocks in runs."""
+        self.left.unknown_calls.seed = self.right.unknown_calls.seed = seed
+
+    def without_impossible(self, found: Explored, rows: Sequence[Mapping[str, Any]]) -> Explored:
+        """What a search has found, without a difference that results of unknown functions and blocks do not show.
+
+        In a search a function may have another result in each scan.
+        """
+        for seed in range(_SEEDS):
+            self.vary(seed)
+            length = self.first_difference(rows)
+            if length is not None:
+                assert found.inputs is not None  # noqa: S101  # the caller knows
+                return replace(found, inputs=found.inputs[:length], shortest=False)
+        names = ", ".join(self.unknown)
+        return replace(
+            found, inputs=None, reason=f"results of {names} may tell them apart, but none that was tried does"
+        )
+
+    def _runs(self, rows: Iterable[Mapping[str, Any]]) -> Iterator[tuple[SfcError | None, SfcError | None]]:
+        """Run both from the start; the errors of each scan, after which the systems can be looked at."""
+        self.left.reset()
+        self.right.reset()
+        for scan, row in enumerate(rows):
+            yield tuple(failure_of(each, row.__getitem__, first=scan == 0) for each in (self.left, self.right))  # type: ignore[misc]
+
+    def first_difference(self, rows: Sequence[Mapping[str, Any]]) -> int | None:
+        """How many scans it takes to a difference; None where there is none."""
+        for scan, failures in enumerate(self._runs(rows)):
+            if end_of(failures) is not None:
+                return None
+            if any(failures):
+                return scan + 1
+            if compare(self.left.observed(), self.right.observed()):
+                return scan + 1
+        return None
+
+    def shrunk(self, rows: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[Mapping[str, Value]]:
+        """Fewer scans and fewer inputs that still show a difference: what is not needed is left out, one by one."""
+        best = list(rows)
+        budget = _SHRINKING_RUNS
+
+        def attempt(candidate: list[Mapping[str, Value]]) -> bool:
+            nonlocal best, budget
+            if budget <= 0:
+                return False
+            budget -= 1
+            length = self.first_difference(candidate)
+            if length is None:
+                return False
+            best = candidate[:length]
+            return True
+
+        size = max(len(best) // 2, 1)
+        while size:
+            start = 0
+            while start < len(best):
+                if not attempt(best[:start] + best[start + size :]):
+                    start += size
+            size //= 2
+        for name, signal in signals.items():
+            attempt([{**row, name: signal.default} for row in best])
+        return best
+
+    def show(
+        self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], *, shortest: bool
+    ) -> Counterexample:
+        """What both do with these inputs; those that are not given stay as they are."""
+        rows = filled(inputs, signals)
+        read = {name for row in inputs for name in row}
+        compared = {name.casefold() for name in self.names}  # ``Fill.x`` may be an input of one and a step of the other
+        shown = [name for name in signals if name in read and name.casefold() not in compared]
+        traces = [self._trace(system, shown, signals) for system in (self.left, self.right)]
+        differences: list[Difference] = []
+        for row, failures in zip(rows, self._runs(rows), strict=True):
+            given = tuple(row[name] for name in shown)
+            for system, trace in zip((self.left, self.right), traces, strict=True):
+                marking = system.marking() if trace.steps else 0
+                trace.record((*given, *map(plain, system.observed_now())), marking)
+            if any(failures):
+                differences = [
+                    Difference("", None, None, f"only the {which} fails: {failure}")
+                    for which, failure in zip(("first", "second"), failures, strict=True)
+                    if failure is not None
+                ]
+                continue
+            values = self.left.observed(), self.right.observed()
+            if values[0] is not None and values[1] is not None:
+                differences = [
+                    Difference(self.names[i], values[0][i], values[1][i], delay=self._delay.queued)
+                    for i in compare(*values)
+                ]
+        given_rows = tuple({name: row[name] for name in shown} for row in rows)
+        return Counterexample(given_rows, tuple(differences), traces[0], traces[1], shortest)
+
+    def _trace(self, system: ProgramSystem, shown: Iterable[str], signals: Mapping[str, Signal]) -> Trace:
+        columns = [Column(name, signals[name], "input") for name in shown]
+        columns += [Column(n, s, "output") for n, s in zip(self.names, self.signals, strict=True)]
+        return Trace(columns, scan_time=system.clock.scan_time, steps=system.steps, name=system.subject.name)
+
+
+def _outputs(
+    left: ProgramSystem,
+    right: ProgramSystem,
+    outputs: Iterable[str] | Mapping[str, str] | None,
+    *,
+    delayed: bool,
+) -> list[tuple[str, Signal, str]]:
+    """The variables to compare: name and signal on the left, name on the right.
+
+    `delayed`: the two see the inputs of different scans, and so do not give instances the same inputs.
+    """
+    mine, theirs = ({name.casefold(): name for name in system.variables} for system in (left, right))
+    if outputs is None:
+        found = [
+            (name, left.variables[name].signal, theirs[key])
+            for key, name in mine.items()
+            if key in theirs and not left.variables[name].is_input and not right.variables[theirs[key]].is_input
+        ]
+        others = {path.casefold(): path for path in right.members}
+        return found + [
+            (path, member.signal, others[path.casefold()])
+            for path, member in left.members.items()
+            if path.casefold() in others
+            and right.members[others[path.casefold()]].signal.kind is member.signal.kind
+            and not (delayed and member.is_input)
+        ]
+    pairs = outputs.items() if isinstance(outputs, Mapping) else ((name, name) for name in outputs)
+    found = []
+    for own, other in pairs:
+        for which, system, names, name in (("first", left, mine, own), ("second", right, theirs, other)):
+            if name.casefold() not in names:
+                known = ", ".join([each for each, var in system.variables.items() if not var.is_input][:20])
+                raise ModelError(f"the {which} has no variable {name!r}", hint=f"It has: {known}")
+        name = mine[own.casefold()]
+        found.append((name, left.variables[name].signal, theirs[other.casefold()]))
+    return found
+
+
+def filled(inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[dict[str, Value]]:
+    """A value for every input in every scan: what is not given stays as it was."""
+    row = {name: signal.default for name, signal in signals.items()}
+    rows = []
+    for given in inputs:
+        row = {**row, **given}
+        rows.append(row)
+    return rows
+
+
+def operating_names(profile: Profile) -> set[str]:
+    """The variables by which a tool lets people operate a chart, and tells them what it does, in upper case."""
+    names = {flag.variable.upper() for flag in profile.flags}
+    return names | set(PARAMETERS) if profile.graph_parameters else names

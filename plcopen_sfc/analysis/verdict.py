@@ -1,0 +1,227 @@
+"""What a comparison came to: the verdict, and the inputs that show a difference."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from plcopen_sfc.analysis.coverage import Coverage, any_untested
+from plcopen_sfc.analysis.delay import NO_DELAY, Delay
+from plcopen_sfc.languages.st.literals import time_literal
+from plcopen_sfc.semantics.signals import Value
+from plcopen_sfc.semantics.trace import Trace
+
+__all__ = ["Counterexample", "Difference", "Verdict", "VerdictKind"]
+
+
+class VerdictKind(StrEnum):
+    """What a comparison came to."""
+
+    PROVEN = "equal (proof)"
+    TESTED = "equal in directed runs"
+    UNTESTED = "equal where it was run, but not all was reached"
+    DIFFERENT = "different"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Something that has different values; `error` where one side ends with an error there.
+
+    `delay`: the values are those of scans that are compared, that of the earlier side so many scans before.
+    """
+
+    name: str
+    left: Value | None
+    right: Value | None
+    error: str = ""
+    delay: int = 0
+
+    def __str__(self) -> str:
+        if self.error:
+            return self.error
+        before = f" {abs(self.delay)} scan{'' if abs(self.delay) == 1 else 's'} before"
+        sides = before if self.delay > 0 else "", before if self.delay < 0 else ""
+        left, right = _shown(self.left), _shown(self.right)
+        return f"{self.name} is {left} in the first{sides[0]} and {right} in the second{sides[1]}"
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """Inputs that show a difference, scan by scan, and what both sides do with them.
+
+    `shortest`: no shorter sequence of inputs shows any. The traces hold the inputs and what was compared.
+    """
+
+    inputs: tuple[Mapping[str, Value], ...]
+    differences: tuple[Difference, ...]
+    left: Trace
+    right: Trace
+    shortest: bool
+
+    def __str__(self) -> str:
+        """The differences, and a table of the inputs and of what differs in the end."""
+        names = [name for name in dict.fromkeys(n for row in self.inputs for n in row) if name in self.left]
+        differing = [d.name for d in self.differences if d.name in self.left]
+        sides = (("first", self.left), ("second", self.right))
+        headers = ["scan", "time", *names]
+        for side, trace in sides:
+            headers += [f"{side}: active"] * bool(trace.steps) + [f"{side}: {name}" for name in differing]
+        rows = [headers]
+        for scan in range(len(self.left)):
+            row = [str(scan), time_literal(self.left.time(scan)).removeprefix("T#")]
+            row += [self.left[name].signal.text(self.left[name][scan]) for name in names]
+            for _, trace in sides:
+                row += [" ".join(trace.active(scan)) or "-"] * bool(trace.steps)
+                row += [trace[name].signal.text(trace[name][scan]) for name in differing]
+            rows.append(row)
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return "\n".join([*(str(each) for each in self.differences), *lines])
+
+    def as_dict(self) -> dict[str, Any]:
+        """The counterexample as plain data, for JSON."""
+        return {
+            "inputs": [dict(row) for row in self.inputs],
+            "shortest": self.shortest,
+            "differences": [
+                {"name": d.name, "left": d.left, "right": d.right} | ({"error": d.error} if d.error else {})
+                for d in self.differences
+            ],
+            "left": self.left.as_dict(),
+            "right": self.right.as_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The result of a comparison, and what it stands on.
+
+    `compared`: what was compared, by the names of the first; `uncompared`: what only one side has and so could not be.
+    `states`: the pairs of states that were searched, with all input sequences of `depth` scans; `parts`: in how many
+    searches of what does not depend on each other. `runs` of `scans` scans were made with directed and random inputs.
+    `scan_time` (nanoseconds): what is said of times holds for it. `reason`: why there is no proof. `notes`: what was
+    left out of the search. `coverage`: what was executed of the first and of the second, and what was not. `frozen`:
+    variables that nothing writes and that are declared as no inputs, so that they kept their values. `delay`: by how
+    many scans the second is later in all that was compared, and how that was compared; `delay_notes` say it.
+    `unknown`: functions and blocks that are called and that the file does not contain; see `equivalent`.
+    """
+
+    kind: VerdictKind
+    compared: tuple[str, ...]
+    uncompared: tuple[str, ...]
+    inputs: tuple[str, ...]
+    states: int
+    depth: int
+    runs: int
+    scans: int
+    scan_time: int
+    timed: bool
+    profile: str
+    reason: str = ""
+    counterexample: Counterexample | None = None
+    notes: tuple[str, ...] = ()
+    parts: int = 1
+    coverage: tuple[Coverage, ...] = ()
+    frozen: tuple[str, ...] = ()
+    delay: Delay = NO_DELAY
+    delay_notes: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    interrupted: bool = False
+
+    @property
+    def equal(self) -> bool:
+        """Whether no difference was found, and all that can be reached was compared."""
+        return self.kind in (VerdictKind.PROVEN, VerdictKind.TESTED)
+
+    @property
+    def different(self) -> bool:
+        """Whether a difference was found."""
+        return self.kind is VerdictKind.DIFFERENT
+
+    def joined(self, other: Verdict) -> Verdict:
+        """The same with what another search of the same two has reached, in which some inputs were at rest."""
+        coverage = tuple(mine.joined(theirs) for mine, theirs in zip(self.coverage, other.coverage, strict=True))
+        kind = self.kind
+        if kind is VerdictKind.UNTESTED and not self.interrupted and not any_untested(coverage):
+            kind = VerdictKind.TESTED
+        return replace(self, kind=kind, coverage=coverage)
+
+    @property
+    def proven(self) -> bool:
+        """Whether there is none, whatever the inputs are."""
+        return self.kind is VerdictKind.PROVEN
+
+    def __str__(self) -> str:
+        """One line, then what was executed; for a difference the inputs that show it."""
+        times = f", scan time {time_literal(self.scan_time)}" if self.timed else ""
+        later = f", {self.delay}" if self.delay.scans else ""
+        if self.counterexample is not None:
+            count = len(self.counterexample.inputs)
+            how = "shortest input trace" if self.counterexample.shortest else "an input trace"
+            how += f", compared with the {self.delay}" if self.delay.scans else ""
+            head = f"different after {count} scan{'' if count == 1 else 's'} ({how}{times})"
+            return "\n".join([head, str(self.counterexample), *self._unknown()])
+        if self.proven:
+            left_out = "".join(f"; {note}" for note in (*self.notes, *self.delay_notes))
+            parts = f" in {self.parts} parts" if self.parts > 1 else ""
+            head = f"equal{later} (proof: {self.states} states{parts}, all inputs{times}{left_out})"
+        else:
+            tried = f", all inputs tried for {self.depth} scans" if self.depth and self.runs else ""
+            tried += "".join(f"; {note}" for note in self.delay_notes)
+            run = f"{self.runs} directed runs, {self.scans} scans" if self.runs else f"{self.states} states"
+            missed = "not all was reached, " if self.kind is VerdictKind.UNTESTED else ""
+            head = f"{missed}equal{later} in {run}{times} (no proof: {self.reason}{tried})"
+        return "\n".join([head, *self._covered()])
+
+    def _unknown(self) -> Iterator[str]:
+        if self.unknown:
+            yield f"unknown, taken as functions of what they are given: {', '.join(self.unknown)}"
+
+    def _covered(self) -> Iterator[str]:
+        """What was executed, in lines."""
+        has_chart = any(each.has_chart for each in self.coverage)
+        if self.coverage:
+            yield "covered: " + "; ".join(map(str, self.coverage))
+        for each in self.coverage:
+            if each.has_chart or not has_chart:  # what is not reached of its code follows from the chart
+                yield from each.lines()
+        yield from self._unknown()
+        if self.frozen:
+            yield f"frozen, because nothing writes them and they are declared as no inputs: {', '.join(self.frozen)}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """The verdict as plain data, for JSON."""
+        data: dict[str, Any] = {
+            "kind": self.kind.value,
+            "equal": self.equal,
+            "proven": self.proven,
+            "profile": self.profile,
+            "scan_time_ns": self.scan_time,
+            "timed": self.timed,
+            "states": self.states,
+            "depth": self.depth,
+            "parts": self.parts,
+            "runs": self.runs,
+            "scans": self.scans,
+            "inputs": list(self.inputs),
+            "compared": list(self.compared),
+            "uncompared": list(self.uncompared),
+            "coverage": [each.as_dict() for each in self.coverage],
+            "frozen": list(self.frozen),
+            "unknown": list(self.unknown),
+            "delay": self.delay.as_dict(),
+            "interrupted": self.interrupted,
+        }
+        if self.delay_notes:
+            data["delay_notes"] = list(self.delay_notes)
+        if self.reason:
+            data["reason"] = self.reason
+        if self.notes:
+            data["notes"] = list(self.notes)
+        return data | ({} if self.counterexample is None else {"counterexample": self.counterexample.as_dict()})
+
+
+def _shown(value: Value | None) -> str:
+    return {True: "TRUE", False: "FALSE"}[value] if isinstance(value, bool) else str(value)
