@@ -240,7 +240,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
 
     copy = project.model_copy(deep=True)
-    options = replace(options, missing_is_true=default_profile(project).graph_parameters)
+    profile = default_profile(project)
+    options = replace(options, missing_is_true=profile.graph_parameters, final_scan=profile.final_scan)
     if kind.xml and not options.same:
         _forget_direct_text(copy)
     if dialect is not None:
@@ -249,7 +250,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         kind.codec().fit(copy, options.flavour, report)
     # the writer changes its copy, and what is executed is looked at when source and result are compared
     unchanged = copy.model_copy(deep=True)
-    source = executed(unchanged, default_profile(project), addresses=project.dialect) if kind.tool else None
+    source = executed(unchanged, profile, addresses=project.dialect) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
         return Prepared(copy, copy, options, source)
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN

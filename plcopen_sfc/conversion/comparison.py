@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.execution import UNDECLARED, Key, Part
@@ -52,7 +52,7 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
         if not same(mine, theirs) and not (mine is None and aspect in _AT_REST):
             name, stronger = _name(left, key), aspect == "condition" and is_stronger(theirs, mine)
             yield Difference(left.path, key.kind, name, aspect, _show(mine), _show(theirs), steps, stronger)
-    renamed = _renamed_actions(left, right)
+    renamed = _renamed_actions(left, right) | _competing_transitions(left, right)
     if key.kind == "chart":
         _settle_minimum_times(left, right)
     for inner, part in left.parts.items():
@@ -103,20 +103,45 @@ def _waits(left: Part, right: Part | None) -> bool:
 
 
 def _renamed_actions(left: Part, right: Part) -> dict[Key, Key]:
-    """Actions of a step that are executed in the same way under another name: one in place may have got a name."""
+    """Actions of a step with the same program under another name: one in place may have got a name.
+
+    Where several have it, first those that are executed at the same times.
+    """
     found: dict[Key, Key] = {}
+    mine = [key for key in left.parts if key.kind == "action" and key not in right.parts]
     others = [key for key in right.parts if key.kind == "action" and key not in left.parts]
-    for key, part in left.parts.items():
-        if key.kind == "action" and key not in right.parts and "code" in part.aspects:
-            alike = (other for other in others if other not in found.values() and _alike(part, right.parts[other]))
-            match = next(alike, None)
+    for aspects in (("code", "trigger"), ("code",)):
+        for key in mine:
+            part = left.parts[key]
+            if key in found or "code" not in part.aspects:
+                continue
+            free = (other for other in others if other not in found.values())
+            match = next((other for other in free if _alike(part, right.parts[other], aspects)), None)
             if match is not None:
                 found[key] = match
     return found
 
 
-def _alike(left: Part, right: Part) -> bool:
-    return all(same(left.aspects.get(a), right.aspects.get(a)) for a in left.aspects.keys() | right.aspects.keys())
+def _competing_transitions(left: Part, right: Part) -> dict[Key, Key]:
+    """Transitions between the same steps by their conditions: files may hold them in another order."""
+    found: dict[Key, Key] = {}
+    several = {key[:2] for key in left.parts if key.kind == "transition" and key.number}
+    for key, part in left.parts.items():
+        if key[:2] not in several:
+            continue
+        free = [other for other in right.parts if other[:2] == key[:2] and other not in found.values()]
+        match = next((other for other in free if _alike(part, right.parts[other], ("condition",))), None)
+        if match is not None:
+            found[key] = match
+    # those that have no match take what is left
+    for key in (key for key in left.parts if key[:2] in several and key not in found):
+        free = [other for other in right.parts if other[:2] == key[:2] and other not in found.values()]
+        found[key] = free[0] if free else key
+    return found
+
+
+def _alike(left: Part, right: Part, aspects: Iterable[str]) -> bool:
+    return all(same(left.aspects.get(a), right.aspects.get(a)) for a in aspects)
 
 
 def _name(part: Part, key: Key) -> str:

@@ -22,6 +22,7 @@ from plcopen_sfc.conversion.meaning import (
     type_meaning,
     value_meaning,
 )
+from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names import Names
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
@@ -251,9 +252,9 @@ class _Reader:
 
     def _task(self, task: Task) -> None:
         part = self.whole.add("task", task.name, f"task {task.name}")
-        for aspect, text in (("interval", task.interval), ("trigger", task.single)):
-            if text:
-                part.tell(aspect, Meaning.of(text.strip().casefold(), text))
+        part.tell("interval", _time(duration_literal(task.interval)))
+        if task.single:
+            part.tell("trigger", Meaning.of(task.single.strip().casefold(), task.single))
         part.tell("priority", Meaning.of(task.priority))
         for instance in task.instances:
             inner = part.add("program instance", instance.name, f"task {task.name} / {instance.name}")
@@ -265,12 +266,12 @@ class _Reader:
         part = self.whole.add("POU", pou.name, pou.report_path)
         part.tell("kind", Meaning.of(pou.kind.value))
         if pou.interface is not None:
-            part.tell("result", type_meaning(pou.interface.return_type, self.dialect))
+            self._result(part, pou.interface.return_type)
             for section in pou.interface.sections:
                 # VAR_EXTERNAL declares nothing: a global variable that is missing is told as such
                 for variable in section.variables if section.kind is not SectionKind.EXTERNAL else ():
                     if section.kind is SectionKind.RETURN:
-                        part.tell("result", type_meaning(variable.type, self.dialect))
+                        self._result(part, variable.type)
                     else:
                         kind = "variable of a function" if pou.kind is PouKind.FUNCTION else "variable"
                         self._variable(part, kind, variable, section, "")
@@ -285,6 +286,10 @@ class _Reader:
                 inner = part.add("action of the POU", action.name, f"{pou.report_path} / action {action.name}")
                 if action.body is not None:
                     self._body(inner, pou, action.body, inner.path, called)
+
+    def _result(self, part: Part, kind: DataType | None) -> None:
+        if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 says so of functions without
+            part.tell("result", type_meaning(kind, self.dialect))
 
     def _body(self, part: Part, pou: Pou, body: Body, path: str, called: set[str]) -> None:
         if isinstance(body, SfcBody):
@@ -347,8 +352,7 @@ class _ChartReader:
         part.tell("initial", Meaning.of(step.initial, "initial step" if step.initial else "no initial step"))
         if step.negated:
             part.tell("negation", Meaning.of(True, "negated"))
-        if self.owner.profile.minimum_times:
-            part.tell("min time", _time(step.min_time))
+        part.tell("min time", _time(step.min_time))
         if self._uses_maximum_times():
             part.tell("max time", _time(step.max_time))
         for aspect, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
@@ -382,7 +386,7 @@ class _ChartReader:
         part = step.add("action", name, f"{step.path} / action {name}")
         when = {"S1": "on activation", "S0": "on deactivation", "": "while active"}[event]
         control = "each" if isinstance(action, str) and self.used[plain_name(action)] > 1 else ""
-        part.tell("trigger", Meaning.of((when, False, control), _STEP_ACTIONS[event]))
+        part.tell("trigger", Meaning.of((when, control), _STEP_ACTIONS[event]))
         part.tell("code", code)
 
     def _association(self, step: Part, of: Step, association: ActionAssociation) -> None:
@@ -391,6 +395,9 @@ class _ChartReader:
             name = f"force {association.forcing.chart}"
         part = step.add("action", name, f"{step.path} / action {name}")
         part.tell("trigger", self._trigger(association, is_code=code is not None))
+        pulse = association.qualifier in (Qualifier.P, Qualifier.P1, Qualifier.P0)
+        if code is not None and self.owner.profile.final_scan and not pulse:
+            part.tell("final scan", Meaning.of(True))
         part.tell("code", code)
         if association.target is not None and association.body is not None:
             part.tell("target", Meaning.of(association.target.casefold(), association.target))
@@ -422,8 +429,7 @@ class _ChartReader:
         return "in place", self.owner.code(action or body)
 
     def _trigger(self, association: ActionAssociation, *, is_code: bool) -> Meaning:
-        """When an action is executed, the same for all tools: qualifier, event, kind, and the final scan."""
-        final = is_code and self.owner.profile.final_scan
+        """When an action is executed, the same for all tools: qualifier, event and kind."""
         qualifier, event = association.qualifier, association.event
         if event in (ActionEvent.C, None):
             event = None
@@ -436,14 +442,15 @@ class _ChartReader:
             return Meaning.of((event.value, qualifier.value), shown)
         if event is not None:
             when = {ActionEvent.S1: "on activation", ActionEvent.S0: "on deactivation"}.get(event, event.value)
-            return Meaning.of((when, False, control), shown)
-        if qualifier is Qualifier.P1 or (qualifier is Qualifier.P and not final):
-            return Meaning.of(("on activation", False, control), shown)
+            return Meaning.of((when, control), shown)
+        twice = qualifier is Qualifier.P and is_code and self.owner.profile.final_scan
+        if qualifier in (Qualifier.P1, Qualifier.P) and not twice:
+            return Meaning.of(("on activation", control), shown)
         if qualifier is Qualifier.P0:
-            return Meaning.of(("on deactivation", False, control), shown)
+            return Meaning.of(("on deactivation", control), shown)
         if plain:
-            return Meaning.of(("while active", final, control), shown)
-        return Meaning.of(("R" if qualifier is Qualifier.R0 else qualifier.value, final, control), shown)
+            return Meaning.of(("while active", control), shown)
+        return Meaning.of(("R" if qualifier is Qualifier.R0 else qualifier.value, control), shown)
 
     def _control(self, association: ActionAssociation, *, is_code: bool) -> str:
         """Who controls an action that several associations have: one control for all, or each step for itself.
@@ -475,7 +482,7 @@ class _ChartReader:
         """The condition together with the minimum times of the steps that a transition leaves."""
         condition = transition.condition
         sources = [step for step in self.chart.steps if step.id in transition.sources and step.min_time]
-        if condition is None or not sources or not self.owner.profile.minimum_times:
+        if condition is None or not sources:
             return None
         local = "#" if self.owner.dialect is Dialect.SCL else ""
         times = [f"{local}{step.name}.T >= {step.min_time}" for step in sources]

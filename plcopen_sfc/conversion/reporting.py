@@ -49,7 +49,7 @@ def report_execution(
             continue
         told |= names
         why = _why(difference, tool)
-        if not _is_noticed(difference, noticed):
+        if not (_is_noticed(difference, noticed) or _is_final_scan(difference)):
             why += "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
@@ -84,7 +84,7 @@ def _is_rewritten(
 
     `changed` are the aspects that differ, by the paths of their parts.
     """
-    if difference.aspect == "trigger" and (difference.path, "code") not in changed:
+    if difference.aspect in ("trigger", "final scan") and (difference.path, "code") not in changed:
         return False  # the action is there, and executed at other times
     if difference.kind == "action" or difference.aspect == "interlock":
         return bool(difference.steps) and set(difference.steps) <= rewritten
@@ -199,8 +199,8 @@ def _is_later(difference: Difference) -> bool:
 
 
 def _is_final_scan(difference: Difference) -> bool:
-    """True if an action only differs in whether it is executed once more after its step was left."""
-    return difference.aspect == "trigger" and {difference.left, difference.right} <= {"N", "None", "main action"}
+    """True if tools differ in whether they execute an action once more after its step was left."""
+    return difference.aspect == "final scan"
 
 
 def _why(difference: Difference, tool: str) -> str:
@@ -248,8 +248,7 @@ def _action(difference: Difference, tool: str) -> str:
     left, right, aspect = difference.left, difference.right, difference.aspect
     name = _called(difference.name)
     if _is_final_scan(difference):
-        more, less = ("once more", "") if left == "main action" else ("", "not ")
-        return f"{name} runs {more or less + 'once more'} in {tool} after the step is left"
+        return f"{name} runs {'once more' if left is None else 'not once more'} in {tool} after the step is left"
     if _is_later(difference):
         return f"the chart of {name} begins a scan earlier or later in {tool}: {right}, in the source {left}"
     if aspect == "trigger" and left == right:

@@ -52,6 +52,7 @@ class WriteOptions:
     `Codec.added_objects`.
     `marks` are what to keep beside objects that were rewritten, by their `id()`.
     `missing_is_true`: the project means TRUE by a transition without condition, as S7-GRAPH does.
+    `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
     """
 
     version: str = ""
@@ -64,6 +65,7 @@ class WriteOptions:
     added: bool = False
     marks: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
     missing_is_true: bool = False
+    final_scan: bool = True
 
 
 class Codec(Protocol):

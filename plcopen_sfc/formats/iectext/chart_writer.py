@@ -23,9 +23,9 @@ from plcopen_sfc.formats.iectext.printing import (
     comment_lines,
     foreign_pragmas,
     is_text_body,
-    label,
     missing,
-    outcome_of,
+    note_changes,
+    nothing_right,
     pragma,
     pragmas,
     split,
@@ -166,9 +166,7 @@ class ChartWriter:
     def _near(self, said: Fields, meant: Fields, place: tuple[Segment, ...], path: str) -> list[Change]:
         """The changes to write beside an element; those too big for it are left for the end of the unit."""
         near, late = split(changes(said, meant))
-        for change in (*near, *late):
-            if change.path[0] not in ("id", "target", "body", *_BEYOND):
-                self.printer.note(outcome_of(change), label(change), path, "IEC text cannot say it")
+        note_changes(self.printer, (*near, *late), path, leave=("id", "target", "body", *_BEYOND))
         if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
             self.late += [Change(("chart", *place, *change.path), change.value) for change in late]
         else:
@@ -212,8 +210,7 @@ class ChartWriter:
         elif beyond:
             wanted["target"] = missing(self.printer, association.target or name)
             for key in beyond:
-                why = "no text says it; the text does not compile there"
-                self.printer.note(Outcome.NOT_EXECUTED, key, place, why)
+                self.printer.note(Outcome.NOT_EXECUTED, key, place, nothing_right(wanted["target"]))
         shown, said = self._call(wanted)
         if guarded is not None:
             said["body"] = {"body_of": said.pop("target")}
@@ -363,7 +360,7 @@ class ChartWriter:
         """A condition that does not compile: without one the transition would be always true."""
         text = missing(self.printer, self.labels[transition.id])
         path = f"{self.path} / transition {self.labels[transition.id]}"
-        self.printer.note(Outcome.NOT_EXECUTED, "condition", path, "no text says it; the text does not compile there")
+        self.printer.note(Outcome.NOT_EXECUTED, "condition", path, nothing_right(text))
         return f"{inner}:= {text};\n", {"condition": {"kind": "expression", "text": text}}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field, replace
 
 from pydantic import BaseModel
@@ -113,6 +113,11 @@ def missing(printer: Printer, what: str) -> str:
     return printer.new_name(f"NOT_EXECUTED_{what}")
 
 
+def nothing_right(name: str) -> str:
+    """Why something is not executed that the undeclared `name` stands for."""
+    return f"no text says it; the undeclared name {name} stands in its place, so that the text does not compile"
+
+
 EXECUTED = frozenset(
     "min_time interlock supervision macro encloses negated partial_charts permanent_pre permanent_post".split()
 )
@@ -162,6 +167,13 @@ def _group(change: Change) -> tuple[object, ...]:
 def label(change: Change) -> str:
     """What a report calls a change."""
     return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
+
+
+def note_changes(printer: Printer, found: Iterable[Change], path: str, *, leave: Collection[str]) -> None:
+    """Report once each what only pragmas say of the object at `path`, but for the fields `leave`."""
+    said = dict.fromkeys((outcome_of(change), label(change)) for change in found if str(change.path[0]) not in leave)
+    for outcome, what in said:
+        printer.note(outcome, what, path, "IEC text cannot say it")
 
 
 def comment_lines(fields: Fields, said: Fields, indent: str) -> str:

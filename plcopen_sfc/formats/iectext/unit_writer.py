@@ -15,10 +15,10 @@ from plcopen_sfc.formats.iectext.printing import (
     comment_lines,
     foreign_pragmas,
     is_text_body,
-    label,
     missing,
+    note_changes,
+    nothing_right,
     numbered_pieces,
-    outcome_of,
     pragmas,
     split,
 )
@@ -105,9 +105,7 @@ class _Unit:
             meant["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
         properties = self._properties(meant, said)
         near, late = split([*(extra or []), *changes(said, meant)])
-        for change in (*near, *late):
-            if change.path[0] not in ("body", "in_place"):
-                self.printer.note(outcome_of(change), label(change), self.path, "IEC text cannot say it")
+        note_changes(self.printer, (*near, *late), self.path, leave=("body", "in_place"))
         late += self.late
         top += pragmas(near, self.indent)
         pieces = [Piece(("head", ""), (top + head).rstrip("\n"))]
@@ -169,10 +167,10 @@ class _Unit:
         shown = self._shown(body) if isinstance(body, FbdBody | LdBody) else None
         if shown is not None:
             self.printer.note(Outcome.TRANSLATED, "body", self.path, "shown as text; the drawing in pragmas")
+            name = ""
         else:
-            why = "no text says it; the text does not compile there"
-            self.printer.note(Outcome.NOT_EXECUTED, "body", self.path, why)
-        name = missing(self.printer, self.thing.name) if shown is None else ""
+            name = missing(self.printer, self.thing.name)
+            self.printer.note(Outcome.NOT_EXECUTED, "body", self.path, nothing_right(name))
         lines = shown or Block(name if self.keyword == "TRANSITION" else f"{name} := TRUE;")
         self.late += drawn_changes(plain_fields(body), lines.text, ())
         pieces = self._statements(lines, meant, said)

@@ -24,13 +24,17 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
     if not options.same:
         report_types(project, host, report)
     lists = has_lists(project) and not host.is_codesys
-    if not lists and not has_globals(project) and not any(needs_rewriting(c.network, host) for c in project.charts()):
+    if (
+        not lists
+        and not has_globals(project)
+        and not any(needs_rewriting(chart.network, host, options) for chart in project.charts())
+    ):
         return project, {}
     copy = project.model_copy(deep=True)
     marks: Marks = {}
     if lists:
         declare_lists(copy, report, marks)
-    rewrite_charts(copy, project, host, report, marks)
+    rewrite_charts(copy, project, host, options=options, report=report, marks=marks)
     add_globals(copy, host, report, marks)
     return copy, marks
 
@@ -42,7 +46,7 @@ def is_rewritten(project: Project, content: bytes, host: Host) -> bool:
     if not host.is_codesys and project.global_variables:
         return True
     bodies = (body for _, body in project.bodies_read() if isinstance(body, SfcBody) and not body.is_untouched)
-    return any(needs_rewriting(body.chart, host) for body in bodies)
+    return any(needs_rewriting(body.chart, host, WriteOptions()) for body in bodies)
 
 
 def _adapt_coils(project: Project, options: WriteOptions, report: ConversionReport) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.rewritten import Marks
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import condition_reader
@@ -54,6 +55,7 @@ class Rewriting:
     chart: Chart
     source: SfcNetwork
     host: Host
+    options: WriteOptions
     report: ConversionReport
     marks: Marks
     taken: set[str]

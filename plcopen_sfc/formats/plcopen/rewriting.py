@@ -6,6 +6,7 @@ and reported as not executed. The source is kept beside what was written (`rewri
 
 from __future__ import annotations
 
+from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.host import (
     Host,
     Rewriting,
@@ -33,7 +34,7 @@ _PARAMETERS = frozenset(
 """Parameters by which S7-GRAPH controls a sequencer and reports on it (S7-GRAPH V6)."""
 
 
-def needs_rewriting(chart: SfcNetwork, host: Host) -> bool:
+def needs_rewriting(chart: SfcNetwork, host: Host, options: WriteOptions) -> bool:
     """True if `rewrite_charts` would change a chart, or report something of it."""
     if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
         return True
@@ -42,7 +43,8 @@ def needs_rewriting(chart: SfcNetwork, host: Host) -> bool:
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
         bodies += [action for s in chart.steps for action in (s.entry_action, s.main_action, s.exit_action)]
-        rows = any(row.negated or row.qualifier in ("P1", "P0") for _, row in chart.associations())
+        own = ("P1", "P0") if options.final_scan else ("P1", "P0", "P", "N", "None")
+        rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
         conditions = any(_is_foreign(transition.condition) for transition in chart.transitions)
         return rows or conditions or any(isinstance(body, StBody) for body in bodies)
     if any(step.main_action is not None or step.min_time or step.max_time for step in chart.steps):
@@ -56,11 +58,14 @@ def _is_foreign(condition: Condition | None) -> bool:
     return condition is not None and (condition.negated or is_network(condition) or condition.kind == "wired")
 
 
-def rewrite_charts(copy: Project, project: Project, host: Host, report: ConversionReport, marks: Marks) -> None:
+def rewrite_charts(
+    copy: Project, project: Project, host: Host, *, options: WriteOptions, report: ConversionReport, marks: Marks
+) -> None:
     """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
     for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
-        if needs_rewriting(chart.network, host) or chart.network != source.network:
-            _ChartRewriter(Rewriting(chart, source.network, host, report, marks, taken_names(copy, chart))).rewrite()
+        if needs_rewriting(chart.network, host, options) or chart.network != source.network:
+            taken = taken_names(copy, chart)
+            _ChartRewriter(Rewriting(chart, source.network, host, options, report, marks, taken)).rewrite()
 
 
 class _ChartRewriter:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from plcopen_sfc.formats.plcopen.host import Rewriting, guarded, term
 from plcopen_sfc.formats.plcopen.rewritten import STEP_FIELDS, added_part, rewritten_step
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
-from plcopen_sfc.model.body import Body, StBody
+from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.pou import Action
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
@@ -179,16 +179,26 @@ class StepRewriter:
     def _named_row(self, step: Step, row: ActionAssociation, uses: list[str]) -> ActionAssociation | None:
         """A row that executes an action of the POU; None where it became the entry or exit action of its step."""
         kind = {Qualifier.P1: "entry", Qualifier.P0: "exit"}.get(row.qualifier, "")
+        if self._runs_no_final_scan(step, row):
+            kind = {Qualifier.P: "entry", Qualifier.N: "main", Qualifier.NONE: "main"}.get(row.qualifier, kind)
         if isinstance(row.body, StBody) and row.target is None:
             name = self._action(f"{step.name}_{kind or 'action'}", row.body, uses)
             row = row.model_copy(update={"target": name, "body": None})
             self._note_action(Outcome.TRANSLATED, step, row.body, f"an action of the POU, {name}")
-        is_action = row.target is not None and self._pou.action(row.target) is not None
-        if not kind or not is_action or row.negated or getattr(step, f"{kind}_action") is not None:
+        action = self._pou.action(row.target) if row.target is not None else None
+        if not kind or action is None or row.negated or getattr(step, f"{kind}_action") is not None:
+            return row
+        if kind == "main" and isinstance(action.body, SfcBody):
             return row
         setattr(step, f"{kind}_action", row.target)
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is the {kind} action of the step")
         return None
+
+    def _runs_no_final_scan(self, step: Step, row: ActionAssociation) -> bool:
+        """True for a row of a source without final scans whose program only this step executes."""
+        if self._rewriting.options.final_scan or row not in self._rewriting.source_steps[step.id].actions:
+            return False
+        return row.target is None or sum(_key(other) == _key(row) for _, other in self._rows) == 1
 
     def _main_action(self, step: Step) -> None:
         """Let a main action of CODESYS act while its step is active only: an action of IEC 61131-3 has a final scan."""

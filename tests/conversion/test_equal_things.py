@@ -1,0 +1,102 @@
+"""What the target executes as the source does is not reported as different, however it is spelled there."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.languages.networks import DrawingRules, draw_ld
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.report import Item, Outcome
+
+RING = """FUNCTION_BLOCK Main
+VAR_INPUT a, b, c : BOOL; END_VAR
+VAR_OUTPUT n : INT; r : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: Pulse(P); Count(N); END_STEP
+TRANSITION FROM S1 TO S0 := b; END_TRANSITION
+ACTION Pulse: r := NOT r; END_ACTION
+ACTION Count: n := n + 1; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+def ring(text: str = RING, format: str = "iec-text") -> m.Project:
+    """The chart as a file of `format`."""
+    return sfc.loads(sfc.convert(sfc.loads(text.encode(), format="iec-text"), format)[0], format=format)
+
+
+def losses(project: m.Project, target: str) -> list[Item]:
+    return sfc.convert(project, target)[1].losses
+
+
+@pytest.mark.parametrize(("said", "meant"), [("PT0S", "T#0ms"), ("PT0.05S", "T#50ms"), ("PT1M", "T#1m")])
+def test_intervals_are_equal_however_they_are_spelled(said: str, meant: str) -> None:
+    project = ring(
+        "PROGRAM Main\nEND_PROGRAM\nCONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#9ms, PRIORITY := 1);"
+        " END_RESOURCE END_CONFIGURATION",
+        "plcopen",
+    )
+    task = project.configurations[0].resources[0].tasks[0]
+    task.interval = said
+    data, report = sfc.convert(project, "iec-text")
+    assert meant in data.decode()
+    assert [item for item in report.losses if item.what == "interval"] == []
+
+
+def test_a_minimum_time_of_a_tc6_chart_is_one_in_codesys() -> None:
+    project = ring(format="plcopen")
+    next(project.charts()).network.step("S1").min_time = "T#1s"
+    assert [item for item in losses(project, "codesys") if item.what == "min time"] == []
+
+
+def test_the_order_of_competing_transitions_in_a_file_says_nothing() -> None:
+    text = RING.replace(
+        "TRANSITION FROM S1",
+        "TRANSITION (PRIORITY := 2) FROM S1 TO S0 := c AND b; END_TRANSITION\nTRANSITION (PRIORITY := 1) FROM S1",
+    )
+    assert [item for item in losses(ring(text), "plcopen") if item.what == "condition"] == []
+
+
+def test_programs_of_beremiz_have_no_final_scan_in_codesys_either() -> None:
+    project = ring(format="plcopen")
+    project.header.product = "Beremiz"
+    data, report = sfc.convert(project, "codesys")
+    assert report.losses == []
+    step = next(sfc.loads(data, as_tool=True).charts()).network.step("S1")
+    assert (step.entry_action, step.main_action, step.actions) == ("Pulse", "Count", [])
+    again = sfc.loads(data, as_tool=True)
+    profiles = ("beremiz", "codesys")
+    assert equivalent(project.pou("Main"), again.pou("Main"), profiles, delay="auto", outputs=["n", "r"], cap=500).equal
+
+
+def test_an_action_of_several_steps_keeps_its_qualifier_and_its_final_scan_is_named() -> None:
+    project = ring(RING.replace("INITIAL_STEP S0:", "INITIAL_STEP S0: Count(N);"), "plcopen")
+    project.header.product = "Beremiz"
+    told = losses(project, "codesys")
+    assert {(item.outcome, item.why) for item in told} == {
+        (Outcome.APPROXIMATED, "action `Count` runs once more in CODESYS after the step is left")
+    }
+
+
+def test_an_interlock_that_no_text_says_is_told_once() -> None:
+    chart = m.SfcNetwork()
+    step = chart.add_step("S0", initial=True)
+    network = draw_ld(parse_statements("q := a AND (b OR c);", m.Dialect.IEC).tree.statements, DrawingRules()).body
+    step.interlock = m.Supervised(condition=m.BodyCondition(body=network))
+    pou = m.Pou(name="Main", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
+    told = losses(m.Project(name="P", dialect=m.Dialect.IEC, pous=[pou]), "iec-text")
+    assert [item.what for item in told].count("interlock") == 1
+
+
+def test_a_name_that_stands_for_what_no_text_says_is_part_of_the_reason() -> None:
+    body = m.OpaqueBody(source="vendor", content="<x/>")
+    project = m.Project(
+        name="P", dialect=m.Dialect.IEC, pous=[m.Pou(name="Main", kind=m.PouKind.PROGRAM, bodies=[body])]
+    )
+    told = losses(project, "iec-text")
+    assert [item.what for item in told] == ["body"]
+    assert "the undeclared name NOT_EXECUTED_Main stands in its place" in told[0].why
