@@ -241,7 +241,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
 
     copy = project.model_copy(deep=True)
     profile = default_profile(project)
-    options = replace(options, missing_is_true=profile.graph_parameters, final_scan=profile.final_scan)
+    options = replace(options, of_graph=profile.graph_parameters, final_scan=profile.final_scan)
     if kind.xml and not options.same:
         _forget_direct_text(copy)
     if dialect is not None:

@@ -51,7 +51,8 @@ class WriteOptions:
     `whole` is the project of which the one that is written is a document of its own; `added`: its objects are those of
     `Codec.added_objects`.
     `marks` are what to keep beside objects that were rewritten, by their `id()`.
-    `missing_is_true`: the project means TRUE by a transition without condition, as S7-GRAPH does.
+    `of_graph`: the project says what S7-GRAPH executes: a transition without condition is TRUE, each row of a step
+    writes its operand for itself, in the order of the rows.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
     """
 
@@ -64,7 +65,7 @@ class WriteOptions:
     whole: Project | None = None
     added: bool = False
     marks: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
-    missing_is_true: bool = False
+    of_graph: bool = False
     final_scan: bool = True
 
 

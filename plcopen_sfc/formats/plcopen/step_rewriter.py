@@ -10,6 +10,7 @@ The rules are those of `plcopen_sfc.semantics.charts.graph`, and the tests compa
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -29,6 +30,7 @@ _KINDS = (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL)
 _MEANT = {
     Qualifier.P1: "the statements of the step that are executed once when it becomes active",
     Qualifier.N: "the statements of the step that are executed while it is active",
+    Qualifier.P: "the statements of the step that are executed at its start, after other rows have written",
     Qualifier.P0: "the statements of the step that are executed once when it was left",
 }
 _KEPT_ONLY = ("max_time", "warning_time", "interlock", "supervision")
@@ -41,6 +43,22 @@ def has_special_rows(chart: SfcNetwork) -> bool:
     return any(_is_special(row) for _, row in chart.associations())
 
 
+def mixed_operands(chart: SfcNetwork) -> set[str]:
+    """The operands that some rows drive and others set or reset: S7-GRAPH writes them one after the other.
+
+    Action control of IEC 61131-3 has one input for each qualifier instead, and what is set stays.
+    """
+    rows = [row for _, row in chart.associations() if row.target is not None]
+    return {_key(row) for row in rows if _is_coil(row)} & {_key(row) for row in rows if not _is_coil(row)}
+
+
+def timed_operands(chart: SfcNetwork) -> set[str]:
+    """The operands that several rows drive, one of them for a time: IEC 61131-3 has one time for all of them."""
+    coils = [row for _, row in chart.associations() if row.target is not None and _is_coil(row)]
+    counts = Counter(map(_key, coils))
+    return {_key(row) for row in coils if row.duration is not None and counts[_key(row)] > 1}
+
+
 def _is_special(row: ActionAssociation) -> bool:
     if row.event is not None or row.interlock or row.value is not None or row.condition is not None:
         return True
@@ -49,13 +67,18 @@ def _is_special(row: ActionAssociation) -> bool:
 
 @dataclass(slots=True)
 class _Rows:
-    """What a step executes in place of its rows: while it is active, once at its start, once when it was left."""
+    """What a step executes in place of its rows: while it is active, once at its start, once when it was left.
+
+    `first` and `final` are what happens once at the start and when it was left, but after the coils were written.
+    """
 
     kept: list[ActionAssociation] = field(default_factory=list)
     coils: list[str] = field(default_factory=list)
     active: list[str] = field(default_factory=list)
     entry: list[str] = field(default_factory=list)
     exit: list[str] = field(default_factory=list)
+    first: list[str] = field(default_factory=list)
+    final: list[str] = field(default_factory=list)
 
 
 class StepRewriter:
@@ -68,6 +91,9 @@ class StepRewriter:
         self._pou = rewriting.chart.pou
         self._rows = [(step, row) for step in self._chart.steps for row in step.actions]
         self._stated = {_key(row) for _, row in self._rows if self._writes_operand(row)}
+        self._mixed = mixed_operands(self._chart) if rewriting.options.of_graph else set()
+        if rewriting.options.of_graph:
+            self._stated |= self._mixed | timed_operands(self._chart)
 
     def _is_entered(self, step: Step) -> bool:
         """True if an excluded step can become active in a tool that knows no exclusion."""
@@ -95,11 +121,15 @@ class StepRewriter:
         for row in step.actions:
             self._row(step, row, rows)
         step.actions = rows.kept
-        active = [*rows.coils, *guarded(self._host.active(step), rows.active)]
-        # in this order, as S7-GRAPH executes what happens once before what is done in every cycle
+        is_active = self._host.active(step)
+        later = [*guarded(is_active, rows.active), *guarded(f"NOT {is_active}", rows.final)]
+        # in this order, as S7-GRAPH executes what happens once before what is done in every cycle, and coils before
+        # all; names in this order too, in which CODESYS executes actions
         for kind, qualifier, lines in (
+            ("actions", Qualifier.N, [*rows.coils, *(later if not rows.entry else [])]),
             ("entry", Qualifier.P1, rows.entry),
-            ("actions", Qualifier.N, active),
+            ("events", Qualifier.P, guarded(is_active, rows.first)),
+            ("further_actions", Qualifier.N, later if rows.entry else []),
             ("exit", Qualifier.P0, rows.exit),
         ):
             if not lines:
@@ -108,7 +138,7 @@ class StepRewriter:
             before = len(self._pou.actions)
             if not self._host.is_codesys:
                 self._add_row(step, qualifier, body=body)
-            elif qualifier is Qualifier.N or getattr(step, f"{kind}_action") is not None:
+            elif kind not in ("entry", "exit") or getattr(step, f"{kind}_action") is not None:
                 self._add_row(step, qualifier, target=self._action(f"{step.name}_{kind}", body, uses))
             else:
                 setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
@@ -250,14 +280,19 @@ class StepRewriter:
             rows.coils.append(f"{row.target} := {self._driven(row)};")
         else:
             lines = guarded(needed, _statements(row))
+            late = self._host.is_codesys and _key(row) in self._mixed  # its entry and exit actions precede coils
             if event is ActionEvent.S1:
-                rows.entry += lines
+                (rows.first if late else rows.entry).extend(lines)
                 where = "once when the step becomes active"
             elif event is ActionEvent.S0:
-                rows.exit += lines
+                (rows.final if late else rows.exit).extend(lines)
                 where = "once when the step was left"
             else:
                 rows.active += lines
+        if event is ActionEvent.S0 and self._is_driven_next(step, row):
+            why = f"`{_called(row)}` (event S0) is executed before the next step drives {row.target}"
+            self._note_action(Outcome.APPROXIMATED, step, row.target, f"{why}; S7-GRAPH executes it after that")
+            return
         needs = f", under the condition {needed}" if needed != "TRUE" else ""
         self._note_action(Outcome.TRANSLATED, step, row.target, f"`{_called(row)}` is a statement {where}{needs}")
 
@@ -281,6 +316,9 @@ class StepRewriter:
             return f"{title} has no interlock of a step that was left"
         if self._needed(step, row) is None:
             return f"it needs a condition, and {_NO_TEXT}"
+        again = row.value is not None or row.body is not None or self._needed(step, row) != "TRUE"
+        if event is ActionEvent.S1 and _key(row) in self._mixed and self._host.is_codesys and again:
+            return f"another row drives {row.target}, and {title} executes it after entry actions"
         if row.qualifier in (Qualifier.D, Qualifier.L) and (not row.duration or row.condition is not None):
             return "its time depends on its condition" if row.duration else "it has no time"
         if _is_coil(row):
@@ -289,6 +327,12 @@ class StepRewriter:
             if self._driven(row) is None:
                 return f"another action of {row.target} cannot be written"
         return None
+
+    def _is_driven_next(self, step: Step, row: ActionAssociation) -> bool:
+        """True if a following step may drive the operand of a row otherwise in the cycle in which its step is left."""
+        following = {i for t in self._rewriting.source.transitions if step.id in t.sources for i in t.targets}
+        coils = [r for s, r in self._rows if s.id in following and _is_coil(r) and _key(r) == _key(row)]
+        return any(row.qualifier is not Qualifier.S or r.duration is not None or r.interlock for r in coils)
 
     def _needed(self, step: Step, row: ActionAssociation) -> str | None:
         """What must hold besides that the step is active; None where no expression says it."""

@@ -427,7 +427,7 @@ class _ChartWriter:
     ) -> None:
         """Write the network of a condition; `also`: what must be TRUE besides."""
         result, what = RESULT_OF[kind], f"condition of the {kind.lower()}"
-        is_missing = condition is None and kind == "Transition" and not self.ctx.options.missing_is_true
+        is_missing = condition is None and kind == "Transition" and not self.ctx.options.of_graph
         if (condition is None and not is_missing) or _is_always(condition):
             body: Body = empty_network(result)
             if also:

@@ -1,0 +1,64 @@
+"""Several rows of S7-GRAPH that write one operand: the same in CODESYS and TC6, or the report says where not."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import equivalent
+from tests.conversion.features import Feature, Rig, feature_project
+
+Row = tuple[str, str, dict[str, str]]
+IN_WORK: Row = ("Work", "N", {})
+CASES: dict[str, list[Row]] = {
+    "driven, reset when left": [IN_WORK, ("Work", "R", {"event": "S0"})],
+    "driven, set when left": [IN_WORK, ("Work", "S", {"event": "S0"})],
+    "driven, reset at the start": [IN_WORK, ("Work", "R", {"event": "S1"})],
+    "driven, set at the start": [IN_WORK, ("Work", "S", {"event": "S1"}), ("Idle", "R", {})],
+    "driven, assigned when left": [IN_WORK, ("Work", "N", {"event": "S0", "value": "g"})],
+    "driven, assigned at the start": [IN_WORK, ("Work", "N", {"event": "S1", "value": "g"})],
+    "for a time, then set": [("Work", "L", {"duration": "T#2s"}), ("Done", "S", {"event": "S1"}), ("Idle", "R", {})],
+    "set, then driven": [("Idle", "S", {}), IN_WORK],
+    "set, driven, reset": [("Idle", "S", {}), IN_WORK, ("Done", "R", {})],
+    "two times": [("Work", "L", {"duration": "T#2s"}), ("Done", "L", {"duration": "T#3s"})],
+    "two delays": [("Work", "D", {"duration": "T#2s"}), ("Done", "D", {"duration": "T#3s"})],
+    "for a time, then driven": [("Work", "L", {"duration": "T#2s"}), ("Done", "N", {})],
+    "reset when left, driven by the next step": [IN_WORK, ("Work", "R", {"event": "S0"}), ("Done", "N", {})],
+}
+DIFFERENT = {
+    ("driven, assigned at the start", "codesys"),
+    ("reset when left, driven by the next step", "codesys"),
+    ("reset when left, driven by the next step", "plcopen"),
+}
+
+
+def graph(rows: list[Row]) -> m.Project:
+    """A chart of S7-GRAPH with these rows of the operand q."""
+
+    def build(rig: Rig) -> None:
+        for step, qualifier, fields in rows:
+            rig.act(step, "q", qualifier, **fields)
+
+    project = feature_project(Feature("rows", ("simaticml",), build), "simaticml")
+    return sfc.loads(sfc.dumps(project, format="simaticml"), format="simaticml")
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+@pytest.mark.parametrize("name", CASES)
+def test_the_operand_is_written_as_in_the_source(name: str, target: str) -> None:
+    project = graph(CASES[name])
+    data, report = sfc.convert(project, target)
+    result = sfc.loads(data, format=target, as_tool=True)
+    profiles = ("s7graph", "codesys" if target == "codesys" else "iec")
+    verdict = equivalent(project.pou("Main"), result.pou("Main"), profiles, delay="auto", outputs=["q"], cap=2000)
+    assert verdict.equal is ((name, target) not in DIFFERENT), verdict
+    assert verdict.equal is not bool(report.losses), report.losses
+
+
+@pytest.mark.parametrize("name", ["driven, reset at the start", "driven, set when left", "two times"])
+def test_the_rows_come_back(name: str) -> None:
+    project = graph(CASES[name])
+    back = sfc.loads(sfc.convert(project, "codesys")[0], format="codesys")
+    rows = [(row.qualifier, row.event) for _, row in next(project.charts()).network.associations()]
+    assert [(row.qualifier, row.event) for _, row in next(back.charts()).network.associations()] == rows
