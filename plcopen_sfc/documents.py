@@ -286,15 +286,19 @@ def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionRepo
     """Translate the program text between SCL and the others.
 
     IEC 61131-3 and CODESYS are left as they stand unless `wholly`: their tools read most of each other's text, and
-    files of one often hold what is of the other.
+    files of one often hold what is of the other. Only the operator ``**`` is EXPT in CODESYS.
     """
-    if dialect is project.dialect or (Dialect.SCL not in (project.dialect, dialect) and not wholly):
-        project.dialect = dialect
-        return
-    from plcopen_sfc.refactor.dialect import translate_project  # noqa: PLC0415  # rarely needed
-
     source = project.dialect
-    for text in translate_project(project, dialect):
+    if dialect is source:
+        return
+    from plcopen_sfc.refactor.dialect import translate_powers, translate_project  # noqa: PLC0415  # rarely needed
+
+    if Dialect.SCL not in (source, dialect) and not wholly:
+        texts = translate_powers(project) if (source, dialect) == (Dialect.IEC, Dialect.CODESYS) else []
+        project.dialect = dialect
+    else:
+        texts = translate_project(project, dialect)
+    for text in texts:
         for note in text.notes:
             outcome = _OUTCOMES[note.severity]
             report.add(outcome, "text", text.path, f"line {note.line}: {note.reason}")

@@ -94,6 +94,17 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
     return found
 
 
+def translate_powers(project: Project) -> list[TranslatedText]:
+    """Put every text of `project`, in IEC 61131-3, that has ``**`` into that of CODESYS, which has EXPT instead."""
+    known = _Globals(s7_types(project), frozenset(_global_names(project)), {})
+    found: list[TranslatedText] = []
+    for piece in [piece for piece in pieces(project) if piece.is_program_text and "**" in piece.text]:
+        result = _translated(piece, Dialect.CODESYS, Renames(), project, known)
+        found.append(TranslatedText(piece.report_path, result.text != piece.text, result.notes))
+        piece.put(result.text)
+    return found
+
+
 _ARGUMENTS = (SectionKind.INPUT, SectionKind.IN_OUT)
 
 

@@ -64,8 +64,9 @@ def _read_unit(src: Source, part: Part, gap: tuple[int, int], fields: Fields) ->
         fields.setdefault("global_variables", []).extend(read_global_section(src, part, gap, ""))
     elif part.kind is Kind.CONFIGURATION:
         found, application = read_configuration(src, part, gap)
-        if application:
-            fields.setdefault("applications", []).extend(found.get("resources", []))
+        also = found.keys() - {"name", "resources"}
+        if application and len(found.get("resources", ())) == 1 and not also:
+            fields.setdefault("applications", []).extend(found["resources"])
         else:
             fields.setdefault("configurations", []).append(found)
     else:

@@ -13,13 +13,13 @@ from plcopen_sfc.formats.plcopen.rewritten import ADDED_FIELD, TEXTS_FIELD, Mark
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_statements
+from plcopen_sfc.languages.st import parse_condition, parse_statements, print_node
 from plcopen_sfc.languages.st.rendering import render
 from plcopen_sfc.languages.st.walking import transform
-from plcopen_sfc.model.body import FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Configuration, Project, Resource
-from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.model.variables import SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -44,12 +44,18 @@ def declare_lists(project: Project, report: ConversionReport, marks: Marks) -> N
     members = {
         (section.name or "").casefold(): {v.name.casefold() for v in section.variables} for section in _lists(project)
     }
-    for name in sorted(name for name, count in counts.items() if count > 1):
-        why = "several lists have a variable of this name, and TC6 knows no lists: its texts do not tell them apart"
+    shared = {name for name, count in counts.items() if count > 1}
+    for name in sorted(shared):
+        why = "several lists have a variable of this name, and TC6 knows no lists: what names it does not compile"
         report.add(Outcome.NOT_EXECUTED, "global variable", f"global variable {name}", why)
-    for path in dict.fromkeys(_Unqualifier(project, members, marks).run()):
-        why = "a declaration names a variable with its list, which TC6 does not know"
-        report.add(Outcome.NOT_EXECUTED, "declaration", path, why)
+    unqualifier = _Unqualifier(project, members, shared, marks)
+    unqualifier.run()
+    for path in dict.fromkeys(unqualifier.left):
+        why = "it names a variable with its list, which TC6 does not know: it does not compile"
+        report.add(Outcome.NOT_EXECUTED, "text", path, why)
+    for path, name in dict.fromkeys(unqualifier.hidden):
+        why = f"{name} keeps its list, which TC6 does not know, as another {name.rpartition('.')[2]} hides it"
+        report.add(Outcome.NOT_EXECUTED, "text", path, f"{why}: it does not compile")
     moved: list[VariableSection] = []
     for section in project.global_variables:
         source = section.model_dump(mode="json", exclude_none=True)
@@ -67,24 +73,32 @@ def declare_lists(project: Project, report: ConversionReport, marks: Marks) -> N
 
 
 class _Unqualifier:
-    def __init__(self, project: Project, members: dict[str, set[str]], marks: Marks) -> None:
+    """Takes the names of lists out of texts.
+
+    `left` are the paths of texts that keep them, `hidden` those in which a variable keeps its list, each with its name.
+    """
+
+    def __init__(self, project: Project, members: dict[str, set[str]], shared: set[str], marks: Marks) -> None:
         self._project = project
         self._members = members
         self._marks = marks
+        self._objects = shared | {thing.name.casefold() for thing in project.objects()}
         self._locals: dict[int, set[str]] = {}
+        self.left: list[str] = []
+        self.hidden: list[tuple[str, str]] = []
 
-    def run(self) -> list[str]:
-        """Change the texts of all bodies; the paths of declarations that name lists."""
+    def run(self) -> None:
+        """Change the texts of all bodies."""
         bodies = [body for _, _, body in self._project.bodies()]
         drawn = [body for body in bodies if isinstance(body, FbdBody | LdBody)]
         before = {id(body): body.model_dump(mode="json", exclude_none=True)["networks"] for body in drawn}
         texts = {id(body): body.text for body in bodies if isinstance(body, StBody)}
-        declarations: list[str] = []
         for piece in list(pieces(self._project)):
-            if not piece.is_program_text or not self._mentions(piece.text):
+            is_text = piece.is_program_text or piece.reading is Reading.INSTRUCTIONS
+            if not is_text or not self._mentions(piece.text):
                 continue
-            if piece.language == "declaration":
-                declarations.append(piece.report_path)
+            if piece.language == "declaration" or piece.reading is Reading.INSTRUCTIONS:
+                self.left.append(piece.report_path)
             elif (new := self._unqualified(piece)) != piece.text:
                 piece.put(new)
         for body in bodies:
@@ -94,7 +108,6 @@ class _Unqualifier:
         for body in drawn:
             if body.model_dump(mode="json", exclude_none=True)["networks"] != before[id(body)]:
                 self._marks[id(body)] = {"networks": before[id(body)]}
-        return declarations
 
     def _mentions(self, text: str) -> bool:
         folded = text.casefold()
@@ -107,7 +120,10 @@ class _Unqualifier:
             if not isinstance(node, n.Member) or not isinstance(node.base, n.Name):
                 return node
             name, member = node.base.identifier.casefold(), node.name.identifier.casefold()
-            if member not in self._members.get(name, ()) or name in hidden or member in hidden:
+            if member not in self._members.get(name, ()) or name in hidden:
+                return node
+            if member in hidden or member in self._objects:
+                self.hidden.append((piece.report_path, print_node(node)))
                 return node
             return node.name
 
@@ -129,8 +145,13 @@ class _Unqualifier:
 
 
 def _own_names(pou: Pou) -> Iterator[str]:
-    yield from (variable.name for variable in pou.variables())
+    external = SectionKind.EXTERNAL  # which names the global variable itself
+    sections = pou.interface.sections if pou.interface is not None else ()
+    yield from (variable.name for section in sections if section.kind is not external for variable in section.variables)
     yield from (action.name for action in pou.actions)
+    yield from (transition.name for transition in pou.transitions)
+    for _, body in pou.named_bodies():
+        yield from (step.name for step in body.chart.steps) if isinstance(body, SfcBody) else ()
     for method in pou.methods:
         if method.interface is not None:
             yield from (variable.name for variable in method.interface.variables())

@@ -197,7 +197,9 @@ def _instances(ctx: ReadContext, element: etree._Element, fields: Fields) -> Non
         for part in child:
             if ctx.tags.get(part.tag) == "configuration":
                 configuration = read_configuration(ctx, part)
-                if configuration.pop(APPLICATION_FIELD, False) and len(configuration["resources"]) == 1:
+                stands_for_another = configuration.pop(APPLICATION_FIELD, False)
+                also = [name for name, held in configuration.items() if held and name not in ("name", "resources")]
+                if stands_for_another and len(configuration["resources"]) == 1 and not also:
                     fields["applications"].extend(configuration["resources"])
                 elif not is_added_configuration(configuration):
                     fields["configurations"].append(configuration)

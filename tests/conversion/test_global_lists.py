@@ -1,0 +1,72 @@
+"""Lists of global variables of CODESYS where other tools have none."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+
+PROGRAM = """FUNCTION_BLOCK Main
+VAR_INPUT a : BOOL; END_VAR
+VAR_OUTPUT n : INT; END_VAR
+VAR {local} : INT; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO {step} := GVL1.x AND a; END_TRANSITION
+STEP {step}: Act(N); END_STEP
+TRANSITION FROM {step} TO S0 := GVL1.y > 3; END_TRANSITION
+ACTION Act: n := n + GVL1.y + z; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+def listed(local: str = "k", step: str = "S1", lists: tuple[str, ...] = ("GVL1",)) -> m.Project:
+    """A CODESYS application whose chart names variables of a list with and without it."""
+    project = sfc.loads(PROGRAM.format(local=local, step=step).encode(), format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    types = {"x": "BOOL", "y": "INT", "z": "INT"}
+    variables = [m.Variable.model_validate({"name": name, "type": kind}) for name, kind in types.items()]
+    sections = [
+        m.VariableSection(
+            kind=m.SectionKind.GLOBAL, name=name, variables=variables if name == "GVL1" else variables[1:2]
+        )
+        for name in lists
+    ]
+    project.applications = [m.Resource(name="Application", global_variables=sections)]
+    return sfc.loads(sfc.dumps(project, format="codesys"), format="codesys")
+
+
+def test_tc6_names_the_variables_without_their_list() -> None:
+    data, report = sfc.convert(listed(), "plcopen")
+    assert report.losses == []
+    action = sfc.loads(data, as_tool=True).pou("Main").action("Act")
+    assert action is not None
+    assert action.body == m.StBody(text="n := n + y + z;")
+
+
+@pytest.mark.parametrize("source", [{"local": "y"}, {"step": "y"}, {"lists": ("GVL1", "GVL2")}])
+def test_a_variable_that_another_name_hides_keeps_its_list_and_is_told(source: dict[str, object]) -> None:
+    data, report = sfc.convert(listed(**source), "plcopen")  # type: ignore[arg-type]
+    told = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == "text"]
+    assert "POU Main / action Act" in told
+    assert len(told) == 2
+    action = sfc.loads(data, as_tool=True).pou("Main").action("Act")
+    assert action is not None
+    assert isinstance(action.body, m.StBody)
+    assert "GVL1.y" in action.body.text
+
+
+@pytest.mark.parametrize("target", ["plcopen", "iec-text"])
+def test_variables_beside_an_application_are_read(target: str) -> None:
+    data = sfc.convert(listed(), target)[0].decode()
+    if target == "plcopen":
+        more = '<globalVars><variable name="extra"><type><INT/></type></variable></globalVars>'
+        data = data.replace("</resource>", f"</resource>{more}")
+    else:
+        head = "CONFIGURATION Application\n"
+        data = data.replace(head, f"{head}    VAR_GLOBAL\n        extra : INT;\n    END_VAR\n")
+    project = sfc.loads(data.encode(), format=target)
+    sections = [section for each in project.configurations for section in each.global_variables]
+    assert [variable.name for section in sections for variable in section.variables] == ["extra"]
+    assert sfc.dumps(project) == data.encode()
