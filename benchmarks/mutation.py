@@ -163,7 +163,7 @@ def _times(project: m.Project, pou: str) -> tuple[str, ...]:
 def converted_result(path: Path, chart: str, target: str, effort: Effort) -> Result:
     """A chart as the tool of another format reads it. Raises `SfcError` where it cannot be converted."""
     source = sfc.load(path)
-    data, _ = sfc.convert(source, target)
+    data, _ = sfc.convert(source, target, partial=True)
     result = read_document(data, format=target.split("-2", maxsplit=1)[0], path=None, as_tool=True)
     charts = [each.name for each in result.charts()]
     name = next((each for each in charts if each.casefold() == chart.casefold()), charts[0] if charts else "")

@@ -1,6 +1,6 @@
 """Convert all files of a folder, with a report beside each.
 
-python convert_folder.py SOURCE TARGET --to FORMAT [--strict]
+python convert_folder.py SOURCE TARGET --to FORMAT [--strict | --partial]
 """
 
 from __future__ import annotations
@@ -20,14 +20,18 @@ def main() -> int:
     parser.add_argument("source", type=Path)
     parser.add_argument("target", type=Path)
     parser.add_argument("--to", required=True, metavar="FORMAT")
-    parser.add_argument("--strict", action="store_true", help="write no file that loses anything")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--strict", action="store_true", help="write no file that the target executes otherwise")
+    how.add_argument("--partial", action="store_true", help="write also where the target does not execute all")
     arguments = parser.parse_args()
     arguments.target.mkdir(parents=True, exist_ok=True)
     failed = 0
     for path in sorted(arguments.source.glob("*.xml")):
         target = arguments.target / path.name
         try:
-            report = sfc.save(sfc.load(path), target, format=arguments.to, strict=arguments.strict)
+            project = sfc.load(path)
+            strict, partial = arguments.strict, arguments.partial
+            report = sfc.save(project, target, format=arguments.to, strict=strict, partial=partial)
         except sfc.SfcError as error:
             print(error, file=sys.stderr)
             failed += 1

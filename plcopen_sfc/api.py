@@ -55,6 +55,7 @@ def save(
     flavour: str = "",
     tia: str = "",
     strict: bool = False,
+    partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
 ) -> ConversionReport:
@@ -63,9 +64,12 @@ def save(
     Saved in the format it was loaded from, the file is what was read with just the edits in it. `format` converts to
     another (see `plcopen-sfc formats`), `flavour` writes for a family of readers (``beremiz``), `tia` for a version of
     TIA Portal (``V16``; the format is ``simaticml`` then), `fresh` writes from the model alone. With `normalize` what
-    the tool ignores is left out, such as the time of an export: files can be compared then. With `strict` a
-    conversion that would drop or approximate anything raises `LossError` and writes nothing. A path is written to a
+    the tool ignores is left out, such as the time of an export: files can be compared then. A path is written to a
     temporary file and renamed: the old file stays whole whatever happens.
+
+    Raises `LossError` and writes nothing where the target would not execute something that the source tool executes.
+    With `partial` the rest is written, and what is not executed stands in the report; with `strict` also what the
+    target would execute otherwise is refused.
 
     Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for,
     `DamagedSourceError` where reading the source found errors and it is written in another format (see
@@ -78,13 +82,14 @@ def save(
     if path is not None and _is_folder(path, project, name):
         from plcopen_sfc.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
 
-        return save_folder(project, path, name, flavour=flavour, strict=strict, fresh=fresh, normalize=normalize)
+        return save_folder(
+            project, path, name, flavour=flavour, strict=strict, partial=partial, fresh=fresh, normalize=normalize
+        )
     data, report = encode(project, name, flavour=flavour, fresh=fresh)
     if normalize:
         before, data = data, normalized(data, name)
         report.unchanged = report.unchanged and data == before
-    if strict:
-        refuse_losses(report)
+    refuse_losses(report, strict=strict, partial=partial)
     if isinstance(target, str | os.PathLike):
         write_atomic(target, data)
         report.written.append(os.fspath(target))
@@ -99,12 +104,14 @@ def dumps(
     format: str | None = None,
     flavour: str = "",
     tia: str = "",
+    partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
 ) -> bytes:
-    """The bytes that `save` would write."""
+    """The bytes that `save` would write. Raises what it raises."""
     name = _name(project, format, tia, None)
-    data = encode(project, name, flavour=flavour, fresh=fresh)[0]
+    data, report = encode(project, name, flavour=flavour, fresh=fresh)
+    refuse_losses(report, strict=False, partial=partial)
     return normalized(data, name) if normalize else data
 
 
@@ -113,9 +120,12 @@ def convert(
     format: str,
     *,
     flavour: str = "",
+    partial: bool = False,
 ) -> tuple[bytes, ConversionReport]:
-    """The bytes of `project` in another format, and the report."""
-    return encode(project, format, flavour=flavour, fresh=False)
+    """The bytes of `project` in another format, and the report. Raises what `save` raises."""
+    data, report = encode(project, format, flavour=flavour, fresh=False)
+    refuse_losses(report, strict=False, partial=partial)
+    return data, report
 
 
 def _name(project: Project, format: str | None, tia: str, path: Path | None) -> str:

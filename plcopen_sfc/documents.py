@@ -177,19 +177,26 @@ def refuse_reading_errors(project: Project, report: ConversionReport) -> None:
     if errors and not project._errors_accepted:
         raise DamagedSourceError(errors)
     for path, error in folder.unreadable.items() if folder is not None else ():
-        report.add(Outcome.DROPPED, "file", path, f"it could not be read: {error.message}")
+        report.add(Outcome.NOT_EXECUTED, "file", path, f"it could not be read: {error.message}")
     for found in errors:
         if folder is None or found not in folder.own_diagnostics:
             report.add(Outcome.APPROXIMATED, "error", found.location.path or "", f"{found.code}: {found.message}")
 
 
-def refuse_losses(report: ConversionReport) -> None:
-    """Raise `LossError` where something would be dropped or approximated."""
-    if not report.losses:
+def refuse_losses(report: ConversionReport, *, strict: bool, partial: bool) -> None:
+    """Raise `LossError` where the target does not execute something, unless `partial`; `strict`: or otherwise."""
+    refused = report.losses if strict else [] if partial else report.with_outcome(Outcome.NOT_EXECUTED)
+    if not refused:
         return
-    first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in report.losses[:3])
-    message = f"{len(report.losses)} items would be lost or changed: {first}"
-    raise LossError(message, report, hint="Nothing was written.")
+    first = "; ".join(f"{item.what} {item.path}: {item.why}" for item in refused[:_NAMED])
+    more = f"; and {len(refused) - _NAMED} more" if len(refused) > _NAMED else ""
+    what = "would be executed otherwise or not at all" if strict else "would not be executed"
+    hint = "" if strict else " --partial (partial=True) writes the rest, and keeps what it can for the way back."
+    count = "1 item" if len(refused) == 1 else f"{len(refused)} items"
+    raise LossError(f"{count} {what}: {first}{more}", report, hint=f"Nothing was written.{hint}")
+
+
+_NAMED = 3
 
 
 def verify(project: Project, kind: Format, back: Project, report: ConversionReport) -> None:

@@ -120,7 +120,7 @@ _NAMED = 3
 
 
 class LossError(SfcError):
-    """A strict conversion would drop or approximate something. Nothing was written.
+    """A file would not do what its source does, and that was not accepted. Nothing was written.
 
     `report` is the `ConversionReport` of what would have been written.
     """

@@ -27,8 +27,8 @@ class Outcome(StrEnum):
     """Not in the target file."""
 
 
-LOSSES = (Outcome.NOT_EXECUTED, Outcome.APPROXIMATED, Outcome.DROPPED)
-"""What ``strict`` does not let pass, the worst first."""
+LOSSES = (Outcome.NOT_EXECUTED, Outcome.APPROXIMATED)
+"""What changes the behaviour of the machine, the worst first: ``strict`` does not let it pass."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class ConversionReport:
 
     @property
     def losses(self) -> list[Item]:
-        """What the target does not execute, or executes otherwise, or does not contain, the worst first."""
+        """What the target does not execute, or executes otherwise, the worst first."""
         return [item for outcome in LOSSES for item in self.with_outcome(outcome)]
 
     def counts(self) -> dict[tuple[str, Outcome], int]:

@@ -149,7 +149,12 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     ] = None,
     flavour: Annotated[str, typer.Option("--for", metavar="TOOL", help="Write for a tool: beremiz, matiec.")] = "",
     tia: Annotated[str, typer.Option("--tia", metavar="VERSION", help="Write for a version of TIA Portal: V16.")] = "",
-    strict: Annotated[bool, typer.Option("--strict", help="Refuse to lose or approximate anything.")] = False,
+    partial: Annotated[
+        bool, typer.Option("--partial", help="Write also where the target does not execute all; the report says what.")
+    ] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Refuse what the target executes otherwise, not only what it does not.")
+    ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Write from the model alone, not into the old text.")] = False,
     normalize: Annotated[
         bool, typer.Option("--normalize", help="Leave out what TIA Portal ignores, such as the time of an export.")
@@ -169,7 +174,9 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
-        how = convert.How(to, flavour=flavour, tia=tia, strict=strict, fresh=fresh, normalize=normalize)
+        how = convert.How(
+            to, flavour=flavour, tia=tia, strict=strict, partial=partial, fresh=fresh, normalize=normalize
+        )
         screen.exit_code = convert.run(
             screen, source, target, how, as_tool=as_tool, accept_errors=accept_errors, report_to=report
         )

@@ -12,6 +12,9 @@ from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 __all__ = ["report_execution"]
 
+UNSAID = "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
+"""The end of what is said of a difference that the reader of the target found, and no writer had named."""
+
 _SHOWN = 60
 _LISTED = 5
 
@@ -50,7 +53,7 @@ def report_execution(
         told |= names
         why = _why(difference, tool)
         if not (_is_noticed(difference, noticed) or _is_final_scan(difference)):
-            why += "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
+            why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
 

@@ -37,6 +37,7 @@ def save_folder(
     *,
     flavour: str = "",
     strict: bool = False,
+    partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
 ) -> ConversionReport:
@@ -65,8 +66,7 @@ def save_folder(
         report.unchanged = report.unchanged and contents == plain
     if not home:
         refuse_reading_errors(project, report)
-    if strict:
-        refuse_losses(report)
+    refuse_losses(report, strict=strict, partial=partial)
     before = {path: document.origin.content for path, document in origin.documents.items()} if home and origin else {}
     gone = [path for path in before if path not in contents]
     if home:

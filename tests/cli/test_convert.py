@@ -38,7 +38,9 @@ def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
 @pytest.mark.parametrize("version", ["1.01", "2.0", "2.01"])
 def test_to_plcopen(cli, fixtures, tmp_path, version):
     target = tmp_path / "belt.xml"
-    outcome = cli("convert", BELT, target, "--to", f"plcopen-{version}", "--report", tmp_path / "report.json")
+    outcome = cli(
+        "convert", BELT, target, "--to", f"plcopen-{version}", "--partial", "--report", tmp_path / "report.json"
+    )
     assert outcome.code == 0
     assert any(line.split()[:2] == ["what", "kept"] for line in outcome.out.splitlines())
     assert outcome.out.splitlines()[-1] == f"written: {target}"
@@ -53,7 +55,7 @@ def test_to_plcopen(cli, fixtures, tmp_path, version):
 
 
 def test_for_beremiz(cli, fixtures, tmp_path):
-    outcome = cli("convert", BELT, tmp_path / "beremiz.xml", "--to", "plcopen", "--for", "beremiz", "-q")
+    outcome = cli("convert", BELT, tmp_path / "beremiz.xml", "--to", "plcopen", "--partial", "--for", "beremiz", "-q")
     assert outcome.code == 0
     assert outcome.out == f"written: {tmp_path / 'beremiz.xml'}\n"
     unknown = cli("convert", BELT, tmp_path / "x.xml", "--to", "plcopen", "--for", "nobody")
@@ -62,7 +64,7 @@ def test_for_beremiz(cli, fixtures, tmp_path):
 
 
 def test_many_items_are_cut_off_with_their_number(cli, fixtures, tmp_path):
-    arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01"]
+    arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial"]
     short, long = cli(*arguments).out, cli(*arguments, "--verbose").out
     assert "--verbose shows all, --report writes all" in short
     assert "--verbose shows all" not in long
@@ -73,7 +75,7 @@ def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):
     source = tmp_path / "belt.xml"
     shutil.copy(BELT, source)
     before = source.read_bytes()
-    assert cli("convert", source, "--to", "plcopen-2.01").code == 0
+    assert cli("convert", source, "--to", "plcopen-2.01", "--partial").code == 0
     assert cli("convert", source, "--to", "json").code == 0
     assert cli("convert", source, "--to", "codesys").code == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == [
@@ -115,7 +117,7 @@ def test_standard_output_and_json_exclude_each_other(cli, fixtures):
 
 
 def test_json_report(cli, fixtures, tmp_path):
-    outcome = cli("convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--json")
+    outcome = cli("convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--json")
     report = json.loads(outcome.out)
     assert report["source_format"] == "codesys"
     assert report["items"]
@@ -131,7 +133,7 @@ class TestStrict:
         outcome = cli("convert", self.SOURCE, target, "--to", "codesys", "--strict", "--report", report)
         assert outcome.code == 1
         assert not target.exists()
-        assert "would be lost or changed" in outcome.err
+        assert "would be executed otherwise or not at all" in outcome.err
         assert "Nothing was written" in outcome.err
         assert "\napproximated: action association POU FillingStation / Cap DL Y4_CapTorque" in outcome.out
         assert any(
@@ -147,6 +149,20 @@ class TestStrict:
 
     def test_does_not_stop_what_loses_nothing(self, cli, fixtures, tmp_path):
         assert cli("convert", BELT, tmp_path / "belt.json", "--to", "json", "--strict").code == 0
+
+
+def test_what_is_not_executed_is_refused(cli, fixtures, tmp_path):
+    target, report = tmp_path / "drill.xml", tmp_path / "report.json"
+    arguments = ("convert", "simaticml/FB_Drill.xml", target, "--to", "codesys", "--report", report)
+    outcome = cli(*arguments)
+    assert outcome.code == 1
+    assert outcome.out.startswith("NOT EXECUTED in the target: ")
+    assert "--partial" in outcome.err
+    assert not target.exists()
+    refused = json.loads(report.read_text(encoding="utf-8"))["items"]
+    assert cli(*arguments, "--partial").code == 0
+    assert json.loads(report.read_text(encoding="utf-8"))["items"] == refused
+    assert target.exists()
 
 
 def test_findings_in_the_source(cli, fixtures, tmp_path):
@@ -183,7 +199,7 @@ def test_wrong_usage(cli, fixtures, arguments, message):
 
 def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
     source = tmp_path / "conveyor.scl"
-    assert cli("convert", fixtures / "codesys" / "sorting_conveyor.xml", source, "--to", "scl").code == 0
+    assert cli("convert", fixtures / "codesys" / "sorting_conveyor.xml", source, "--to", "scl", "--partial").code == 0
     assert cli("convert", source, tmp_path / "whole.json", "--to", "json").code == 0
     assert cli("convert", source, tmp_path / "seen.json", "--to", "json", "--as-tool").code == 0
     actions = [len(sfc.load(tmp_path / name).pous[0].actions) for name in ("whole.json", "seen.json")]

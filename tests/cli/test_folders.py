@@ -72,7 +72,7 @@ def test_rename_tells_of_documents_that_it_cannot_look_into(cli: Any, folder: Pa
 
 
 def test_convert_from_and_to_folders(cli: Any, folder: Path) -> None:
-    assert cli("convert", "export", "--to", "iec-text", "--quiet").code == 0
+    assert cli("convert", "export", "--to", "iec-text", "--partial", "--quiet").code == 0
     assert Path("export.iec-text.st").is_file()
     outcome = cli("convert", "export.iec-text.st", "back/", "--to", "simaticml-V18", "--quiet")
     assert (outcome.code, outcome.err) == (0, "")

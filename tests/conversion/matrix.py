@@ -85,9 +85,9 @@ def cells(features: Sequence[Feature] = FEATURES) -> Iterator[Cell]:
 
 def judge(feature: Feature, source: str, target: str) -> Cell:
     """Convert the chart of a feature and run both."""
-    original = sfc.loads(sfc.dumps(feature_project(feature, source), format=source), format=source)
+    original = sfc.loads(sfc.dumps(feature_project(feature, source), format=source, partial=True), format=source)
     try:
-        data, report = sfc.convert(original, target)
+        data, report = sfc.convert(original, target, partial=True)
     except sfc.SfcError as error:
         return Cell(feature.name, source, target, False, "", "refused", error.message)
     losses = report.losses

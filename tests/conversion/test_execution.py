@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.errors import LossError
 from plcopen_sfc.report import Outcome
+from tests.samples import FIXTURES
 
 SHARED = """FUNCTION_BLOCK Main
 VAR_INPUT a, b, c : BOOL; END_VAR
@@ -35,3 +40,41 @@ def test_an_action_of_one_step_is_the_same_as_an_entry_action() -> None:
     project = sfc.loads(SHARED.format(first="Act(P1);", second="").encode(), format="iec-text")
     _, report = sfc.convert(project, "codesys")
     assert report.with_outcome(Outcome.NOT_EXECUTED) == []
+
+
+class TestPartly:
+    """What the target does not execute is refused, and nothing is written, unless that is asked for."""
+
+    SOURCE = FIXTURES / "simaticml" / "FB_Drill.xml"
+
+    def test_save_writes_nothing(self, tmp_path: Path) -> None:
+        target = tmp_path / "drill.xml"
+        with pytest.raises(LossError, match="would not be executed") as refused:
+            sfc.save(sfc.load(self.SOURCE), target, format="codesys")
+        assert list(tmp_path.iterdir()) == []
+        assert refused.value.report.with_outcome(Outcome.NOT_EXECUTED)
+        assert "partial=True" in str(refused.value)
+        report = sfc.save(sfc.load(self.SOURCE), target, format="codesys", partial=True)
+        assert report.items == refused.value.report.items
+        assert target.exists()
+
+    def test_bytes_are_not_made(self) -> None:
+        for made in (sfc.convert, lambda project, form: sfc.dumps(project, format=form)):
+            with pytest.raises(LossError):
+                made(sfc.load(self.SOURCE), "codesys")
+        data, _ = sfc.convert(sfc.load(self.SOURCE), "codesys", partial=True)
+        assert sfc.dumps(sfc.load(self.SOURCE), format="codesys", partial=True) == data
+
+    def test_a_folder_stays_as_it_is(self, tmp_path: Path) -> None:
+        project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
+        with pytest.raises(LossError):
+            sfc.save(project, f"{tmp_path / 'out'}/", format="simaticml")
+        assert list(tmp_path.iterdir()) == []
+        assert sfc.save(project, f"{tmp_path / 'out'}/", format="simaticml", partial=True).written
+
+    def test_strict_is_stricter(self) -> None:
+        project = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
+        report = sfc.convert(project, "codesys")[1]
+        assert report.with_outcome(Outcome.APPROXIMATED)
+        with pytest.raises(LossError, match="otherwise or not at all"):
+            sfc.save(project, io.BytesIO(), format="codesys", strict=True)

@@ -227,7 +227,7 @@ def test_one_bad_file_does_not_cost_the_others(tmp_path: Path) -> None:
         sfc.save(project, tmp_path / "copy")
     assert not (tmp_path / "copy").exists()
     project.accept_errors()
-    elsewhere = sfc.save(project, tmp_path / "copy")
+    elsewhere = sfc.save(project, tmp_path / "copy", partial=True)
     assert {item.path for item in elsewhere.losses} == strangers.keys()
     with pytest.raises(LossError, match="could not be read"):
         sfc.save(project, tmp_path / "strict", strict=True)
@@ -241,13 +241,13 @@ def test_unreadable_documents_are_missing_in_other_formats(tmp_path: Path) -> No
     with pytest.raises(DamagedSourceError, match="DIR101"):
         sfc.save(project, tmp_path / "all.xml", format="plcopen")
     project.accept_errors()
-    report = sfc.save(project, tmp_path / "all.xml", format="plcopen")
+    report = sfc.save(project, tmp_path / "all.xml", format="plcopen", partial=True)
     assert [item.path for item in report.losses if item.what == "file"] == ["cut.xml"]
 
 
 def test_a_report_names_document_and_line(tmp_path: Path) -> None:
     folder = export(tmp_path)
-    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen")
+    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen", partial=True)
     items = [item for item in report.items if item.what == "interlock" and item.path.startswith("POU FB_Drill")]
     assert items
     path = folder / "Program blocks" / "Station Süd" / "FB_Drill.xml"
@@ -261,7 +261,7 @@ def test_a_report_names_document_and_line(tmp_path: Path) -> None:
 
 def test_translated_texts_are_in_documents_and_lines_too(tmp_path: Path) -> None:
     folder = export(tmp_path)
-    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="codesys")
+    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="codesys", partial=True)
     items = [item for item in report.items if item.what == "text"]
     assert {item.path.partition(" ")[0] for item in items} == {"POU"}
     places = {"FB_Drill": "Program blocks/Station Süd/FB_Drill.xml", "FB_Motor": "Program blocks/FB_Motor.xml"}
@@ -281,7 +281,7 @@ def test_translated_texts_are_in_documents_and_lines_too(tmp_path: Path) -> None
 
 def test_objects_that_are_no_blocks_are_in_documents_and_lines(tmp_path: Path) -> None:
     folder = export(tmp_path)
-    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen")
+    report = sfc.save(sfc.load(folder), tmp_path / "all.xml", format="plcopen", partial=True)
     (item,) = [item for item in report.items if item.path == "type Station" and item.what == "folder"]
     assert item.file == str(folder / "PLC data types" / "Station.xml")
     assert item.line is not None
@@ -384,11 +384,11 @@ def test_a_folder_becomes_one_file_and_a_folder_again(tmp_path: Path) -> None:
     project = sfc.load(export(tmp_path))
     for name in ("json", "simaticml", "plcopen", "codesys", "iec-text", "scl"):
         target = tmp_path / f"all.{name}"
-        sfc.save(project, target, format=name)
+        sfc.save(project, target, format=name, partial=True)
         one = sfc.load(target)
         assert {thing.name: thing.folder for thing in one.objects()} == {t.name: t.folder for t in project.objects()}
         back = tmp_path / f"back from {name}"
-        sfc.save(one, back, format="simaticml", fresh=name == "simaticml")
+        sfc.save(one, back, format="simaticml", fresh=name == "simaticml", partial=True)
 
 
 def test_a_project_of_another_tool_gets_the_folders_of_openness(tmp_path: Path) -> None:

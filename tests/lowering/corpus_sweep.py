@@ -208,7 +208,7 @@ class Sweep:
         if not lowered:
             return {}
         try:
-            content, report = convert(lowered[-1].project, target)
+            content, report = convert(lowered[-1].project, target, partial=True)
             wrong = [text for text in what_is_invalid(content) if text not in self._wrong_before]
             seen = sfc.loads(content, format=without_version(target), as_tool=True)
         except OldVersionError:  # of the rest of the project too

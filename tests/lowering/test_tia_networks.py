@@ -110,7 +110,7 @@ END_FUNCTION_BLOCK
     assert not drawn.problems
     other = project.model_copy(deep=True)
     other.pou("Test").bodies = [drawn.body]
-    data = sfc.dumps(other, format="simaticml")
+    data = sfc.dumps(other, format="simaticml", partial=True)
     networks = list(etree.fromstring(data).iter("{*}FlgNet"))
     assert [len(net.findall("{*}Parts/{*}Part[@Name='A']")) for net in networks] == [0, 1, 0]
     found = equivalent(project, sfc.loads(data), "iec")

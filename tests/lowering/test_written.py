@@ -16,7 +16,7 @@ from tests.lowering.charts import boolean, training_chain
 
 
 def proved(project: m.Project, lowered: LoweredPou, target: str) -> Verdict:
-    content = sfc.dumps(lowered.project, format=target)
+    content = sfc.dumps(lowered.project, format=target, partial=True)
     seen = sfc.loads(content, format=target, as_tool=True)
     return prove_written(resolve(project, lowered.name), lowered, seen, lambda: sfc.loads(content, format=target))
 

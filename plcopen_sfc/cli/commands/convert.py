@@ -40,6 +40,7 @@ class How:
     flavour: str = ""
     tia: str = ""
     strict: bool = False
+    partial: bool = False
     fresh: bool = False
     normalize: bool = False
 

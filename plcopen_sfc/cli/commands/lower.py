@@ -140,7 +140,7 @@ def _made(
         draft = place / Path(name).name
         is_folder = name.endswith(("/", os.sep))
         asked_for, left_out = _asked_for(lowered[-1].project, how)
-        report = save(asked_for, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia)
+        report = save(asked_for, f"{draft}/" if is_folder else draft, format=how.to, tia=how.tia, partial=True)
         for pou in left_out:
             why = "it was not asked for, and SCL has no charts: the file has no such block"
             report.add(Outcome.NOT_EXECUTED, "chart", pou.report_path, why)
@@ -188,7 +188,7 @@ def _asked_for(project: Project, how: How) -> tuple[Project, list[Pou]]:
 def _written(made: _Made, how: How, name: str) -> ConversionReport:
     """Put the draft where it belongs."""
     if made.draft.is_dir():
-        return save(made.lowered[-1].project, name, format=how.to, tia=how.tia)
+        return save(made.lowered[-1].project, name, format=how.to, tia=how.tia, partial=True)
     write_atomic(Path(name), made.draft.read_bytes())
     made.report.written = [name]
     return made.report

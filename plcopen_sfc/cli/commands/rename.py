@@ -10,7 +10,7 @@ from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.folders.saving import edited_files
 from plcopen_sfc.languages.names import Use
 from plcopen_sfc.refactor.rename import RenameResult
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
 
 UNREAD_DOCUMENT = "DIR101"
 _SHOWN = 20
@@ -39,7 +39,7 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
         _show(screen, result)
         for name in report.written if report is not None else ():
             screen.line("written: ", (name, "bold"))
-    for item in report.losses if report is not None else ():
+    for item in report.with_outcome(*LOSSES, Outcome.DROPPED) if report is not None else ():
         screen.note(f"{item.what} {item.path}: {item.why}")
     if result.undecided and not screen.as_json:
         screen.note(f"these places have the name {result.old} too; look whether they mean {result.path}:")

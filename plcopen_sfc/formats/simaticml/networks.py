@@ -168,4 +168,4 @@ def write_flgnet_body(ctx: WriteContext, owner: etree._Element, body: Body) -> N
             if instead is not None:
                 owner.replace(element, instead)
         if len(body.networks) > 1:
-            ctx.note(Outcome.DROPPED, "network", why="GRAPH has one network here")
+            ctx.note(Outcome.NOT_EXECUTED, "network", why="GRAPH has one network here")

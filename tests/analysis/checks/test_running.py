@@ -176,7 +176,7 @@ class TestLettingBe:
         before = len(codes(project, select=["TIM01"]))
         suppressed = next(step for step in chart.steps if not step.exclude)
         suppressed.comment = "plcopen-sfc: ignore TIM01"
-        again = sfc.loads(sfc.dumps(project))
+        again = sfc.loads(sfc.dumps(project, partial=True))
         places = [finding.location.path for finding in sfc.check(again, select=["TIM01"])]
         assert len(places) == before - 1 > 0
         assert not any(str(place).endswith(f"step {suppressed.name}") for place in places)

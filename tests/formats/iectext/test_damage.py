@@ -63,7 +63,7 @@ def damaged(draw: Callable[..., Any]) -> str:
 def assert_kept(text: str) -> m.Project:
     project = sfc.loads(text.encode(), format="iec-text")
     assert sfc.dumps(project) == text.encode()
-    written = sfc.dumps(project, format="iec-text", fresh=True)
+    written = sfc.dumps(project, format="iec-text", fresh=True, partial=True)
     assert sfc.loads(written, format="iec-text") == project
     return project
 
@@ -109,7 +109,7 @@ def test_an_action_without_its_end_does_not_swallow_the_chart() -> None:
 @some
 @given(projects(), st.data())
 def test_edits_of_random_texts_change_their_place(project: m.Project, data: st.DataObject) -> None:
-    text = sfc.dumps(project, format="iec-text", fresh=True)
+    text = sfc.dumps(project, format="iec-text", fresh=True, partial=True)
     loaded = sfc.loads(text, format="iec-text")
     charts = [chart.network for chart in loaded.charts()]
     if charts:
@@ -119,6 +119,6 @@ def test_edits_of_random_texts_change_their_place(project: m.Project, data: st.D
         data.draw(st.sampled_from(chart.transitions)).condition = m.Expression(text="Zz9 > 3")
     else:
         loaded.pous[0].bodies = [m.StBody(text="Zz9 := 3;")]
-    _, report = sfc.convert(loaded, "iec-text")
+    _, report = sfc.convert(loaded, "iec-text", partial=True)
     assert report.with_outcome(Outcome.APPROXIMATED, Outcome.DROPPED) == []
-    assert sfc.loads(sfc.dumps(loaded), format="iec-text") == loaded
+    assert sfc.loads(sfc.dumps(loaded, partial=True), format="iec-text") == loaded

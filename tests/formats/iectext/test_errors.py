@@ -25,7 +25,7 @@ def load(text: str | bytes) -> m.Project:
     data = text if isinstance(text, bytes) else text.encode()
     project = sfc.loads(data, format="iec-text", path="a.st")
     assert sfc.dumps(project) == data
-    written = sfc.dumps(project, format="iec-text", fresh=True)
+    written = sfc.dumps(project, format="iec-text", fresh=True, partial=True)
     assert sfc.loads(written, format="iec-text") == project
     return project
 

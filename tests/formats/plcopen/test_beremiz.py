@@ -36,7 +36,7 @@ def project() -> sfc.Project:
 
 
 def converted(project: sfc.Project) -> tuple[sfc.Project, sfc.ConversionReport]:
-    data, report = sfc.convert(project, "plcopen-2.01", flavour="beremiz")
+    data, report = sfc.convert(project, "plcopen-2.01", flavour="beremiz", partial=True)
     return sfc.loads(data, as_tool=True), report
 
 

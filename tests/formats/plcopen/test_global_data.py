@@ -48,7 +48,7 @@ def all_globals(project: Project) -> dict[str, Variable]:
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_programs_find_their_tags_constants_and_blocks(target: str) -> None:
-    data, report = sfc.convert(plant(), target)
+    data, report = sfc.convert(plant(), target, partial=True)
     errors = [d for d in (validate_codesys if target == "codesys" else validate)(data) if d.severity == "error"]
     assert errors == []
     read = sfc.loads(data, as_tool=True)
@@ -73,14 +73,14 @@ def test_programs_find_their_tags_constants_and_blocks(target: str) -> None:
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_way_back_has_tables_and_blocks_and_no_lists(target: str) -> None:
     source = sfc.loads(sfc.dumps(plant(), format="simaticml"))
-    back = sfc.loads(sfc.convert(source, target)[0])
+    back = sfc.loads(sfc.convert(source, target, partial=True)[0])
     assert back.global_variables == []
     assert back.configurations == []
     assert list(differences(source, sfc.loads(sfc.dumps(back, format="simaticml")))) == []
 
 
 def test_a_list_that_was_edited_stays() -> None:
-    data = sfc.dumps(plant(), format="codesys")
+    data = sfc.dumps(plant(), format="codesys", partial=True)
     edited = data.replace(b"%IX0.0", b"%IX7.0")
     assert edited != data
     assert [section.name for section in sfc.loads(edited).global_variables] == ["Default_tag_table"]
@@ -89,7 +89,7 @@ def test_a_list_that_was_edited_stays() -> None:
 @pytest.mark.parametrize("target", TARGETS)
 def test_an_instance_is_a_global_variable_of_its_block(target: str) -> None:
     project = sfc.load(FIXTURES / "simaticml-plc")
-    read = sfc.loads(sfc.dumps(project, format=target), as_tool=True)
+    read = sfc.loads(sfc.dumps(project, format=target, partial=True), as_tool=True)
     kind = all_globals(read)["FB_Drilling_DB"].type
     assert getattr(kind, "name", None) == "FB_Drilling"
 
@@ -102,7 +102,7 @@ def test_what_has_no_type_is_reported() -> None:
     members = [Variable(name="at", type="DTL")]
     dated = DataBlock(name="Log", interface=Interface(sections=[VariableSection(variables=members)]))
     source = plant(pous=[], tag_tables=[tags], data_blocks=[timer, dated])
-    _, report = sfc.convert(source, "plcopen")
+    _, report = sfc.convert(source, "plcopen", partial=True)
     found = {item.path: item.outcome for item in report.losses}
     assert found == {
         "data block T_1": Outcome.NOT_EXECUTED,
@@ -148,7 +148,7 @@ def test_lists_that_tc6_cannot_tell_apart_are_reported() -> None:
     one = VariableSection(kind=SectionKind.GLOBAL, name="A", variables=[Variable(name="x", type="BOOL")])
     other = VariableSection(kind=SectionKind.GLOBAL, name="B", variables=[Variable(name="x", type="BOOL")])
     source = Project(global_variables=[one, other], dialect=Dialect.CODESYS)
-    _, report = sfc.convert(source, "plcopen")
+    _, report = sfc.convert(source, "plcopen", partial=True)
     assert [(item.outcome, item.path) for item in report.losses] == [(Outcome.NOT_EXECUTED, "global variable x")]
 
 
@@ -168,7 +168,7 @@ def test_a_constant_as_length_of_a_string_is_a_number_in_tc6_1_01(initial: str, 
         bodies=[StBody(text=";")],
     )
     source = Project(pous=[pou], global_variables=[most], dialect=Dialect.CODESYS)
-    data, report = sfc.convert(source, "plcopen-1.01")
+    data, report = sfc.convert(source, "plcopen-1.01", partial=True)
     assert [d for d in validate(data) if d.severity == "error"] == []
     assert [item.what for item in report.losses] == ([] if length else ["length of a string"])
     written = sfc.loads(data, as_tool=True).pous[0].variables()[0].type

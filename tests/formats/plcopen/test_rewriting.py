@@ -97,12 +97,15 @@ def assert_runs_the_same(source: Project, target: str, *, own: str = "s7graph") 
 
 
 def assert_comes_back(source: Project, target: str) -> None:
-    there, report = sfc.convert(source, target)
+    there, report = sfc.convert(source, target, partial=True)
     assert report.with_outcome(Outcome.DROPPED) == []
     home = "simaticml" if source.dialect is Dialect.SCL else "codesys"
     assert (
         list(
-            differences(sfc.loads(sfc.dumps(source, format=home)), sfc.loads(sfc.dumps(sfc.loads(there), format=home)))
+            differences(
+                sfc.loads(sfc.dumps(source, format=home, partial=True)),
+                sfc.loads(sfc.dumps(sfc.loads(there), format=home, partial=True)),
+            )
         )
         == []
     )
@@ -195,7 +198,7 @@ UNSAID: dict[str, Row] = {
 @pytest.mark.parametrize("row", UNSAID.values(), ids=UNSAID.keys())
 def test_what_cannot_be_said_is_left_out_and_reported(row: Row, target: str) -> None:
     source = block([row])
-    data, report = sfc.convert(source, target)
+    data, report = sfc.convert(source, target, partial=True)
     (item,) = report.losses
     assert item.outcome is Outcome.NOT_EXECUTED
     assert item.path.startswith("POU FB_Ring / step Work / action ")
@@ -255,7 +258,7 @@ def test_an_edited_file_is_written_with_its_statements_again() -> None:
 
 def test_conditions_are_expressions_in_codesys_or_do_not_compile() -> None:
     source = sfc.load(FIXTURES / "plcopen" / "filling_station_2.01.xml")
-    data, report = sfc.convert(source, "codesys")
+    data, report = sfc.convert(source, "codesys", partial=True)
     chart = sfc.loads(data, as_tool=True).pou("FillingStation").sfc
     assert chart is not None
     texts = {t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)}
@@ -272,7 +275,7 @@ def test_conditions_are_expressions_in_codesys_or_do_not_compile() -> None:
 
 @pytest.mark.parametrize("file", ["simaticml/FB_Drill.xml", "simaticml-plc"])
 def test_networks_of_tia_portal_are_expressions_in_codesys(file: str) -> None:
-    data = sfc.dumps(sfc.load(FIXTURES / file), format="codesys")
+    data = sfc.dumps(sfc.load(FIXTURES / file), format="codesys", partial=True)
     for chart in sfc.loads(data, as_tool=True).charts():
         assert all(isinstance(transition.condition, Expression) for transition in chart.network.transitions)
     assert b"TrCoil</attribute>" not in data
@@ -331,7 +334,7 @@ def test_flags_and_maximum_times_in_use_are_not_executed_in_tc6() -> None:
     _, report = sfc.convert(source, "plcopen")
     assert report.losses == []
     chart_of(source).settings = SfcSettings(flags={SfcFlag.ERROR: FlagUse(use=True), SfcFlag.INIT: FlagUse(use=True)})
-    _, report = sfc.convert(source, "plcopen")
+    _, report = sfc.convert(source, "plcopen", partial=True)
     found = [(item.outcome, item.what, item.path) for item in report.losses]
     assert (Outcome.NOT_EXECUTED, "SFCError", "POU FB_Ring") in found
     assert (Outcome.NOT_EXECUTED, "max time", "POU FB_Ring / step Work") in found

@@ -33,7 +33,7 @@ def source(text: str, declarations: str = "") -> m.Project:
 
 def written(project: m.Project) -> tuple[str, m.Project, ConversionReport]:
     """The text of SCL, what TIA Portal sees in it, and the report."""
-    data, report = sfc.convert(project, "scl")
+    data, report = sfc.convert(project, "scl", partial=True)
     return data.decode("utf-8-sig"), sfc.loads(data, as_tool=True), report
 
 
@@ -124,7 +124,7 @@ VAR s : STRING[20] := 'it$'s'; b AT %IX0.3 : BOOL; END_VAR"""
     assert told(report, "address") == [
         "variables of blocks have no address in S7: it is not connected to %IX0.3",
     ]
-    back = sfc.loads(sfc.convert(source("q := 1.0;", declarations), "scl")[0])
+    back = sfc.loads(sfc.convert(source("q := 1.0;", declarations), "scl", partial=True)[0])
     assert next(v.address for v in back.pou("Main").variables() if v.name == "b") == "%IX0.3"
 
 
@@ -145,5 +145,5 @@ def test_steps_are_named_in_the_actions_of_their_block() -> None:
     chart.add_step("Fill", initial=True)
     action = m.Action(name="Look", body=m.StBody(text="IF Fill.x THEN q := 1.0; END_IF;"))
     project.pous[1].bodies, project.pous[1].actions = [m.SfcBody(chart=chart)], [action]
-    back = sfc.loads(sfc.convert(project, "scl")[0])
+    back = sfc.loads(sfc.convert(project, "scl", partial=True)[0])
     assert back.pous[1].actions[0].body == m.StBody(text="IF #Fill.X THEN #q := 1.0; END_IF;")

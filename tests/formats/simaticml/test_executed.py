@@ -62,7 +62,7 @@ def project_with(
 def converted(project: m.Project) -> tuple[bytes, ConversionReport]:
     """What is written for TIA Portal; it fits the published schemas and comes back whole."""
     before = project.model_copy(deep=True)
-    data, report = sfc.convert(project, "simaticml")
+    data, report = sfc.convert(project, "simaticml", partial=True)
     assert list(differences(project, before)) == []
     assert report.with_outcome(Outcome.DROPPED) == []
     for kind, number, part in outer_parts(parsed(data)):
@@ -427,7 +427,7 @@ def declared(kind: str, text: str) -> m.Project:
 
 def test_sections_stand_once_and_in_the_order_of_tia_portal() -> None:
     project = declared("FUNCTION_BLOCK", DECLARED)
-    data, report = sfc.convert(project, "simaticml")
+    data, report = sfc.convert(project, "simaticml", partial=True)
     assert report.with_outcome(Outcome.DROPPED) == []
     sections = parsed(data).findall(".//{*}Section")
     assert [section.get("Name") for section in sections] == ["Input", "Static", "Temp", "Constant"]
@@ -443,7 +443,7 @@ def test_sections_stand_once_and_in_the_order_of_tia_portal() -> None:
 @pytest.mark.parametrize("target", ["simaticml", "scl"])
 def test_functions_have_temporary_variables_without_start_values(target: str) -> None:
     project = declared("FUNCTION", "VAR_INPUT a : INT; END_VAR\nVAR n : INT; m : INT := 3; END_VAR")
-    data, report = sfc.convert(project, target)
+    data, report = sfc.convert(project, target, partial=True)
     assert [(item.what, item.path) for item in report.losses] == [("initial", "POU F / m")]
     sections = sfc.loads(data, format=target, as_tool=True).pous[0].interface.sections  # type: ignore[union-attr]
     assert [s.kind for s in sections if s.variables][:2] == [m.SectionKind.INPUT, m.SectionKind.TEMP]
@@ -454,7 +454,7 @@ def test_functions_have_temporary_variables_without_start_values(target: str) ->
 
 def test_a_variable_that_came_in_tia_portal_stays() -> None:
     project = declared("FUNCTION_BLOCK", DECLARED)
-    text = sfc.dumps(project, format="simaticml").decode("utf-8-sig")
+    text = sfc.dumps(project, format="simaticml", partial=True).decode("utf-8-sig")
     member = '<Member Name="s" Datatype="String[20]">'
     edited = text.replace(member, f'<Member Name="new" Datatype="Int" />{member}')
     sections = sfc.loads(edited.encode()).pous[0].interface.sections  # type: ignore[union-attr]
@@ -489,10 +489,10 @@ def test_a_condition_in_other_letters_comes_back_as_it_was() -> None:
 
 
 def test_an_edit_of_a_block_with_merged_sections_changes_its_line() -> None:
-    data = sfc.dumps(declared("FUNCTION_BLOCK", DECLARED), format="simaticml")
+    data = sfc.dumps(declared("FUNCTION_BLOCK", DECLARED), format="simaticml", partial=True)
     project = sfc.loads(data)
     next(v for v in project.pous[0].variables() if v.name == "r").initial = m.SimpleValue(text="8")
-    before, after = data.splitlines(), sfc.dumps(project).splitlines()
+    before, after = data.splitlines(), sfc.dumps(project, partial=True).splitlines()
     assert [(a.strip(), b.strip()) for a, b in zip(before, after, strict=True) if a != b] == [
         (b"<StartValue>7</StartValue>", b"<StartValue>8</StartValue>")
     ]

@@ -67,7 +67,7 @@ def test_lists_of_global_variables_are_data_blocks(target: str) -> None:
 
 def test_others_are_tags_and_constants() -> None:
     project = with_globals()
-    content, report = sfc.convert(project, "simaticml")
+    content, report = sfc.convert(project, "simaticml", partial=True)
     assert [(item.outcome.value, item.path) for item in report.losses] == [("not executed", "Loose")]
     seen = sfc.loads(content, as_tool=True)
     (table,) = seen.tag_tables
@@ -84,7 +84,7 @@ def test_what_a_data_block_cannot_hold_is_told() -> None:
     project.pous.append(block)
     motor = m.Variable(name="motor", type=m.DerivedType(name="Axis"))
     project.applications[0].global_variables[0].variables += [motor, variable("Lamp", BOOL, address="%QX0.0")]
-    content, report = sfc.convert(project, "simaticml")
+    content, report = sfc.convert(project, "simaticml", partial=True)
     losses = [(item.what, item.path) for item in report.losses]
     assert losses == [("global variable", "Plant.motor"), ("global variable", "Plant.Lamp")]
     (data,) = sfc.loads(content, as_tool=True).data_blocks
@@ -95,7 +95,7 @@ def test_what_a_data_block_cannot_hold_is_told() -> None:
 def test_a_block_that_has_the_name_stays() -> None:
     project = with_lists()
     project.data_blocks = [m.DataBlock(name="PLANT", interface=m.Interface())]
-    seen = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
+    seen = sfc.loads(sfc.dumps(project, format="simaticml", partial=True), as_tool=True)
     assert [block.name for block in seen.data_blocks] == ["PLANT"]
 
 
@@ -158,7 +158,7 @@ def test_documents_of_a_folder_know_the_whole_project(tmp_path: Path) -> None:
     instance = m.Variable(name="motor", type=m.DerivedType(name="Motor"))
     main = m.Pou(name="Main", kind=m.PouKind.FUNCTION_BLOCK, bodies=[m.SfcBody(chart=chart)])
     main.interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.LOCAL, variables=[instance])])
-    report = sfc.save(m.Project(pous=[main, motor]), f"{tmp_path}/out/", format="simaticml")
+    report = sfc.save(m.Project(pous=[main, motor]), f"{tmp_path}/out/", format="simaticml", partial=True)
     assert "POU Main / step Go / action motor.Stop" in {i.path for i in report.with_outcome(sfc.Outcome.NOT_EXECUTED)}
     seen = sfc.load(tmp_path / "out", as_tool=True).pou("Main").sfc
     assert seen is not None

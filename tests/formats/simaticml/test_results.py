@@ -69,7 +69,7 @@ def test_boxes_that_call_a_function_have_the_pins_that_it_declares() -> None:
         m.OutputVariable(id=4, expression="r", input=wire),
     ]
     project.pous[1].bodies = [m.FbdBody(networks=[m.LogicNetwork(nodes=nodes)])]
-    content = sfc.dumps(project, format="simaticml")
+    content = sfc.dumps(project, format="simaticml", partial=True)
     text = content.decode("utf-8-sig")
     parameters = re.findall(r'<Parameter Name="(\w*)" Section="(\w+)" Type="(\w+)"', text)
     assert parameters == [("raw", "Input", "Int"), ("top", "Input", "Real"), ("Ret_Val", "Return", "Real")]

@@ -1,0 +1,174 @@
+"""What conversions of real files come to, for each pair of formats, and whether running both agrees with the report.
+
+    python -m benchmarks.conversions                     the fixtures, to every other format
+    python -m benchmarks.conversions --corpus FOLDER     the files of a folder, too
+    python -m benchmarks.conversions --run               run each chart that the report says is executed in both tools
+    python -m benchmarks.conversions --only traffic      files with this in their name
+    python -m benchmarks.conversions --list              name every file and what became of it
+
+A conversion is *executed* where the report names no loss, *otherwise* where something is approximated, *partial* where
+something is not executed, *refused* where it is written in no case. *Unsaid* are losses that the reader of the target
+found and no writer had named. With ``--run``, *the same* and *different* count charts of which the report names no
+loss: a different one is a mistake of the report.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.conversion.reporting import UNSAID
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.project import Origin
+from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.semantics.profile import default_profile
+from plcopen_sfc.semantics.subjects import resolve
+
+FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
+TARGETS = ("codesys", "plcopen-2.01", "plcopen-1.01", "simaticml", "scl", "iec-text")
+COLUMNS = (
+    "files",
+    "executed",
+    "otherwise",
+    "partial",
+    "refused",
+    "failed",
+    "unsaid",
+    "the same",
+    "unknown",
+    "different",
+)
+
+
+@dataclass
+class Judged:
+    """What became of a file in a target: the pair of formats, counts by column, and what to list."""
+
+    pair: str
+    file: str
+    counts: Counter[str] = field(default_factory=Counter)
+    notes: list[str] = field(default_factory=list)
+
+
+def judged(path: Path, target: str, *, run: bool, limit: float) -> Judged | None:
+    """Convert a file; None where it is not read, or is of this format."""
+    try:
+        project = sfc.load(path)
+    except SfcError:
+        return None
+    origin = project._origin
+    assert isinstance(origin, Origin)
+    source = f"{origin.format}-{origin.version}" if origin.format == "plcopen" else origin.format
+    if target == source:
+        return None
+    found = Judged(f"{source} -> {target}", path.name, Counter(files=1))
+    try:
+        data, report = sfc.convert(project, target, partial=True)
+    except SfcError as error:
+        found.counts["refused"] += 1
+        found.notes.append(f"refused: {error.message}")
+        return found
+    except Exception as error:
+        found.counts["failed"] += 1
+        found.notes.append(f"failed: {error!r}")
+        return found
+    found.counts[_column(report)] += 1
+    unsaid = [item for item in report.losses if UNSAID in item.why]
+    found.counts["unsaid"] += len(unsaid)
+    found.notes += [f"unsaid: {item.what} {item.path}: {item.why}" for item in unsaid]
+    if run:
+        result = sfc.loads(data, format=format_named(target)[0].name, as_tool=True)
+        _run(project, result, report, found, limit)
+    return found
+
+
+def _column(report: ConversionReport) -> str:
+    if report.with_outcome(Outcome.NOT_EXECUTED):
+        return "partial"
+    return "otherwise" if report.losses else "executed"
+
+
+def _run(source: m.Project, result: m.Project, report: ConversionReport, found: Judged, limit: float) -> None:
+    """Run the charts of which the report says that all is executed."""
+    lossy = {item.path.partition(" / ")[0] for item in report.losses}
+    if any(not path.startswith("POU ") for path in lossy):
+        return
+    there = {chart.name.casefold(): chart.name for chart in result.charts()}
+    for chart in source.charts():
+        if chart.pou.report_path in lossy or chart.name.casefold() not in there:
+            continue
+        profiles = default_profile(source), default_profile(result)
+        try:
+            left, right = resolve(source, chart.name), resolve(result, there[chart.name.casefold()])
+            verdict = equivalent(left, right, profiles, delay="auto", cap=2_000, runs=10, scans=100, limit=limit)
+        except SfcError as error:
+            found.counts["unknown"] += 1
+            found.notes.append(f"not run: {chart.name}: {error.message}")
+            continue
+        column = "different" if verdict.different else "the same" if verdict.equal else "unknown"
+        found.counts[column] += 1
+        if column != "the same":
+            found.notes.append(f"{column}: {chart.name}: {verdict}")
+
+
+def files(folders: list[Path], only: str) -> Iterator[Path]:
+    """The files of some folders."""
+    for folder in folders:
+        every = sorted(path for path in folder.rglob("*") if path.is_file())
+        yield from (path for path in every if only.casefold() in str(path).casefold())
+
+
+def _work(job: tuple[Path, str], *, run: bool, limit: float) -> Judged | None:
+    return judged(*job, run=run, limit=limit)
+
+
+def table(found: list[Judged]) -> str:
+    """Counts by pair of formats as a table of Markdown."""
+    pairs: dict[str, Counter[str]] = defaultdict(Counter)
+    for each in found:
+        pairs[each.pair] += each.counts
+    total: Counter[str] = sum(pairs.values(), Counter())
+    rows = [["pair", *COLUMNS]]
+    rows += [[name, *(str(row[c]) for c in COLUMNS)] for name, row in [*sorted(pairs.items()), ("all", total)]]
+    lines = ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join([lines[0], "|---|" + "---:|" * len(COLUMNS), *lines[1:]])
+
+
+def main() -> None:
+    """Convert and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--corpus", type=Path)
+    parser.add_argument("--to", action="append", choices=TARGETS)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--run", action="store_true")
+    parser.add_argument("--list", action="store_true")
+    parser.add_argument("--limit", type=float, default=10, help="seconds for each chart that is run")
+    parser.add_argument("--processes", type=int, default=2)
+    given = parser.parse_args()
+    folders = [FIXTURES, *([given.corpus] if given.corpus is not None else [])]
+    jobs = [(path, target) for path in files(folders, given.only) for target in given.to or TARGETS]
+    start = time.monotonic()
+    found: list[Judged] = []
+    with ProcessPoolExecutor(given.processes) as pool:
+        for each in pool.map(partial(_work, run=given.run, limit=given.limit), jobs):
+            if each is None:
+                continue
+            found.append(each)
+            wrong = [note for note in each.notes if note.startswith(("unsaid", "failed", "different"))]
+            for note in each.notes if given.list else wrong:
+                print(f"{each.pair} {each.file}: {note}", flush=True)
+    print(f"\n{table(found)}\n\n{time.monotonic() - start:.0f} s with {given.processes} processes")
+
+
+if __name__ == "__main__":
+    main()
