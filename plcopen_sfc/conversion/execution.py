@@ -145,9 +145,11 @@ class _Reader:
         self._tasks()
         for pou in self.project.pous:
             self._pou(pou)
-        for name, path in _undeclared(self.project):
-            if name.casefold() not in self.global_names:
-                self.whole.add(UNDECLARED, name, path).tell("name", Meaning.of(name))
+        for occurrence in Names(self.project).undeclared():
+            name = occurrence.reference.name
+            if name.casefold() in _RESULTS | self.global_names or standard_block(name) is not None:
+                continue
+            self.whole.add(UNDECLARED, name, occurrence.piece.report_path).tell("name", Meaning.of(name))
         return self.whole
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
@@ -561,22 +563,6 @@ _GRAPH_SETTINGS = {
 
 _RESULTS = frozenset({"trcoil", "ilcoil", "svcoil"})
 """What the results of the networks of S7-GRAPH are called."""
-
-
-def _undeclared(project: Project) -> Iterator[tuple[str, str]]:
-    """Names in program text that nothing declares, each with the first place where it stands."""
-    found: set[str] = set()
-    for occurrence in Names(project).everything():
-        reference, meaning = occurrence.reference, occurrence.meaning
-        if meaning.declaration is not None or meaning.doubt or not occurrence.piece.is_program_text:
-            continue
-        if reference.name.casefold() in _RESULTS:
-            continue
-        is_member = reference.base is not None or reference.callee is not None or reference.expected is not None
-        if is_member or reference.name.casefold() in found or standard_block(reference.name) is not None:
-            continue
-        found.add(reference.name.casefold())
-        yield reference.name, occurrence.piece.report_path
 
 
 def _values(project: Project) -> dict[str, str]:

@@ -32,7 +32,7 @@ END_FUNCTION_BLOCK
 )
 def test_an_action_of_several_steps_has_one_control_that_step_actions_do_not_have(first: str, second: str) -> None:
     project = sfc.loads(SHARED.format(first=first, second=second).encode(), format="iec-text")
-    _, report = sfc.convert(project, "codesys")
+    _, report = sfc.convert(project, "codesys", partial=True)
     assert any(item.path.startswith("POU Main / step S") for item in report.losses)
 
 

@@ -10,7 +10,7 @@ from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
 from plcopen_sfc.languages.names.meaning import Meaning
-from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
+from plcopen_sfc.languages.names.pieces import Piece, Reading, Role, Site, pieces
 from plcopen_sfc.languages.names.references import Reference, references
 from plcopen_sfc.languages.names.resolving import Resolver
 from plcopen_sfc.languages.problems import Lines
@@ -101,11 +101,24 @@ class Names:
                     if reference.name.casefold() in keys:
                         yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
 
-    def everything(self) -> Iterator[Occurrence]:
-        """Every name in every text."""
+    def undeclared(self) -> Iterator[Occurrence]:
+        """The names in program text that stand on their own and that nothing declares, each where it stands first."""
+        found: set[str] = set()
+        declared: set[tuple[Site, Role, str]] = set()
         for piece in self._all_pieces():
+            if not piece.is_program_text:
+                continue
             for reference in references(piece, self.dialect):
-                yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+                name = reference.name.casefold()
+                is_member = reference.base is not None or reference.callee is not None or reference.expected is not None
+                if is_member or name in found or (piece.site, reference.role, name) in declared:
+                    continue
+                meaning = self.resolver.meaning(reference, piece)
+                if meaning.declaration is not None:
+                    declared.add((piece.site, reference.role, name))
+                elif not meaning.doubt:
+                    found.add(name)
+                    yield Occurrence(piece, reference, meaning)
 
     def _all_pieces(self) -> list[Piece]:
         if self._pieces is None:
