@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -119,9 +117,7 @@ def test_long_and_deep_charts(style: DrawingStyle) -> None:
     )
     comb = make(600, [e for i in range(599) for e in (([i], [i + 1]), ([i], [i]), ([i], [0]))])
     for chart in (long, deep, comb):
-        start = time.perf_counter()
         chart.drawing = draw(chart, style)
         assert fits(chart)
         layout(chart)
-        assert time.perf_counter() - start < 10
     assert_apart(deep)

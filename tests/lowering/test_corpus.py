@@ -28,6 +28,7 @@ from tests.lowering.corpus_sweep import (
     corpus_charts,
     reason,
 )
+from tests.sweeps import some_of
 
 pytestmark = [pytest.mark.corpus, pytest.mark.slow]
 
@@ -138,17 +139,18 @@ def test_all_do_the_same_or_are_refused(family: str) -> None:
 
 def test_each_form_refuses_few() -> None:
     require_corpus()
-    found: dict[str, Counter[str]] = {f"{construction} {language}": Counter() for construction, language in FORMS}
+    forms = some_of(FORMS, 2)
+    found: dict[str, Counter[str]] = {f"{construction} {language}": Counter() for construction, language in forms}
     count = 0
     for charts in corpus_charts():
         for name in charts.names:
             if "." in name:
                 continue  # the chart of an action
             count += 1
-            for construction, language in FORMS:
+            for construction, language in forms:
                 try:
                     lower(charts.project, construction, pou=name, language=language, verify=False)
                 except LoweringError as error:
                     found[f"{construction} {language}"][reason(error)] += 1
     assert count == CHARTS
-    assert {form: dict(counts) for form, counts in found.items()} == REFUSED_FORMS
+    assert {form: dict(counts) for form, counts in found.items()} == {form: REFUSED_FORMS[form] for form in found}

@@ -13,9 +13,10 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc.errors import FormatError
 from tests.formats.simaticml.documents import FIXTURES, parsed
+from tests.sweeps import WHOLE
 
 NUMBERS = ("ID", "UId", "Number")
-MUTANTS = 60
+MUTANTS = 60 if WHOLE else 25
 SEED = 60848
 VALUES = ("", "0", "-1", "x", "999999", "true", "Direct", "SimEnd", "é", "1.5", "00", "FBD")
 
