@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -37,7 +38,7 @@ def report_execution(
     )
     rewritten = _rewritten_steps(found, settled)
     changed = {(difference.path, difference.aspect) for difference in found}
-    said = " ".join(item.why for item in report.items if item.outcome in LOSSES)
+    said = {name for item in report.items if item.outcome in LOSSES for name in _IN_PLACE.findall(item.why)}
     noticed = {item.path for item in report.items if item.outcome is not Outcome.KEPT}
     told = set()
     for difference in found:
@@ -56,6 +57,10 @@ def report_execution(
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
+
+
+_IN_PLACE = re.compile(r"undeclared name (\w+)")
+"""How writers tell the name that they put in place of what the target cannot say."""
 
 
 def _rewritten_steps(differences: Iterable[Difference], settled: Counter[tuple[str, str]]) -> set[str]:

@@ -44,6 +44,22 @@ def data_blocks_of(project: Project) -> list[DataBlock]:
     ]
 
 
+def blocks_of_variables(project: Project) -> dict[str, str]:
+    """The data block of each variable of a list that texts may name alone, by its name in lower case.
+
+    Names of several lists and of other objects are left out: texts name these with their list.
+    """
+    found: dict[str, list[str]] = {}
+    for block in data_blocks_of(project):
+        for variable in block.interface.variables() if block.interface is not None else ():
+            found.setdefault(variable.name.casefold(), []).append(block.name)
+    others = {
+        variable.name.casefold() for name, section in _lists(project) if not name for variable in section.variables
+    }
+    others |= {thing.name.casefold() for thing in project.objects()}
+    return {name: blocks[0] for name, blocks in found.items() if len(blocks) == 1 and name not in others}
+
+
 def tag_tables_of(project: Project) -> list[TagTable]:
     """A table of the global variables that stand in no list: tags of those with an address, and constants."""
     known = {tag.name.casefold() for table in project.tag_tables for tag in table.tags}

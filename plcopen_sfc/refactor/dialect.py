@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
+from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
 from plcopen_sfc.languages.st import parse_condition, parse_statements
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, S7_VERSION
@@ -68,7 +69,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
         for pou in project.pous
         if pou.kind is PouKind.FUNCTION
     }
-    globals_ = _Globals(s7_types(project), frozenset(_global_names(project)), functions)
+    globals_ = _Globals(s7_types(project), frozenset(_global_names(project)), functions, blocks_of_variables(project))
     texts = [piece for piece in pieces(project) if piece.is_program_text and not _names_a_step(piece)]
     renames = kept_names(project) if target is Dialect.SCL else _names_of_results(project, source, target)
     while True:  # a later text may need a name that an earlier one has used
@@ -96,7 +97,7 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
 
 def translate_powers(project: Project) -> list[TranslatedText]:
     """Put every text of `project`, in IEC 61131-3, that has ``**`` into that of CODESYS, which has EXPT instead."""
-    known = _Globals(s7_types(project), frozenset(_global_names(project)), {})
+    known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {})
     found: list[TranslatedText] = []
     for piece in [piece for piece in pieces(project) if piece.is_program_text and "**" in piece.text]:
         result = _translated(piece, Dialect.CODESYS, Renames(), project, known)
@@ -138,11 +139,12 @@ def _global_names(project: Project) -> set[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Globals:
-    """The types of a project as S7 has them, the names that are declared globally, and the inputs of functions."""
+    """The types of a project as S7 has them, its global names, the inputs of functions, and what is in data blocks."""
 
     types: S7Types
     names: frozenset[str]
     functions: dict[str, list[str]]
+    blocks: dict[str, str]
 
 
 def _translated(piece: Piece, target: Dialect, renames: Renames, project: Project, known: _Globals) -> Translated:
@@ -158,6 +160,7 @@ def _translated(piece: Piece, target: Dialect, renames: Renames, project: Projec
         hidden=known.names,
         actions=_parts_of(piece.site.pou),
         functions=known.functions,
+        blocks=known.blocks,
     )
     if piece.site.transition is not None and (body := piece.text.rstrip()).endswith(";"):
         expression = parse_condition(body[:-1], source)  # ``Ready;`` would be a call among statements

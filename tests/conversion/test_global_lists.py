@@ -70,3 +70,21 @@ def test_variables_beside_an_application_are_read(target: str) -> None:
     sections = [section for each in project.configurations for section in each.global_variables]
     assert [variable.name for section in sections for variable in section.variables] == ["extra"]
     assert sfc.dumps(project) == data.encode()
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_s7_names_the_data_block_of_a_variable_that_codesys_names_alone(target: str) -> None:
+    project = sfc.loads(b"PROGRAM Main\nVAR k : INT; END_VAR\nk := y + z;\nEND_PROGRAM\n", format="iec-text")
+    project.dialect = m.Dialect.CODESYS
+    project.global_variables = listed().applications[0].global_variables
+    data, report = sfc.convert(project, target)
+    assert [item for item in report.losses if item.what != "program"] == []
+    body = sfc.loads(data, format=target).pou("Main").bodies[0]
+    assert isinstance(body, m.StBody)
+    assert body.text.strip() == '#k := "GVL1".y + "GVL1".z;'
+
+
+def test_every_name_that_nothing_declares_is_told() -> None:
+    _, report = sfc.convert(listed(), "iec-text")
+    told = [item.why for item in report.losses if item.what == "undeclared name"]
+    assert told == ["the name `GVL1` is not declared in tools that read the text"]

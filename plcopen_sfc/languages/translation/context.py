@@ -52,7 +52,8 @@ class TranslationContext:
     user constants in SCL; `hidden` are names that are no values of them, whatever these are called. `actions`: the
     actions and methods of the POU, which S7 cannot call. `functions`: the inputs of the functions of the project by the
     name of the function in lower case: they are called instead of standard functions of the same name, and S7 wants the
-    names of their inputs.
+    names of their inputs. `blocks`: the data blocks of S7 that have the variables of lists, by the name of the variable
+    in lower case: CODESYS also names them without their list.
     """
 
     locals: Collection[str] | None = None
@@ -64,3 +65,4 @@ class TranslationContext:
     hidden: Collection[str] = ()
     actions: Collection[str] = ()
     functions: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    blocks: Mapping[str, str] = field(default_factory=dict)
