@@ -26,6 +26,7 @@ from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names import Names
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
+from plcopen_sfc.languages.s7_types import S7Types
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, transform
 from plcopen_sfc.languages.standard_blocks import standard_block
@@ -37,12 +38,15 @@ from plcopen_sfc.model.project import Project, Task
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import (
     ArrayType,
+    ArrayValue,
     DataType,
     DerivedType,
     Elementary,
     ElementaryType,
     EnumType,
     SimpleValue,
+    StructType,
+    StructValue,
     Value,
     Variable,
 )
@@ -126,20 +130,16 @@ class _Reader:
         self.whole.lists = frozenset(self.lists)
         self.lists |= lists
         self.values = _values(project)
-        self.defaults = {d.name.casefold(): d.initial for d in project.data_types if isinstance(d.type, EnumType)}
-        self.enumerations: dict[str, DataType] = {
-            declaration.name.casefold(): declaration.type.base or ElementaryType(name=Elementary.INT)
-            for declaration in project.data_types
-            if isinstance(declaration.type, EnumType)
-        }
+        self.types = S7Types(project.data_types)
+        self.declared = {declaration.name.casefold(): declaration.type for declaration in project.data_types}
         self.global_names = {v.name.casefold() for section in self._global_sections() for v in section.variables}
 
     def read(self) -> Part:
         for declaration in self.project.data_types:
-            if isinstance(declaration.type, EnumType):
-                continue  # its variables are numbers, and its values are compared where they are used
+            if not isinstance(declaration.type, StructType):
+                continue  # other types are compared where they are used, by what they stand for
             part = self.whole.add("type", declaration.name, declaration.report_path)
-            part.tell("type", type_meaning(declaration.type, self.dialect))
+            part.tell("type", type_meaning(self._plain_type(declaration.type), self.dialect))
             part.tell("initial value", value_meaning(self._number(declaration.initial), declaration.type))
         self._globals()
         self._tasks()
@@ -172,18 +172,40 @@ class _Reader:
 
     def _number(self, value: Value | None) -> Value | None:
         """An initial value, in numbers where it names a value of an enumeration or a constant."""
+        if isinstance(value, ArrayValue):
+            items = [item.model_copy(update={"value": self._number(item.value)}) for item in value.items]
+            return ArrayValue(items=items)
+        if isinstance(value, StructValue):
+            members = [each.model_copy(update={"value": self._number(each.value)}) for each in value.members]
+            return StructValue(members=members)
         if not isinstance(value, SimpleValue) or value.text is None:
             return value
         number = self.values.get(value.text.replace('"', "").replace("#", ".").casefold())
         return value if number is None else SimpleValue(text=number)
 
-    def _plain_type(self, kind: DataType) -> DataType:
-        """A type, but of an enumeration that of its numbers."""
+    def _plain_type(self, kind: DataType, depth: int = 0) -> DataType:
+        """A type without other names for types, with the numbers of enumerations, and with all initial values."""
         if isinstance(kind, DerivedType):
-            return self.enumerations.get(kind.name.replace('"', "").casefold(), kind)
+            declared = self.declared.get(kind.name.replace('"', "").casefold())
+            stays = declared is None or isinstance(declared, StructType) or depth > _DEEPEST
+            return kind if declared is None or stays else self._plain_type(declared, depth + 1)
+        if isinstance(kind, EnumType):
+            return kind.base or ElementaryType(name=Elementary.INT)
         if isinstance(kind, ArrayType):
             return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base))
+        if isinstance(kind, StructType):
+            return StructType(members=[self._plain_member(member) for member in kind.members])
         return kind
+
+    def _plain_member(self, member: Variable) -> Variable:
+        initial, kind = self._initial(member), self._plain_type(member.type)
+        if value_meaning(initial, kind) is None:
+            initial = None
+        return Variable(name=member.name, type=kind, initial=initial)
+
+    def _initial(self, variable: Variable) -> Value | None:
+        """The initial value of a variable, its own or that of its type, in numbers."""
+        return self._number(variable.initial) if variable.initial is not None else self.types.start(variable)
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
         """The meaning of a body."""
@@ -227,10 +249,7 @@ class _Reader:
         path = f"{kind} {place}" if owner is self.whole else f"{owner.path} / {variable.name}"
         part = owner.add(kind.removesuffix(" of a function"), variable.name, path)
         part.tell("type", type_meaning(self._plain_type(variable.type), self.dialect))
-        initial = variable.initial
-        if initial is None and isinstance(variable.type, DerivedType):
-            initial = self.defaults.get(variable.type.name.replace('"', "").casefold())
-        part.tell("initial value", value_meaning(self._number(initial), self._plain_type(variable.type)))
+        part.tell("initial value", value_meaning(self._initial(variable), self._plain_type(variable.type)))
         part.tell("address", address_meaning(variable.address, self.addresses))
         if section.retain or section.persistent or variable.attributes.get("Remanence") == "Retain":
             part.tell("retain", Meaning.of(True, "RETAIN"))
@@ -540,6 +559,8 @@ class _ChartReader:
             part.tell("code", code)
 
 
+_DEEPEST = 32
+"""No type is another name for another name .. more often: these name each other."""
 UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
 

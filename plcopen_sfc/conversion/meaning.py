@@ -19,7 +19,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
-from plcopen_sfc.model.types import DataType, DerivedType, SimpleValue, Value
+from plcopen_sfc.model.types import DataType, DerivedType, SimpleValue, StructValue, Value
 
 __all__ = [
     "Meaning",
@@ -145,12 +145,25 @@ def value_meaning(value: Value | None, type_: DataType | None) -> Meaning | None
     if value is None or (isinstance(value, SimpleValue) and value.text is None):
         return None
     if not isinstance(value, SimpleValue):
-        return Meaning.of(plain(value), "its initial values")
+        return Meaning(lambda: "its initial values", plain(value), lambda: _value_form(value))
     text = (value.text or "").strip()
     literal = _literal(text)
     if literal in _ZEROS and type_ is not None and not isinstance(type_, DerivedType):
         return None
     return Meaning(lambda: text, text, lambda: literal)
+
+
+def _value_form(value: Value) -> Hashable:
+    """An initial value by its literals: of an array one for each element, of a structure by its members."""
+    if isinstance(value, SimpleValue):
+        return _literal((value.text or "").strip())
+    if isinstance(value, StructValue):
+        return tuple(sorted((each.member.casefold(), repr(_value_form(each.value))) for each in value.members))
+    forms: list[Hashable] = []
+    for item in value.items:
+        count = item.repetitions or "1"
+        forms += [_value_form(item.value)] * int(count) if count.isdigit() else [(count, _value_form(item.value))]
+    return tuple(forms)
 
 
 def _literal(text: str) -> Hashable:

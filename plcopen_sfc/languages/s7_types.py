@@ -14,19 +14,24 @@ from dataclasses import dataclass
 from plcopen_sfc.model.project import Project, TagTable
 from plcopen_sfc.model.types import (
     ArrayType,
+    ArrayValue,
     DataType,
     DataTypeDeclaration,
     DerivedType,
     Elementary,
     ElementaryType,
     EnumType,
+    RepeatedValue,
     SimpleValue,
     StructType,
+    StructValue,
     SubrangeType,
     Value,
     Variable,
 )
 
+NO_START = "parameters of functions and temporary variables have no start value in S7"
+"""Why an initial value is not written."""
 _INT = ElementaryType(name=Elementary.INT)
 _NUMBER = re.compile(r"(?:\w+#)?([-+]?\d[\d_]*)|(?:\w+#)?(2|8|16)#([\dA-Fa-f_]+)")
 _DEEPEST = 32
@@ -90,10 +95,20 @@ class S7Types:
             return self._start_of(declared.type, depth + 1)
         if isinstance(type_, SubrangeType) and _number(type_.bounds.lower) != 0:
             return SimpleValue(text=type_.bounds.lower)
+        if isinstance(type_, ArrayType):
+            element, count = self._start_of(type_.base, depth + 1), _elements(type_)
+            if element is not None and count is not None:
+                return ArrayValue(items=[RepeatedValue(value=element, repetitions=str(count))])
         return None
 
     def _number(self, value: Value, type_: str = "") -> Value:
         """A value with numbers for the values of enumerations."""
+        if isinstance(value, ArrayValue):
+            items = [item.model_copy(update={"value": self._number(item.value, type_)}) for item in value.items]
+            return value if items == value.items else value.model_copy(update={"items": items})
+        if isinstance(value, StructValue):
+            members = [each.model_copy(update={"value": self._number(each.value)}) for each in value.members]
+            return value if members == value.members else value.model_copy(update={"members": members})
         if not isinstance(value, SimpleValue) or value.text is None:
             return value
         found = self.constant(value.text, type_)
@@ -145,6 +160,17 @@ def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
         found.append(Constant(declaration.name, each.name, f"{declaration.name}_{each.name}", number))
         following = number + 1
     return found
+
+
+def _elements(type_: ArrayType) -> int | None:
+    """How many elements an array has; None where its bounds are no numbers."""
+    count = 1
+    for dimension in type_.dimensions:
+        lower, upper = _number(dimension.lower), _number(dimension.upper)
+        if lower is None or upper is None:
+            return None
+        count *= upper - lower + 1
+    return count
 
 
 def _number(text: str) -> int | None:

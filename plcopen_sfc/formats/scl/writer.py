@@ -23,7 +23,7 @@ from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.pragmas import Change, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, uncalled
-from plcopen_sfc.languages.s7_types import S7Types, s7_types
+from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import SfcBody, StBody
@@ -99,7 +99,7 @@ def _as_written(project: Project, types: S7Types) -> Project:
     copy = project.model_copy(deep=True)
     for pou in copy.pous:
         if pou.interface is not None:
-            pou.interface.sections = [_in_scl(section, pou) for section in pou.interface.sections]
+            pou.interface.sections = [_in_scl(section, pou, types) for section in pou.interface.sections]
     interfaces = [*(pou.interface for pou in copy.pous), *(block.interface for block in copy.data_blocks)]
     for interface in (each for each in interfaces if each is not None):
         if interface.return_type is not None:
@@ -198,9 +198,8 @@ def _note_foreign(pou: Pou, types: S7Types, report: ConversionReport) -> None:
             report.add(Outcome.NOT_EXECUTED, "section", f"POU {pou.name} / {words}", "TIA Portal has no such section")
         for variable in section.variables:
             path = f"POU {pou.name} / {variable.name}"
-            if variable.initial is not None and _in_scl(section, pou).kind is SectionKind.TEMP:
-                why = "temporary variables have no start value in S7"
-                report.add(Outcome.NOT_EXECUTED, "initial", path, why)
+            if types.start(variable) is not None and not _has_start_values(section, pou):
+                report.add(Outcome.NOT_EXECUTED, "initial", path, NO_START)
             if (variable.address or "").startswith("%"):
                 why = f"variables of blocks have no address in S7: it is not connected to {variable.address}"
                 report.add(Outcome.NOT_EXECUTED, "address", path, why)
@@ -235,18 +234,24 @@ def _in_s7(variable: Variable, types: S7Types) -> Variable:
     return variable.model_copy(update={"type": type_, "initial": types.start(variable), "address": address})
 
 
-def _in_scl(section: VariableSection, pou: Pou) -> VariableSection:
-    """A section in the words of SCL: functions have no static variables, and temporary ones no start values."""
+def _has_start_values(section: VariableSection, pou: Pou) -> bool:
+    """True if S7 has start values of the variables of a section: function blocks have, but of temporary ones."""
+    is_constant = section.constant or section.kind is SectionKind.CONSTANT
+    return is_constant or (pou.kind is not PouKind.FUNCTION and section.kind is not SectionKind.TEMP)
+
+
+def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSection:
+    """A section in the words of SCL: functions have no static variables and no start values."""
     texts = dict(kept(section.carried))
     if texts.get("keyword", "VAR") not in SECTION_KEYWORDS.values() and texts.get("keyword") != "STRUCT":
         section = section.model_copy(update={"carried": None})
     if section.persistent:
         section = section.model_copy(update={"persistent": False, "retain": True})
     temporary = pou.kind is PouKind.FUNCTION and section.kind is SectionKind.LOCAL and not section.constant
-    if section.kind is not SectionKind.TEMP and not temporary:
-        return section
-    variables = [variable.model_copy(update={"initial": None}) for variable in section.variables]
-    return section.model_copy(update={"kind": SectionKind.TEMP, "retain": False, "variables": variables})
+    if not _has_start_values(section, pou):
+        variables = [_in_s7(v, types).model_copy(update={"initial": None}) for v in section.variables]
+        section = section.model_copy(update={"variables": variables})
+    return section.model_copy(update={"kind": SectionKind.TEMP, "retain": False}) if temporary else section
 
 
 def _without_constants(text: str, types: S7Types) -> str:
@@ -272,7 +277,7 @@ def _pou(pou: Pou, types: S7Types) -> Iterator[Piece]:
     yield from _comment(pou.comment)
     for section in pou.interface.sections if pou.interface is not None else []:
         if section.kind is not SectionKind.EXTERNAL:  # S7 declares in no block what is global
-            yield _section(_in_scl(section, pou), types)
+            yield _section(_in_scl(section, pou, types), types)
     yield Piece(("begin", ""), "BEGIN")
     text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""
     yield Piece(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)

@@ -14,6 +14,7 @@ from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
 from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, SimpleValue, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
@@ -47,7 +48,7 @@ def write_interface(
     if not ctx.keeps_sections and not is_usual(given, static=static):
         given, left[LAYOUT] = merged(given, static=static)
     for section in given:
-        _section(ctx, sections, section_name(section) or "", section, renamed or {})
+        _section(ctx, sections, section, renamed or {}, static=static)
     for section in interface.sections:
         if section.persistent:
             why = "its variables are kept when the power fails, and not when the block is loaded again"
@@ -66,13 +67,16 @@ def write_interface(
 
 
 def _section(
-    ctx: WriteContext, parent: etree._Element, name: str, section: VariableSection, renamed: dict[str, str]
+    ctx: WriteContext, parent: etree._Element, section: VariableSection, renamed: dict[str, str], *, static: bool
 ) -> None:
+    name = section_name(section) or ""
     element = sub(parent, "Section", {"Name": name})
     for content in section.carried.elements if section.carried is not None else ():
         add_element(ctx, element, content)
     for variable in section.variables:
-        write_member(ctx, element, variable, renamed.get(variable.name), starts=name != "Temp")
+        write_member(
+            ctx, element, variable, renamed.get(variable.name), starts=name == "Constant" or (static and name != "Temp")
+        )
     if _NAMES.get(section.kind) == name:
         finish(ctx, element, section, frozenset({"kind", "variables"}))
     else:
@@ -91,7 +95,7 @@ def write_members(ctx: WriteContext, parent: etree._Element, struct: StructType)
 def write_member(
     ctx: WriteContext, parent: etree._Element, variable: Variable, name: str | None = None, *, starts: bool = True
 ) -> None:
-    """Write ``Member``. `starts`: it can have a start value, which temporary variables cannot."""
+    """Write ``Member``. `starts`: it can have a start value: it is not temporary, and of no function."""
     kept = variable.carried.attributes if variable.carried is not None else {}
     own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
     type_ = ctx.s7_types.type(variable.type)
@@ -120,16 +124,19 @@ def write_member(
     told: set[str] = set()
     also: dict[str, Any] = {}
     start = ctx.s7_types.start(variable) if starts or ctx.options.same else None
-    if start is None and variable.initial is not None and not starts:
+    if not starts and not ctx.options.same and ctx.s7_types.start(variable) is not None:
         told.add("initial")
-        why = "temporary variables of TIA Portal have no start value"
-        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
     if isinstance(start, SimpleValue):
         sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(start.text or "") or None
         (native if start == variable.initial else told).add("initial")
-        also = {"initial": None} if variable.initial is None else {}
     elif start is not None and write_elements(element, type_, start):
-        native.add("initial")
+        (native if start == variable.initial else told).add("initial")
+    elif start is not None and variable.initial is None:
+        why = "its elements do not start with the initial value of their type, which TIA Portal cannot say here"
+        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+    if start is not None and variable.initial is None:
+        also = {"initial": None}
     if type_ is not variable.type:
         native.discard("type")
         told.add("type")

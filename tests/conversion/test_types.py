@@ -1,0 +1,62 @@
+"""Types that S7 does not have, and the initial values that variables have by them."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Outcome
+
+TYPES = """TYPE
+  Color : (red, green, blue) := green;
+  Level : INT := 7;
+  Box : STRUCT c : Color; l : Level; e : Color := blue; END_STRUCT;
+  Deep : STRUCT b : Box; a : ARRAY[1..2] OF Level; END_STRUCT;
+END_TYPE
+FUNCTION_BLOCK Main
+VAR_OUTPUT n : INT; END_VAR
+VAR
+  c : Color; l : Level; colors : ARRAY[1..3] OF Color; mine : ARRAY[1..3] OF Color := [red, 2(blue)];
+  levels : ARRAY[0..1, 1..2] OF Level; box : Box; deep : Deep; here : STRUCT c : Color; l : Level; END_STRUCT;
+END_VAR
+n := l + levels[1, 2] + box.l + deep.a[2] + here.l;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl", "codesys", "plcopen"])
+def test_initial_values_of_types_are_those_of_arrays_and_members(target: str) -> None:
+    project = sfc.loads(TYPES.encode(), format="iec-text")
+    data, report = sfc.convert(project, target)
+    assert report.losses == []
+    result = sfc.loads(data, format=target, as_tool=True)
+    variables = {variable.name: variable for variable in result.pou("Main").variables()}
+    if target in ("simaticml", "scl"):
+        assert variables["levels"].initial == m.ArrayValue(
+            items=[m.RepeatedValue(value=m.SimpleValue(text="7"), repetitions="4")]
+        )
+    assert sfc.simulate(result, pou="Main", scans=1)["n"] == [35]
+
+
+FUNCTION = """FUNCTION F : INT
+VAR_INPUT x : INT := 5; y : INT; END_VAR
+VAR CONSTANT k : INT := 2; END_VAR
+VAR t : Level; END_VAR
+F := x + y + k;
+END_FUNCTION
+TYPE Level : INT := 7; END_TYPE
+"""
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_start_values_that_functions_of_s7_do_not_have_are_told_and_not_written(target: str) -> None:
+    data, report = sfc.convert(sfc.loads(FUNCTION.encode(), format="iec-text"), target)
+    why = "parameters of functions and temporary variables have no start value in S7"
+    assert {(item.outcome, item.path, item.why) for item in report.losses} == {
+        (Outcome.NOT_EXECUTED, "POU F / x", why),
+        (Outcome.NOT_EXECUTED, "POU F / t", why),
+    }
+    result = sfc.loads(data, format=target, as_tool=True).pou("F")
+    starts = {variable.name: variable.initial for variable in result.variables() if variable.initial is not None}
+    assert starts == {"k": m.SimpleValue(text="2")}
