@@ -47,7 +47,7 @@ def report_execution(
         names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
         if difference.kind == "method":
             names.add((place.rpartition(" / ")[0], "methods"))
-        if difference.kind == UNDECLARED and difference.name in said:
+        if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
             continue
         if names & settled.keys() or _is_rewritten(difference, rewritten, settled, changed):
             continue

@@ -12,7 +12,7 @@ _NO_QUALIFIER = "CODESYS and TwinCAT offer N R S L D P SD DS SL"
 _NO_LOGIC = "CODESYS takes an expression or a transition object; its importer may not read this"
 
 LACKS = {
-    **{f"qualifier {name}": _NO_QUALIFIER for name in ("P0", "P1", "DL", "R0", "None", "CALL", "ON", "OFF")},
+    **{f"qualifier {name}": _NO_QUALIFIER for name in ("P0", "P1", "DL", "None", "CALL", "ON", "OFF")},
     **{f"qualifier {name}": _NO_QUALIFIER for name in ("CS", "CU", "CD", "CR", "TL", "TD", "TR", "TF")},
     "macro-step": "exports of CODESYS and TwinCAT have no macro-steps; their importers may not read it",
     "condition in a body": _NO_LOGIC,

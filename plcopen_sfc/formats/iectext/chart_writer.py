@@ -197,14 +197,26 @@ class ChartWriter:
         if association.id in self.explicit:
             meant["id"] = association.id
         wanted: Fields = {k: meant[k] for k in ("target", "qualifier", "duration", "indicator") if k in meant}
+        if association.qualifier is Qualifier.R0:
+            wanted["qualifier"] = Qualifier.R
         if alone and body is not None:
             wanted["target"] = self.printer.new_name(f"{name}_action_{number + 1}")
             in_place.append((wanted["target"], body))
         beyond = [key for key in _BEYOND if key in meant] + (["step"] if step.negated else [])
+        if association.qualifier in _OF_GRAPH:
+            beyond.append("qualifier")
         place = f"{path} / {association.target or wanted.get('target', '')}"
-        guarded = self._guarded(association, step) if beyond == ["condition"] else None
+        guarded = None
+        if beyond == ["condition"]:
+            guarded = self._guarded(association, step)
+        elif beyond == ["qualifier"] and association.qualifier is Qualifier.CALL:
+            guarded = self._called(association, step)
         if guarded is not None:
-            wanted["target"] = self.printer.new_name(f"{name}_{association.target}")
+            if alone and body is not None:
+                in_place.pop()
+                meant["body"] = plain_fields(body)
+            wanted["target"] = self.printer.new_name(f"{name}_{association.target or 'call'}")
+            wanted.pop("qualifier", None)
             in_place.append((wanted["target"], guarded))
             self.printer.note(Outcome.TRANSLATED, "action", place, "in an action; the association in pragmas")
         elif beyond:
@@ -239,6 +251,15 @@ class ChartWriter:
             return None
         text = f"({condition.text.strip()})"
         return StBody(text=f"{target} := {step.name}.X AND {'NOT ' if condition.negated else ''}{text};")
+
+    def _called(self, association: ActionAssociation, step: Step) -> Body | None:
+        """A body that calls what a row of S7-GRAPH calls in each cycle in which its step is active."""
+        if not isinstance(association.body, StBody) or association.target is not None or association.duration:
+            return None
+        statements = association.body.text.strip()
+        text = f"IF {step.name}.X THEN\n    {statements}\nEND_IF;"
+        _, comes_back = self.printer.code(text)
+        return StBody(text=text) if comes_back and "\n" not in statements else None
 
     def _call(self, wanted: Fields) -> tuple[str, Fields]:
         """``target(qualifier, time, indicator)`` as far as it can be written, and what a reader takes from it."""
@@ -373,6 +394,8 @@ def _is_drawn(condition: Condition | None) -> bool:
 
 _BEYOND = ("event", "value", "negated", "kind", "condition", "forcing")
 """Fields of an association that decide when it acts, or what it does, and that no text says."""
+_OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF DL".split())
+"""Qualifiers that IEC 61131-3 does not have. R0 is R."""
 _MOST_GAPS = 8
 
 

@@ -18,6 +18,7 @@ from plcopen_sfc.formats.plcopen.host import (
 )
 from plcopen_sfc.formats.plcopen.rewritten import Marks, rewritten_transition
 from plcopen_sfc.formats.plcopen.step_rewriter import StepRewriter, has_special_rows, mixed_operands, timed_operands
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition, Expression, WiredCondition
 from plcopen_sfc.model.project import Project
@@ -39,6 +40,8 @@ def needs_rewriting(chart: SfcNetwork, host: Host, options: WriteOptions) -> boo
     if has_special_rows(chart) or chart.graph_settings is not None or any(is_supervised(step) for step in chart.steps):
         return True
     if any(_does_something(operation.body) for operation in (*chart.permanent_pre, *chart.permanent_post)):
+        return True
+    if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
         return True
     if options.of_graph and (mixed_operands(chart) or timed_operands(chart)):
         return True

@@ -257,6 +257,9 @@ class StepRewriter:
                 Outcome.TRANSLATED, "excluded action", step, f"`{_called(row)}` is left out: CODESYS excludes it"
             )
             return
+        if row.qualifier is Qualifier.R0:
+            row = row.model_copy(update={"qualifier": Qualifier.R})
+            self._note_action(Outcome.TRANSLATED, step, row.target, "R0 is another name for R")
         event = None if row.event is ActionEvent.C else row.event
         stated = row.target is not None and _key(row) in self._stated
         if row.negated and self._host.is_codesys:
