@@ -180,8 +180,8 @@ class _Globals:
             for c in table.constants
         ]
         if counted:
-            why = "S7 counts bytes, other tools count words or double words: check which memory these name: "
-            self._note(Outcome.APPROXIMATED, "address", table.report_path, why + ", ".join(counted))
+            why = "the same bytes, where S7 counts bytes and other tools words or double words: "
+            self._note(Outcome.TRANSLATED, "address", table.report_path, why + ", ".join(counted))
         self._note(Outcome.TRANSLATED, "tag table", table.report_path, "global variables")
         found = [self._list(identifier(table.name), tags)] if tags else []
         if constants:

@@ -10,14 +10,17 @@ from plcopen_sfc.languages.translation.notes import Outcome
 
 _ADDRESS = re.compile(r"%([IQMEA])([XBWD]?)(\d+(?:\.\d+)*)", re.IGNORECASE)
 _ENGLISH = {"E": "I", "A": "Q"}
-_COUNTING = "S7 counts bytes, other tools count words or double words: check which memory it names"
+_BYTES = {"W": 2, "D": 4}
+_WORDS = {2: "word", 4: "double word"}
+_COUNTING = "the same bytes: S7 counts bytes, other tools count words or double words; S7 has the high byte first"
 
 
 def translated_address(text: str, source: Dialect, target: Dialect) -> Outcome:
     """A direct address of `source` in `target`, both families.
 
-    IEC 61131-3 (6.5.5) leaves to the tool what the numbers mean; they stay. S7 has no letter for bits, and its German
-    mnemonics have E for inputs and A for outputs.
+    S7 counts the bytes of words and double words, other tools count these (IEC 61131-3, 6.5.5, leaves it to them), so
+    that ``%IW2`` of S7 is ``%IW1``. S7 has no letter for bits, and its German mnemonics have E for inputs and A for
+    outputs.
     """
     if Dialect.SCL not in (source, target) or source is target:
         return Outcome(text)
@@ -32,8 +35,15 @@ def translated_address(text: str, source: Dialect, target: Dialect) -> Outcome:
         return Outcome(f"%{area}{place}" if target is Dialect.SCL else f"%{area}X{place}")
     if "." in place:
         return Outcome(text, Severity.ERROR, f"{text} has no counterpart; left as it stands")
-    counted = size.upper() in ("W", "D")
-    return Outcome(f"%{area}{size}{place}", Severity.WARNING if counted else None, _COUNTING if counted else "")
+    width = _BYTES.get(size.upper())
+    if width is None:
+        return Outcome(f"%{area}{size}{place}")
+    if target is Dialect.SCL:
+        return Outcome(f"%{area}{size}{int(place) * width}", Severity.INFO, _COUNTING)
+    if int(place) % width:
+        reason = f"{text} has no counterpart: there a {_WORDS[width]} begins at every {width} bytes"
+        return Outcome(text, Severity.ERROR, reason)
+    return Outcome(f"%{area}{size}{int(place) // width}", Severity.INFO, _COUNTING)
 
 
 def translated_part(name: str, source: Dialect, target: Dialect) -> Outcome | None:

@@ -176,15 +176,19 @@ def test_addresses_and_bits(text: str, source: Dialect, target: Dialect, expecte
 @pytest.mark.parametrize(
     ("text", "source", "target", "expected", "severity"),
     [
-        ("%MW4", CODESYS, SCL, "%MW4", WARNING),
-        ("%EW4", SCL, IEC, "%IW4", WARNING),
+        ("%MW4", CODESYS, SCL, "%MW8", INFO),
+        ("%MD3", IEC, SCL, "%MD12", INFO),
+        ("%EW4", SCL, IEC, "%IW2", INFO),
+        ("%ED8", SCL, IEC, "%ID2", INFO),
+        ("%MW3", SCL, CODESYS, "%MW3", ERROR),
+        ("%MD6", SCL, CODESYS, "%MD6", ERROR),
         ("%IX1.2.3", IEC, SCL, "%IX1.2.3", ERROR),
         ("%IX0.8", IEC, SCL, "%IX0.8", ERROR),
         ("%ML8", IEC, SCL, "%ML8", ERROR),
         ("%DB1.DBX0.0", SCL, IEC, "%DB1.DBX0.0", ERROR),
         ("%T5", SCL, CODESYS, "%T5", ERROR),
         ('"a":P', SCL, IEC, "a:P", ERROR),
-        ("%IW4:P", SCL, IEC, "%IW4:P", ERROR),
+        ("%IW4:P", SCL, IEC, "%IW2:P", ERROR),
         ("#w.%B1", SCL, CODESYS, "w.%B1", INFO),
     ],
 )
