@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 import plcopen_sfc as sfc
+from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.report import Outcome
 
 POWERS = """FUNCTION_BLOCK Main
 VAR_INPUT a : BOOL; i : INT; END_VAR
@@ -27,3 +31,31 @@ def test_a_power_is_a_function_in_codesys() -> None:
     chart = next(result.charts()).network
     assert getattr(chart.transitions[0].condition, "text", "") == "a AND EXPT(2, 3) = 8"
     assert equivalent(project.pou("Main"), result.pou("Main"), ("iec", "codesys"), delay="auto", outputs=["n"], cap=50)
+
+
+def network(*pins: str) -> m.LdBody:
+    """A network of S7 with an edge contact or a flip-flop: type of the box, names of its pins, its output."""
+    kind, power, operand, memory, out = pins
+    rail = {"id": 0, "kind": "leftPowerRail", "outputs": [{}]}
+    inputs = [{"name": power, "input": {"connections": [{"source": 0}]}}]
+    inputs += [{"name": name, "input": {"expression": text}} for name, text in ((operand, "#a"), (memory, "#m"))]
+    box = {"id": 4, "kind": "block", "type_name": kind}
+    box["parameters"] = {"inputs": inputs, "outputs": [{"name": out, "output": {}}]}
+    coil = {"id": 9, "kind": "coil", "variable": "#y", "input": {"connections": [{"source": 4, "pin": out}]}}
+    return m.LdBody.model_validate({"networks": [{"nodes": [rail, box, coil]}]})
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+@pytest.mark.parametrize(
+    "box", [("PContact", "pre", "operand", "bit", "out"), ("NContact", "pre", "operand", "bit", "out")]
+)
+def test_a_box_with_its_memory_at_a_pin_is_told(box: tuple[str, ...], target: str) -> None:
+    variables = [m.Variable.model_validate({"name": name, "type": "BOOL"}) for name in "amy"]
+    interface = m.Interface(sections=[m.VariableSection(kind=m.SectionKind.LOCAL, variables=variables)])
+    pou = m.Pou(name="Main", kind=m.PouKind.FUNCTION_BLOCK, interface=interface, bodies=[network(*box)])
+    project = m.Project(name="P", dialect=m.Dialect.SCL, pous=[pou])
+    source = sfc.loads(sfc.dumps(project, format="simaticml"), format="simaticml")
+    _, report = sfc.convert(source, target)
+    assert [(item.outcome, item.what, item.path) for item in report.losses] == [
+        (Outcome.NOT_EXECUTED, "box", "POU Main")
+    ]

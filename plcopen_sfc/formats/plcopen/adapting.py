@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, report_types
 from plcopen_sfc.formats.plcopen.global_lists import declare_lists, has_lists
 from plcopen_sfc.formats.plcopen.host import Host
 from plcopen_sfc.formats.plcopen.rewriting import needs_rewriting, rewrite_charts
 from plcopen_sfc.formats.plcopen.rewritten import REWRITTEN_FIELD, Marks
-from plcopen_sfc.model.body import FbdBody, SfcBody
+from plcopen_sfc.languages.networks.graph import is_memory_pin
+from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.conditions import BodyCondition
-from plcopen_sfc.model.network import Coil, Node, OutputVariable
+from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -20,9 +23,11 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
 
     `project` itself, which is changed, where that changes nothing that the source says.
     """
-    _adapt_coils(project, options, report)
     if not options.same:
+        _adapt_coils(project, report)
         report_types(project, host, report)
+    if options.of_graph:
+        _report_memories(project, host, report)
     lists = has_lists(project) and not host.is_codesys
     if (
         not lists
@@ -49,17 +54,35 @@ def is_rewritten(project: Project, content: bytes, host: Host) -> bool:
     return any(needs_rewriting(body.chart, host, WriteOptions()) for body in bodies)
 
 
-def _adapt_coils(project: Project, options: WriteOptions, report: ConversionReport) -> None:
-    """Write coils of FBD, which TIA Portal draws there, as output variables: TC6 knows coils in LD only."""
-    if options.same:
-        return
-    bodies = [(pou.report_path_of(name), body) for name, pou, body in project.bodies()]
+def _drawn(project: Project) -> Iterator[tuple[str, str, FbdBody | LdBody]]:
+    """All networks of bodies and conditions, each with the path of what is around it and its own."""
+    for name, pou, body in project.bodies():
+        if isinstance(body, FbdBody | LdBody):
+            yield pou.report_path_of(name), pou.report_path_of(name), body
     for chart in project.charts():
-        conditions = (transition.condition for transition in chart.network.transitions)
-        bodies += [
-            (chart.report_path, condition.body) for condition in conditions if isinstance(condition, BodyCondition)
-        ]
-    for place, body in bodies:
+        for transition in chart.network.transitions:
+            condition = transition.condition
+            if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
+                path = f"{chart.report_path} / transition {chart.network.label(transition)}"
+                yield chart.report_path, path, condition.body
+
+
+def _report_memories(project: Project, host: Host, report: ConversionReport) -> None:
+    """Report boxes of S7 that have the operand of their memory at a pin: edges, and flip-flops that are no instances.
+
+    Conditions become expressions in CODESYS, which has its own words for what none says.
+    """
+    for around, place, body in _drawn(project):
+        boxes = [node for network in body.networks for node in network.nodes if isinstance(node, Block)]
+        names = [box.type_name for box in boxes if any(is_memory_pin(box, pin) for pin in box.parameters.inputs)]
+        if names and (around == place or not host.is_codesys):
+            why = f"{host.title} has no {' and '.join(dict.fromkeys(names))} with the operand of its memory at a pin"
+            report.add(Outcome.NOT_EXECUTED, "box", place, f"{why}: it does not compile")
+
+
+def _adapt_coils(project: Project, report: ConversionReport) -> None:
+    """Write coils of FBD, which TIA Portal draws there, as output variables: TC6 knows coils in LD only."""
+    for place, _, body in _drawn(project):
         if not isinstance(body, FbdBody):
             continue
         for network in body.networks:
