@@ -13,7 +13,7 @@ from typing import Any
 
 from plcopen_sfc.languages.declarations.writing import write_type
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import NetworkExpression, body_statements, normal_form
+from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
@@ -86,8 +86,8 @@ def condition_meaning(read: Callable[[], NetworkExpression], raw: Hashable) -> M
         found = read()
         if found.tree is None or found.obstacles:
             return ("unreadable", raw)
-        before = tuple(print_node(normal_form(statement)) for statement in found.before)
-        return (*before, print_node(normal_form(found.tree)))
+        named = _with_helpers(found, lambda node: node)
+        return tuple(print_node(transform(normal_form(each), named)) for each in (*found.before, found.tree))
 
     return Meaning(lambda: _shown_condition(read), raw, form, read)
 
@@ -135,9 +135,21 @@ def _network_form(body: FbdBody | LdBody, dialect: Dialect, named: Renaming) -> 
     obstacles = [problem.message for problem in found.obstacles if "only its tool understands" not in problem.message]
     if obstacles:
         return plain(body)
+    named = _with_helpers(found, named)
     ends = tuple(print_node(transform(normal_form(value), named)) for _, value in found.open_ends)
     whole = print_node(transform(normal_form(found.tree), named))
     return (whole, *ends) if ends else whole
+
+
+def _with_helpers(found: NetworkText, named: Renaming) -> Renaming:
+    """`named`, and the helpers of a network by their order: their names have the numbers of elements in the file."""
+    names = {helper.name.casefold(): f"helper {number}" for number, helper in enumerate(found.helpers)}
+
+    def rename(node: n.Node) -> n.Node:
+        name = names.get(node.identifier.casefold()) if isinstance(node, n.Name) else None
+        return named(node) if name is None else n.Name(name)
+
+    return rename
 
 
 def value_meaning(value: Value | None, type_: DataType | None) -> Meaning | None:
