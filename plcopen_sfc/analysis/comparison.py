@@ -8,8 +8,9 @@ from typing import Any
 
 from plcopen_sfc.analysis.delay import Delay
 from plcopen_sfc.analysis.domains import plain
+from plcopen_sfc.analysis.pairing import output_pairs, step_observations, unpaired
 from plcopen_sfc.analysis.product import Explored, compare, end_of, failure_of
-from plcopen_sfc.analysis.systems import Observation, ProgramSystem, step_observations
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.verdict import Counterexample, Difference
 from plcopen_sfc.errors import ModelError, SfcError
 from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
@@ -24,8 +25,6 @@ _SHRINKING_RUNS = 500
 
 _SEEDS = 64
 """Results of unknown functions that are tried with the inputs of a difference."""
-
-_OUTPUTS = frozenset({"output", "external"})
 
 
 class Comparison:
@@ -42,8 +41,10 @@ class Comparison:
         self.left = left
         self.right = right
         self._delay = delay
-        pairs = _outputs(left, right, outputs, delayed=delay.queued != 0)
-        if outputs is None:
+        if outputs is not None:
+            pairs = _named_pairs(left, right, outputs)
+        else:
+            pairs = output_pairs(left, right, delayed=delay.queued != 0)
             own = operating_names(left.profile) ^ operating_names(right.profile)
             pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
         steps = step_observations(left, right, step_flags)
@@ -64,13 +65,8 @@ class Comparison:
         self.unknown = tuple(dict.fromkeys([*left.unknown, *right.unknown]))
         left.observe([own for own, _ in self.pairs])
         right.observe([other for _, other in self.pairs])
-        compared = {name.casefold() for name in self.names}
         told = {path.casefold() for path, _, _ in steps}
-        self.uncompared = [
-            name
-            for name, each in left.variables.items()
-            if each.direction in _OUTPUTS and name.casefold() not in compared
-        ]
+        self.uncompared = unpaired(left, self.names)
         self.uncompared += [f"{path}.X" for path in left.steps if path.casefold() not in told]
 
     def vary(self, seed: int) -> None:
@@ -175,32 +171,14 @@ class Comparison:
         return Trace(columns, scan_time=system.clock.scan_time, steps=system.steps, name=system.subject.name)
 
 
-def _outputs(
-    left: ProgramSystem,
-    right: ProgramSystem,
-    outputs: Iterable[str] | Mapping[str, str] | None,
-    *,
-    delayed: bool,
+def _named_pairs(
+    left: ProgramSystem, right: ProgramSystem, outputs: Iterable[str] | Mapping[str, str]
 ) -> list[tuple[str, Signal, str]]:
-    """The variables to compare: name and signal on the left, name on the right.
-
-    `delayed`: the two see the inputs of different scans, and so do not give instances the same inputs.
-    """
-    mine, theirs = ({name.casefold(): name for name in system.variables} for system in (left, right))
-    if outputs is None:
-        found = [
-            (name, left.variables[name].signal, theirs[key])
-            for key, name in mine.items()
-            if key in theirs and not left.variables[name].is_input and not right.variables[theirs[key]].is_input
-        ]
-        others = {path.casefold(): path for path in right.members}
-        return found + [
-            (path, member.signal, others[path.casefold()])
-            for path, member in left.members.items()
-            if path.casefold() in others
-            and right.members[others[path.casefold()]].signal.kind is member.signal.kind
-            and not (delayed and member.is_input)
-        ]
+    """The variables that a user wants to compare: name and signal on the left, name on the right."""
+    mine, theirs = (
+        {known: name for name in system.variables for known in (system.local_name(name), name.casefold())}
+        for system in (left, right)
+    )
     pairs = outputs.items() if isinstance(outputs, Mapping) else ((name, name) for name in outputs)
     found = []
     for own, other in pairs:

@@ -25,9 +25,10 @@ from plcopen_sfc.analysis.directed import DirectedSearch
 from plcopen_sfc.analysis.dividing import divide, race
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.limits import INTERRUPTED, SearchProgress, Watch, seconds
+from plcopen_sfc.analysis.pairing import connect, step_observations
 from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
 from plcopen_sfc.analysis.stimuli import stimuli
-from plcopen_sfc.analysis.systems import Observation, ProgramSystem, connect, step_observations
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.terms import explore_terms
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
@@ -118,9 +119,9 @@ def equivalent(
     says which it is, and how the start and times are compared then.
 
     `outputs`: the variables to compare (by their names in `a`, or a mapping from these to those in `b`); without it all
-    single values that both have under the same name and that are no inputs, also those in structures and in instances
-    of the project's own function blocks, but of two tools not what only one of them writes or reads (``SFCTrans``,
-    ``S_NO``). `step_flags`: by the path of a step of `a` the variable of `b` that tells that it is active (``X2``),
+    single values that both have under the same name, or at the same direct address, and that are no inputs, also those
+    in arrays, structures and instances of the project's own function blocks, but of two tools not what only one of them
+    writes or reads (``SFCTrans``, ``S_NO``). `step_flags`: by the path of a step of `a` the variable of `b` that tells that it is active (``X2``),
     what it must equal (``s = 2``), or the path of a step of `b`; without it flags with usual names are recognised, and
     steps of the same path in two charts. `inputs`: by their names in `b` those of inputs in `a` where they differ.
     `fixed`: inputs that keep a value, by their names in either. `free_inputs`: variables that nothing writes and that

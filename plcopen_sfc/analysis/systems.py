@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import itemgetter
@@ -16,8 +14,6 @@ from plcopen_sfc.analysis.scratch import scratch_cells
 from plcopen_sfc.analysis.timers import WaitingTimer, waiting_timers
 from plcopen_sfc.errors import ModelError, SfcError, SimulationError
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.types import SimpleValue
-from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
@@ -28,11 +24,11 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
 from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
-from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject
-from plcopen_sfc.semantics.watching import Watched, signal_of, step_marking, watched, watched_members
+from plcopen_sfc.semantics.watching import Watched, step_marking, watched, watched_members
 
-__all__ = ["Observation", "ProgramSystem", "connect", "step_observations"]
+__all__ = ["Observation", "ProgramSystem"]
 
 InputReader = Callable[[str], Any]
 _NO_STEPS = StepTimes(limit=0, anywhere=frozenset(), read=frozenset())
@@ -93,7 +89,9 @@ class ProgramSystem:
         )
         self.instance: Instance = self._controller.instance(subject.pou)
         self.variables: dict[str, Watched] = watched(self.instance)
-        self.members: dict[str, Watched] = watched_members(self.instance)
+        self.members: dict[str, Watched]
+        self.members, self.large = watched_members(self.instance)
+        self.addresses = self.instance.addresses()
         self.steps, self._marking = step_marking(self.instance)
         self.times = step_times(subject, clock.scan_time) if self.instance.charts() else _NO_STEPS
         self._forget = self._forgetting()
@@ -116,6 +114,12 @@ class ProgramSystem:
     def inputs(self) -> dict[str, Signal]:
         """The inputs that nothing writes, with their types."""
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
+
+    def local_name(self, path: str) -> str:
+        """The name by which the POU knows a variable, in lower case: a path to an address begins with the POU."""
+        own = f"{self.subject.pou.name}."
+        is_own = path in self.addresses and path.startswith(own)
+        return (path.removeprefix(own) if is_own else path).casefold()
 
     @property
     def marks(self) -> Marks:
@@ -367,116 +371,3 @@ class ProgramSystem:
 
 def _no_input(path: str) -> Any:
     raise ModelError(f"{path} is read outside of a scan")
-
-
-# -- inputs
-
-
-def connect(
-    left: ProgramSystem, right: ProgramSystem, names: Mapping[str, str], fixed: Mapping[str, Value]
-) -> dict[str, Signal]:
-    """Give both systems the same inputs; the inputs by the names of the left where it has them."""
-    renamed = {other.casefold(): own.casefold() for other, own in names.items()}
-    shared: dict[str, str] = {}
-    signals: dict[str, Signal] = {}
-    constants = {name.casefold(): value for name, value in fixed.items()}
-    for system, rename in ((left, {}), (right, renamed)):
-        own_names: dict[str, str] = {}
-        own_fixed: dict[str, Value] = {}
-        for name, signal in system.inputs.items():
-            key = rename.get(name.casefold(), name.casefold())
-            if key in constants or name.casefold() in constants:
-                own_fixed[name] = signal.accept(constants.get(key, constants.get(name.casefold())))
-                continue
-            common = shared.setdefault(key, name)
-            own_names[name] = common
-            before = signals.setdefault(common, signal)
-            if before.kind is not signal.kind:
-                raise ModelError(f"the input {name} is a {before.type} in the first and a {signal.type} in the second")
-        system.connect(own_names, own_fixed)
-    return signals
-
-
-# -- steps
-
-
-def step_observations(
-    left: ProgramSystem, right: ProgramSystem, flags: Mapping[str, str] | None
-) -> list[tuple[str, Observation, Observation]]:
-    """What tells of each step of `left` that it is active, on both sides. Raises `ModelError` for names not there.
-
-    `flags`: by the path of a step a variable of the other side (``X2``), what a variable must equal (``s = 2``), or the
-    path of a step there.
-    Where they are not given, equal step paths of two charts, and variables with usual names (``X_Fill``, ``Fill_X``,
-    ``XFill``, ``Fill``, and ``X2`` for a step of number 2 or a name that ends so), tell.
-    """
-    bits = {path: 1 << index for index, path in enumerate(left.steps)}
-    if flags is not None:
-        found = []
-        for step, text in flags.items():
-            path = next((each for each in bits if each.casefold() == step.casefold()), None)
-            if path is None:
-                raise ModelError(f"there is no step {step!r}", hint="There are: " + ", ".join(list(bits)[:20]))
-            found.append((path, Observation(path, bit=bits[path]), _flag(right, text)))
-        return found
-    others = {path.casefold(): 1 << index for index, path in enumerate(right.steps)}
-    usual = {
-        name.casefold(): name
-        for name, each in right.variables.items()
-        if each.signal.kind is SignalKind.BOOL and not each.is_input
-    }
-    numbers = _numbers(left)
-    recognised = []
-    for path, bit in bits.items():
-        own = Observation(path, bit=bit)
-        if path.casefold() in others:
-            recognised.append((path, own, Observation(path, bit=others[path.casefold()])))
-            continue
-        plain = path.replace(".", "_")
-        names = [f"X_{plain}", f"{plain}_X", f"X{plain}", f"_{plain}", plain]
-        if path in numbers:
-            names += [f"X{numbers[path]}", f"X_{numbers[path]}"]
-        flag = next((usual[name.casefold()] for name in names if name.casefold() in usual), None)
-        if flag is not None:
-            recognised.append((path, own, Observation(flag)))
-    return recognised
-
-
-def _flag(system: ProgramSystem, text: str) -> Observation:
-    path, equals, value = text.partition("=")
-    path = path.strip()
-    if not equals and (path not in system.instance or signal_of(system.instance.type_of(path)) is None):
-        for place, step in enumerate(system.steps):
-            if path.casefold() in (step.casefold(), f"{step}.X".casefold()):
-                return Observation(step, bit=1 << place)
-    signal = signal_of(system.instance.type_of(path))
-    if signal is None:
-        raise ModelError(f"{path} is no single value, so it tells nothing of a step")
-    known = _constants(system.subject.pou)
-    return Observation(path, equals=signal.parse(known.get(value.strip(" #").casefold(), value)) if equals else None)
-
-
-def _constants(pou: Pou) -> dict[str, str]:
-    """The values of the constants of a POU as text, by their names in lower case."""
-    sections = pou.interface.sections if pou.interface is not None else []
-    return {
-        variable.name.casefold(): variable.initial.text
-        for section in sections
-        if section.constant or section.kind is SectionKind.CONSTANT
-        for variable in section.variables
-        if isinstance(variable.initial, SimpleValue) and variable.initial.text is not None
-    }
-
-
-def _numbers(system: ProgramSystem) -> dict[str, str]:
-    """The number that a step has, or that its name ends with (``S3``), where no other step has the same."""
-    chart = system.subject.pou.sfc
-    found: dict[str, str] = {}
-    for step in chart.steps if chart is not None else ():
-        ending = re.search(r"[0-9]+$", step.name)
-        if step.number is not None:
-            found[step.name] = str(step.number)
-        elif ending is not None:
-            found[step.name] = ending.group()
-    counts = Counter(found.values())
-    return {name: number for name, number in found.items() if counts[number] == 1}

@@ -5,19 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
+from typing import Any
 
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame
-from plcopen_sfc.semantics.programs.types import ElementaryType, Family, Type
+from plcopen_sfc.semantics.programs.layouts import Direction, Frame
+from plcopen_sfc.semantics.programs.types import ArrayType, ElementaryType, Family, Type
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
 __all__ = ["Watched", "signal_of", "step_marking", "watched", "watched_members"]
 
 _NOT_SHOWN = frozenset({"constant", "temp"})
+_MOST_ELEMENTS = 256
+"""Of an array: the time of a comparison grows with them."""
+
 _NOT_COMPARED = frozenset({Direction.CONSTANT, Direction.TEMP, Direction.IN_OUT})
 
 
@@ -44,7 +49,7 @@ def watched(instance: Instance) -> dict[str, Watched]:
     found: dict[str, Watched] = {}
     for path, variable in instance.variables().items():
         direction = str(variable.direction)
-        if "." in path or direction in _NOT_SHOWN:
+        if variable.is_member or direction in _NOT_SHOWN:
             continue
         if inputs.pop(path.casefold(), None) is not None:
             direction = "input"
@@ -54,22 +59,26 @@ def watched(instance: Instance) -> dict[str, Watched]:
     return found
 
 
-def watched_members(instance: Instance) -> dict[str, Watched]:
-    """The single values in structures and in instances of the project's own function blocks, by path.
+def watched_members(instance: Instance) -> tuple[dict[str, Watched], list[str]]:
+    """The single values in arrays, structures and instances of the project's own function blocks, by path.
 
-    Without what a user gives a value, and without what charts and the simulator bring with them.
+    Without what a user gives a value, and without what charts and the simulator bring with them; then the paths of
+    arrays that have too many elements to look at all of them.
     """
     inputs = {path.casefold() for path in instance.inputs()}
     roots = {id(instance.frame)}
     found: dict[str, Watched] = {}
+    large: list[str] = []
     for frame in (instance.frame, instance.controller.library.frame):
-        for path, field in _members(instance, frame, "", roots):
-            if path.casefold() not in inputs:
-                _watch(found, instance, path, field.type, str(field.direction))
-    return found
+        for path, type_, direction in _members(instance, frame, "", roots):
+            if isinstance(type_, ArrayType):
+                large.append(path)
+            elif path.casefold() not in inputs:
+                _watch(found, instance, path, type_, str(direction))
+    return found, large
 
 
-def _members(instance: Instance, frame: Frame, path: str, seen: set[int]) -> Iterator[tuple[str, Field]]:
+def _members(instance: Instance, frame: Frame, path: str, seen: set[int]) -> Iterator[tuple[str, Type, Direction]]:
     for field in frame.layout.fields:
         own = field.declared or not (frame.layout.is_instance or not path)
         if field.hidden or not own or not field.retained or field.direction in _NOT_COMPARED:
@@ -77,12 +86,28 @@ def _members(instance: Instance, frame: Frame, path: str, seen: set[int]) -> Ite
         if frame.layout.find(field.name) is not field:
             continue
         value = frame.v[field.slot]
-        if not isinstance(value, Frame):
-            if path:
-                yield f"{path}{field.name}", field
-        elif id(value) not in seen and instance.controller.library.block_of(value.layout) is None:
+        if path or isinstance(value, Frame | list):
+            yield from _inside(instance, f"{path}{field.name}", field.type, field.direction, value, seen=seen)
+
+
+def _inside(
+    instance: Instance, path: str, type_: Type, direction: Direction, value: Any, *, seen: set[int]
+) -> Iterator[tuple[str, Type, Direction]]:
+    """The single values of a variable, and arrays of too many elements."""
+    if isinstance(value, Frame):
+        if id(value) not in seen and instance.controller.library.block_of(value.layout) is None:
             seen.add(id(value))
-            yield from _members(instance, value, f"{path}{field.name}.", seen)
+            yield from _members(instance, value, f"{path}.", seen)
+    elif isinstance(value, list) and isinstance(type_, ArrayType):
+        if type_.size > _MOST_ELEMENTS:
+            yield path, type_, direction
+            return
+        indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))
+        for index, element in zip(indices, value, strict=True):
+            name = f"{path}[{','.join(map(str, index))}]"
+            yield from _inside(instance, name, type_.base, direction, element, seen=seen)
+    elif not isinstance(value, list):
+        yield path, type_, direction
 
 
 def _watch(found: dict[str, Watched], instance: Instance, path: str, type_: Type, direction: str) -> None:

@@ -11,10 +11,12 @@ from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass
 from typing import Protocol
 
+from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.networks.effects import ANYTHING, Path, is_standard_call, path_of, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.semantics.programs.addresses import address_of
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.types import ElementaryType, StructureType, Type
 
@@ -172,6 +174,10 @@ def _check_places(instance: Instance) -> None:
     project = instance.controller.project
     interface = instance.unit.pou.interface
     sections = [*project.global_variables, *(interface.sections if interface is not None else ())]
-    places = [v.address.upper() for section in sections for v in section.variables if v.address]
-    if len(places) != len(set(places)):
+    places = [v.address for section in sections for v in section.variables if v.address and "*" not in v.address]
+    try:
+        different = {address_of(each, by_bytes=False) for each in places}
+    except SimulationError as error:
+        raise NotDivisibleError(error.message) from error
+    if len(places) != len(different):
         raise NotDivisibleError("two variables have the same address")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
@@ -20,6 +21,33 @@ _TYPES = {1: "BOOL", 8: "BYTE", 16: "WORD", 32: "DWORD", 64: "LWORD"}
 _AREAS = {"E": "I", "A": "Q"}
 
 
+class Address(NamedTuple):
+    """Bits of a memory area: the first one, and how many. `by_bytes`: the tool numbers its words as bytes."""
+
+    area: str
+    start: int
+    width: int
+    by_bytes: bool = False
+
+
+def address_of(text: str, *, by_bytes: bool) -> Address:
+    """The address that a text names. Raises `SimulationError`."""
+    found = _ADDRESS.fullmatch(text.strip())
+    if found is None:
+        raise SimulationError(f"{text} is no address that the simulator knows")
+    area = _AREAS.get(found["area"].upper(), found["area"].upper())
+    size = found["size"].upper()
+    numbers = [int(part) for part in found["numbers"].split(".")]
+    width = _WIDTHS[size]
+    if width == 1:
+        if len(numbers) == 1:
+            return Address(area, numbers[0] * (1 if size == "X" else 8), 1)
+        head = area + "".join(f".{part}" for part in numbers[:-2])
+        return Address(head, numbers[-2] * 8 + numbers[-1], 1)
+    head = area + "".join(f".{part}" for part in numbers[:-1])
+    return Address(head, numbers[-1] * (8 if by_bytes else width), width, by_bytes and width > 8)
+
+
 class Image:
     """The variables at direct addresses. Each address is a variable; those that overlap in part are refused.
 
@@ -29,19 +57,23 @@ class Image:
     def __init__(self, library: Library) -> None:
         self._library = library
         self._bytes = library.dialect in (Dialect.TWINCAT, Dialect.SCL)
-        self._places: dict[tuple[str, int, int], Place] = {}
-        self._bits: dict[tuple[str, int], tuple[str, int, int]] = {}
+        self._places: dict[Address, Place] = {}
+        self._bits: dict[tuple[str, int], Address] = {}
+
+    def addresses(self) -> Mapping[str, Address]:
+        """Where variables are, by their paths."""
+        return {place.path: address for address, place in self._places.items()}
 
     def place(self, address: str, type_: t.ElementaryType | None, path: str, initial: m.Value | None) -> Place:
         """The variable at an address; the first one that names it gives it its type."""
-        area, start, width = key = self._range(address)
+        key = address_of(address, by_bytes=self._bytes)
         found = self._places.get(key)
         if found is not None and type_ is None:
             return found
-        type_ = type_ or t.ELEMENTARY[_TYPES[width]]
+        type_ = type_ or t.ELEMENTARY[_TYPES[key.width]]
         if found is None:
-            for bit in range(start, start + width):
-                other = self._bits.setdefault((area, bit), key)
+            for bit in range(key.start, key.start + key.width):
+                other = self._bits.setdefault((key.area, bit), key)
                 if other != key:
                     raise SimulationError(
                         f"{address} overlaps {self._places[other].path}, which the simulator keeps apart",
@@ -53,19 +85,3 @@ class Image:
             if not same or found.type.least != type_.least:
                 raise SimulationError(f"{address} is a {found.type.name} and a {type_.name} at once")
         return found
-
-    def _range(self, address: str) -> tuple[str, int, int]:
-        found = _ADDRESS.fullmatch(address.strip())
-        if found is None:
-            raise SimulationError(f"{address} is no address that the simulator knows")
-        area = _AREAS.get(found["area"].upper(), found["area"].upper())
-        size = found["size"].upper()
-        numbers = [int(part) for part in found["numbers"].split(".")]
-        width = _WIDTHS[size]
-        if width == 1:
-            if len(numbers) == 1:
-                return area, numbers[0] * (1 if size == "X" else 8), 1
-            head = area + "".join(f".{part}" for part in numbers[:-2])
-            return head, numbers[-2] * 8 + numbers[-1], 1
-        head = area + "".join(f".{part}" for part in numbers[:-1])
-        return head, numbers[-1] * (8 if self._bytes else width), width

@@ -10,6 +10,7 @@ from plcopen_sfc.errors import Location, ModelError, SimulationError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.semantics.programs import types as t
+from plcopen_sfc.semantics.programs.addresses import Address
 from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, leaves
 from plcopen_sfc.semantics.programs.linking import Writer
 from plcopen_sfc.semantics.programs.places import Place, Unknown
@@ -23,12 +24,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable that a user can look at: its path, type and direction. `preset`: its declaration gives it a value."""
+    """A variable that a user can look at: its path, type and direction. `preset`: its declaration gives it a value.
+
+    `is_member`: it is a part of a structure or of an instance.
+    """
 
     path: str
     type: t.Type
     direction: Direction
     preset: bool = False
+    is_member: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,23 +197,28 @@ class Instance:
         """All variables that a user sees, by path: those of the instance, then global ones that are used."""
         found: dict[str, Variable] = {}
 
-        def add(path: str, field: Field, direction: Direction, cells: list[Any], index: int) -> None:
+        def add(path: str, field: Field, direction: Direction, cells: list[Any], index: int, *, member: bool) -> None:
             if path not in found:
-                found[path] = Variable(path, field.type, direction, field.preset)
+                found[path] = Variable(path, field.type, direction, field.preset, member)
                 if field.direction is not Direction.IN_OUT:  # there is a pointer in its place
                     self._cells.setdefault(path.casefold(), _Cell(cells, index, field.type))
 
         for path, field, cells, index in leaves(self.frame):
-            add(path, field, field.direction if "." not in path else Direction.LOCAL, cells, index)
+            member = "." in path
+            add(path, field, Direction.LOCAL if member else field.direction, cells, index, member=member)
         outer = self._library.frame.v
         for field in [field for field in self._library.globals.fields if not field.hidden]:
             value = outer[field.slot]
             if isinstance(value, Frame) and value is not self.frame:
                 for path, inner, cells, index in leaves(value, f"{field.name}."):
-                    add(path, inner, Direction.EXTERNAL, cells, index)
+                    add(path, inner, Direction.EXTERNAL, cells, index, member=True)
             elif value is not self.frame:
-                add(field.name, field, field.direction, outer, field.slot)
+                add(field.name, field, field.direction, outer, field.slot, member=False)
         return found
+
+    def addresses(self) -> Mapping[str, Address]:
+        """The direct addresses of variables, by their paths."""
+        return self._library.image.addresses()
 
     def charts(self) -> list[tuple[str, CompiledChart, Frame]]:
         """The charts of the instance and of instances in it: path, chart, and the frame that it works on."""

@@ -1,0 +1,196 @@
+"""What two systems have in common: inputs that are the same, and what of both is compared.
+
+Variables at direct addresses are what the machine is wired to: those at the same address belong together, whatever
+their names are. All others do by their names.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem
+from plcopen_sfc.errors import ModelError
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import SimpleValue
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+from plcopen_sfc.semantics.watching import Watched, signal_of
+
+__all__ = ["connect", "output_pairs", "step_observations", "unpaired"]
+
+_SEEN_OUTSIDE = frozenset({"output", "external"})
+
+
+# -- inputs
+
+
+def connect(
+    left: ProgramSystem, right: ProgramSystem, names: Mapping[str, str], fixed: Mapping[str, Value]
+) -> dict[str, Signal]:
+    """Give both systems the same inputs; the inputs by the names of the left where it has them.
+
+    `names`: of inputs of the right those in the left. `fixed`: inputs that keep a value, by their names in either.
+    """
+    keys = _input_keys(left, right)
+    own_keys = {known: key for name, key in keys[0].items() for known in (name.casefold(), left.local_name(name))}
+    renamed = {other.casefold(): own_keys.get(own.casefold(), own.casefold()) for other, own in names.items()}
+    constants = {own_keys.get(name.casefold(), name.casefold()): value for name, value in fixed.items()}
+    constants |= {name.casefold(): value for name, value in fixed.items()}
+    shared: dict[str, str] = {}
+    signals: dict[str, Signal] = {}
+    for system, own, rename in ((left, keys[0], {}), (right, keys[1], renamed)):
+        own_names: dict[str, str] = {}
+        own_fixed: dict[str, Value] = {}
+        for name, signal in system.inputs.items():
+            known = name.casefold(), system.local_name(name)
+            key = next((rename[each] for each in known if each in rename), own[name])
+            constant = next((each for each in (key, *known) if each in constants), None)
+            if constant is not None:
+                own_fixed[name] = signal.accept(constants[constant])
+                continue
+            common = shared.setdefault(key, f"{name} of the second" if name in signals and key not in shared else name)
+            own_names[name] = common
+            before = signals.setdefault(common, signal)
+            if before.kind is not signal.kind:
+                raise ModelError(f"the input {name} is a {before.type} in the first and a {signal.type} in the second")
+        system.connect(own_names, own_fixed)
+    return signals
+
+
+def _input_keys(left: ProgramSystem, right: ProgramSystem) -> tuple[dict[str, str], dict[str, str]]:
+    """What tells for each input of both which ones are the same: an address that both have, else its name."""
+    both = {left.addresses.get(name) for name in left.inputs} & {right.addresses.get(name) for name in right.inputs}
+
+    def key(system: ProgramSystem, name: str) -> str:
+        address = system.addresses.get(name)
+        return f"{address}" if address is not None and address in both else system.local_name(name)
+
+    return {name: key(left, name) for name in left.inputs}, {name: key(right, name) for name in right.inputs}
+
+
+# -- outputs
+
+
+def output_pairs(left: ProgramSystem, right: ProgramSystem, *, delayed: bool) -> list[tuple[str, Signal, str]]:
+    """All single values that both have and that are no inputs: name and signal on the left, name on the right.
+
+    `delayed`: the two see the inputs of different scans, and so do not give instances the same inputs.
+    """
+    mine, theirs = ({n: each for n, each in s.variables.items() if not each.is_input} for s in (left, right))
+    placed = {right.addresses[name]: name for name in theirs if name in right.addresses}
+    named = {right.local_name(name): name for name in theirs}
+    by_address = {name: placed[at] for name in mine if (at := left.addresses.get(name)) in placed and at is not None}
+    taken = set(by_address.values())
+    found = []
+    for name, variable in mine.items():
+        other = by_address.get(name) or named.get(left.local_name(name))
+        if other is None or (name not in by_address and other in taken):
+            continue
+        if name in by_address and theirs[other].signal.kind is not variable.signal.kind:
+            continue
+        found.append((name, variable.signal, other))
+    members = {path.casefold(): path for path in right.members}
+    return found + [
+        (path, member.signal, members[path.casefold()])
+        for path, member in left.members.items()
+        if path.casefold() in members
+        and right.members[members[path.casefold()]].signal.kind is member.signal.kind
+        and not (delayed and member.is_input)
+    ]
+
+
+def unpaired(system: ProgramSystem, compared: Iterable[str]) -> list[str]:
+    """The outputs and global variables of a system that are not among those that are compared."""
+    names = {name.casefold() for name in compared}
+
+    def is_seen(name: str, each: Watched) -> bool:
+        return each.direction in _SEEN_OUTSIDE and name.casefold() not in names
+
+    return [*(name for name, each in system.variables.items() if is_seen(name, each)), *system.large]
+
+
+# -- steps
+
+
+def step_observations(
+    left: ProgramSystem, right: ProgramSystem, flags: Mapping[str, str] | None
+) -> list[tuple[str, Observation, Observation]]:
+    """What tells of each step of `left` that it is active, on both sides. Raises `ModelError` for names not there.
+
+    `flags`: by the path of a step a variable of the other side (``X2``), what a variable must equal (``s = 2``), or the
+    path of a step there.
+    Where they are not given, equal step paths of two charts, and variables with usual names (``X_Fill``, ``Fill_X``,
+    ``XFill``, ``Fill``, and ``X2`` for a step of number 2 or a name that ends so), tell.
+    """
+    bits = {path: 1 << index for index, path in enumerate(left.steps)}
+    if flags is not None:
+        found = []
+        for step, text in flags.items():
+            path = next((each for each in bits if each.casefold() == step.casefold()), None)
+            if path is None:
+                raise ModelError(f"there is no step {step!r}", hint="There are: " + ", ".join(list(bits)[:20]))
+            found.append((path, Observation(path, bit=bits[path]), _flag(right, text)))
+        return found
+    others = {path.casefold(): 1 << index for index, path in enumerate(right.steps)}
+    usual = {
+        name.casefold(): name
+        for name, each in right.variables.items()
+        if each.signal.kind is SignalKind.BOOL and not each.is_input
+    }
+    numbers = _numbers(left)
+    recognised = []
+    for path, bit in bits.items():
+        own = Observation(path, bit=bit)
+        if path.casefold() in others:
+            recognised.append((path, own, Observation(path, bit=others[path.casefold()])))
+            continue
+        plain = path.replace(".", "_")
+        names = [f"X_{plain}", f"{plain}_X", f"X{plain}", f"_{plain}", plain]
+        if path in numbers:
+            names += [f"X{numbers[path]}", f"X_{numbers[path]}"]
+        flag = next((usual[name.casefold()] for name in names if name.casefold() in usual), None)
+        if flag is not None:
+            recognised.append((path, own, Observation(flag)))
+    return recognised
+
+
+def _flag(system: ProgramSystem, text: str) -> Observation:
+    path, equals, value = text.partition("=")
+    path = path.strip()
+    if not equals and (path not in system.instance or signal_of(system.instance.type_of(path)) is None):
+        for place, step in enumerate(system.steps):
+            if path.casefold() in (step.casefold(), f"{step}.X".casefold()):
+                return Observation(step, bit=1 << place)
+    signal = signal_of(system.instance.type_of(path))
+    if signal is None:
+        raise ModelError(f"{path} is no single value, so it tells nothing of a step")
+    known = _constants(system.subject.pou)
+    return Observation(path, equals=signal.parse(known.get(value.strip(" #").casefold(), value)) if equals else None)
+
+
+def _constants(pou: Pou) -> dict[str, str]:
+    """The values of the constants of a POU as text, by their names in lower case."""
+    sections = pou.interface.sections if pou.interface is not None else []
+    return {
+        variable.name.casefold(): variable.initial.text
+        for section in sections
+        if section.constant or section.kind is SectionKind.CONSTANT
+        for variable in section.variables
+        if isinstance(variable.initial, SimpleValue) and variable.initial.text is not None
+    }
+
+
+def _numbers(system: ProgramSystem) -> dict[str, str]:
+    """The number that a step has, or that its name ends with (``S3``), where no other step has the same."""
+    chart = system.subject.pou.sfc
+    found: dict[str, str] = {}
+    for step in chart.steps if chart is not None else ():
+        ending = re.search(r"[0-9]+$", step.name)
+        if step.number is not None:
+            found[step.name] = str(step.number)
+        elif ending is not None:
+            found[step.name] = ending.group()
+    counts = Counter(found.values())
+    return {name: number for name, number in found.items() if counts[number] == 1}

@@ -1,0 +1,81 @@
+"""What of two programs is compared, and which of their inputs are the same."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis import Verdict, equivalent
+from plcopen_sfc.model import Project
+
+
+def project(variables: str, *, action: str = "", target: str = "", name: str = "Main", go: str = "a") -> Project:
+    """A chart of two steps, of which the second one has an action."""
+    text = f"""
+    PROGRAM {name} VAR_INPUT {"a, " if go == "a" else ""}b : BOOL; END_VAR VAR {variables} END_VAR
+    INITIAL_STEP Rest: END_STEP
+    TRANSITION FROM Rest TO Run := {go}; END_TRANSITION
+    STEP Run: {target or "Fill(N)"}; END_STEP
+    TRANSITION FROM Run TO Rest := b; END_TRANSITION
+    ACTION Fill: {action or ";"} END_ACTION
+    END_PROGRAM"""
+    return sfc.loads(text.encode(), format="iec-text")
+
+
+def compare(one: Project, other: Project) -> Verdict:
+    return equivalent(one.pous[0], other.pous[0], "iec")
+
+
+@pytest.mark.parametrize("area", ["Q", "M"])
+def test_what_is_written_to_an_address_is_compared(area: str) -> None:
+    address = f"%{area}X0.0"
+    direct = project("", action=f"{address} := TRUE;")
+    placed = project(f"q AT {address} : BOOL;", target="q(N)")
+    renamed = project(f"valve AT {address} : BOOL;", target="valve(N)", name="Other")
+    stored = project(f"valve AT {address} : BOOL;", target="valve(S)")
+    idle = project(f"q AT {address} : BOOL;")
+    assert compare(placed, renamed).proven
+    assert compare(direct, direct).compared == (address, "Rest.X", "Run.X")
+    for other in (stored, idle):
+        verdict = compare(placed, other)
+        assert verdict.different, str(verdict)
+    assert compare(direct, project("", action=f"{address} := FALSE;")).different
+    assert compare(direct, project(f"q AT {address} : BOOL;", action="q := TRUE;")).proven
+    assert compare(direct, project(f"q AT {address} : BOOL;", action="q := FALSE;")).different
+
+
+def test_what_is_wired_to_the_machine_counts_more_than_a_name() -> None:
+    one = project("q AT %QX0.0 : BOOL; r AT %QX0.1 : BOOL;", target="q(N)")
+    swapped = project("q AT %QX0.1 : BOOL; r AT %QX0.0 : BOOL;", target="q(N)")
+    assert compare(one, swapped).different
+    moved = project("q AT %QX7.0 : BOOL;", target="q(N)")
+    assert compare(one, moved).uncompared == ("Main.r",)
+    assert compare(one, project("q : BOOL;", target="q(S)")).different
+
+
+def test_inputs_at_the_same_address_are_the_same() -> None:
+    one = project("q AT %QX0.0 : BOOL; start AT %IX0.0 : BOOL;", target="q(N)", go="start")
+    assert compare(one, project("q AT %QX0.0 : BOOL;", target="q(N)", go="%IX0.0")).proven
+    other = project("r AT %QX0.0 : BOOL; go AT %IX0.0 : BOOL;", target="r(N)", go="go", name="Other")
+    assert compare(one, other).proven
+    moved = project("q AT %QX0.0 : BOOL; start AT %IX0.1 : BOOL; x AT %IX0.0 : BOOL;", target="q(N)", go="start AND x")
+    assert compare(one, moved).different
+
+
+def test_elements_of_arrays_are_compared() -> None:
+    one = project("f : ARRAY[1..2, 0..1] OF INT;", action="f[2, 0] := 3;")
+    verdict = compare(one, project("f : ARRAY[1..2, 0..1] OF INT;", action="f[2, 0] := 4;"))
+    assert verdict.counterexample is not None
+    assert [each.name for each in verdict.counterexample.differences] == ["f[2,0]"]
+    large = project("f : ARRAY[0..999] OF INT;", action="f[0] := 3;")
+    assert compare(large, large).uncompared == ("f",)
+
+
+def test_variables_of_global_lists_are_compared() -> None:
+    made = [project("", action=f"q := {value};") for value in ("TRUE", "FALSE")]
+    globals_ = sfc.loads(b"VAR_GLOBAL q : BOOL; END_VAR FUNCTION F : INT F := 1; END_FUNCTION", format="iec-text")
+    for each in made:
+        each.global_variables = [s.model_copy(deep=True, update={"name": "GVL"}) for s in globals_.global_variables]
+    verdict = compare(*made)
+    assert verdict.counterexample is not None
+    assert "GVL.q is TRUE in the first and FALSE in the second" in str(verdict)
