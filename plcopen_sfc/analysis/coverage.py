@@ -20,8 +20,9 @@ __all__ = ["Coverage", "Tally", "Unreached", "any_untested"]
 STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
 _SHOWN = 10
 
-Key = tuple[str, str, int]
-"""What can be reached: the chart or text it stands in, its name, and a number where names are not unique."""
+Key = tuple[str, str, int, str]
+"""What can be reached: the chart or text it stands in, its name, a number where names are not unique, and the condition
+that an assignment stands behind."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,8 @@ class Unreached:
 class Coverage:
     """How much of one side of a comparison was executed.
 
-    `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program without one) how
-    many were reached, and how many there are.
+    `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program or of the actions
+    of a chart) how many were reached, and how many there are.
     """
 
     name: str
@@ -59,9 +60,8 @@ class Coverage:
 
     @property
     def untested(self) -> tuple[Unreached, ...]:
-        """Steps and transitions, or assignments, that were not reached though they may be reachable."""
-        kinds = (STEP, TRANSITION) if self.has_chart else (ASSIGNMENT,)
-        return tuple(each for each in self.unreached if each.kind in kinds and not each.impossible)
+        """Steps, transitions and assignments that were not reached though they may be reachable."""
+        return tuple(each for each in self.unreached if each.kind != ACTION and not each.impossible)
 
     def joined(self, other: Coverage) -> Coverage:
         """What was reached here or there, in two searches of the same side."""
@@ -128,7 +128,7 @@ class Tally:
 
     def coverage(self, *, complete: bool) -> Coverage:
         """What it comes to. `complete`: all that the system can do was searched."""
-        kinds = (STEP, TRANSITION, ACTION) if _charts(self.system) else (ASSIGNMENT,)
+        kinds = (STEP, TRANSITION, ACTION, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
         counts: dict[str, tuple[int, int]] = {}
         missing: dict[str, list[Key]] = {}
         reached: dict[str, set[Key]] = {}
@@ -136,7 +136,8 @@ class Tally:
             everything = dict.fromkeys(key for key, _ in _of_kind(self.system, kind))
             reached[kind] = self.reached(kind)
             missing[kind] = [key for key in everything if key not in reached[kind]]
-            counts[kind] = len(everything) - len(missing[kind]), len(everything)
+            if everything or kind in kinds[:3]:
+                counts[kind] = len(everything) - len(missing[kind]), len(everything)
         unreached: list[Unreached] = []
         if any(missing.values()):
             reasons = _Reasons(self.system, reached, complete=complete)
@@ -169,23 +170,23 @@ def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
         reached = chart.reached
         if kind == STEP:
             for step in chart.net.steps:
-                yield (name, step.path, step.step.id), bool(reached.steps & step.bit)
+                yield (name, step.path, step.step.id, ""), bool(reached.steps & step.bit)
         elif kind == TRANSITION:
             for transition in chart.net.transitions:
-                key = (name, transition.path, transition.transition.id)
+                key = (name, transition.path, transition.transition.id, "")
                 yield key, bool(reached.transitions & transition.bit)
         else:
             for number, label in enumerate(reached.labels):
-                yield (name, label, 0), bool(reached.actions >> number & 1)
+                yield (name, label, 0, ""), bool(reached.actions >> number & 1)
 
 
 def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
     marks = system.marks
     own = system.instance.unit.pou.name
     for branch, is_reached in zip(marks.branches, marks.reached, strict=True):
-        if branch.owner == own or branch.owner.startswith((f"{own}.", f"{own}:")):
+        if branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} ")):
             for text in branch.assignments:
-                yield (branch.condition, text, 0), is_reached
+                yield (branch.owner, text, 0, branch.condition), is_reached
 
 
 class _Reasons:
@@ -199,12 +200,16 @@ class _Reasons:
         self._graphs = {name: isinstance(chart, GraphProgram) for name, chart in _charts(system)}
 
     def of(self, kind: str, key: Key) -> Unreached:
-        name, label, number = key
+        name, label, number, condition = key
         several = len(self._nets) > 1 and kind != ASSIGNMENT
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
-            why = f"needs {_quoted(name)}" if name else "what it stands in was not executed"
-            return Unreached(kind, shown, f"{why}, never reached" if name else why, impossible=self._complete)
+            if self._unreachable.is_never_executed(name):
+                return Unreached(kind, shown, "what it stands in is never executed (proven)", impossible=True)
+            if condition and self._unreachable.is_never_true(condition):
+                return Unreached(kind, shown, f"needs {_quoted(condition)}, never TRUE (proven)", impossible=True)
+            why = f"needs {_quoted(condition)}, never reached" if condition else "what it stands in was not executed"
+            return Unreached(kind, shown, why, impossible=self._complete)
         if kind == ACTION:
             return Unreached(kind, shown, "was never executed", impossible=self._complete)
         net = self._nets[name]
@@ -232,7 +237,7 @@ class _Reasons:
     # -- what is in the way
 
     def _reached_steps(self, name: str, net: Net) -> set[int]:
-        entered = {(label, number) for chart, label, number in self._reached[STEP] if chart == name}
+        entered = {(label, number) for chart, label, number, _ in self._reached[STEP] if chart == name}
         return {s.index for s in net.steps if (s.path, s.step.id) in entered}
 
     def _way_to(self, name: str, net: Net, steps: Iterable[int]) -> str:

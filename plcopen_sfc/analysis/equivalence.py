@@ -121,9 +121,10 @@ def equivalent(
     `outputs`: the variables to compare (by their names in `a`, or a mapping from these to those in `b`); without it all
     single values that both have under the same name, or at the same direct address, and that are no inputs, also those
     in arrays, structures and instances of the project's own function blocks, but of two tools not what only one of them
-    writes or reads (``SFCTrans``, ``S_NO``). `step_flags`: by the path of a step of `a` the variable of `b` that tells that it is active (``X2``),
-    what it must equal (``s = 2``), or the path of a step of `b`; without it flags with usual names are recognised, and
-    steps of the same path in two charts. `inputs`: by their names in `b` those of inputs in `a` where they differ.
+    writes or reads (``SFCTrans``, ``S_NO``). `step_flags`: by the path of a step of `a` the variable of `b` that
+    tells that it is active (``X2``), what it must equal (``s = 2``), or the path of a step of `b`; without it flags
+    with usual names are recognised, and steps of the same path in two charts. `inputs`: by their names in `b` those of
+    inputs in `a` where they differ.
     `fixed`: inputs that keep a value, by their names in either. `free_inputs`: variables that nothing writes and that
     are to be inputs though they are not declared so, or ``all``, but never those that tell of steps. `left_out`: a
     variable of `b`; scans that end with its value TRUE are not compared, nor what follows them. A `LoweredPou` as `b`

@@ -17,6 +17,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.charts import compile_chart
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.controller import Controller
 from plcopen_sfc.semantics.programs.instances import Instance
@@ -127,6 +128,22 @@ class ProgramSystem:
         marks = self._controller.library.marks
         assert marks is not None  # noqa: S101  # it is made with them
         return marks
+
+    def reached(self) -> tuple[list[tuple[int, int, int]], list[bool]]:
+        """What its charts and texts have executed so far."""
+        charts = [(each.steps, each.transitions, each.actions) for each in self._chart_marks()]
+        return charts, [*self.marks.reached]
+
+    def forget(self, before: tuple[list[tuple[int, int, int]], list[bool]]) -> None:
+        """Count only what had been executed when `reached` gave this."""
+        charts, texts = before
+        for each, (steps, transitions, actions) in zip(self._chart_marks(), charts, strict=True):
+            each.steps, each.transitions, each.actions = steps, transitions, actions
+        self.marks.reached[: len(texts)] = texts
+
+    def _chart_marks(self) -> list[Reached]:
+        charts = [chart for _, chart, _ in self.instance.charts()]
+        return list({id(c): c.reached for c in charts if isinstance(c, ChartProgram | GraphProgram)}.values())
 
     def frozen(self) -> list[str]:
         """The variables that it reads, that nothing writes, and that are no inputs."""

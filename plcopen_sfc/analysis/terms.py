@@ -248,6 +248,7 @@ def explore_terms(
     unknown = left.unknown or right.unknown
     if not kept and not unknown and not any(signal.kind in _NUMBERS for signal in signals.values()):
         return None
+    reached = left.reached(), right.reached()
     answers = Answers()
     names = _Names(answers)
     sides = [_Abstract(each, kept, names, first=each is left) for each in (left, right)]
@@ -268,4 +269,8 @@ def explore_terms(
     found = ended(search(sides[0], sides[1], domains, min(cap, _MOST_STATES), follow), look)
     for each in calls:
         each.number = None
-    return found if found.complete and not found.notes else None
+    if found.complete and not found.notes:
+        return found
+    for system, before in zip((left, right), reached, strict=True):
+        system.forget(before)  # what terms reach, numbers may never do
+    return None

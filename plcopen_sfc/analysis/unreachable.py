@@ -8,7 +8,7 @@ transitions are looked at in turn until nothing more is found to be possible.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, Reading
@@ -16,8 +16,11 @@ from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.st import parse_condition
+from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 
@@ -39,9 +42,25 @@ class Unreachable:
         self._knowledge = ProjectKnowledge(system.subject.project)
         self.steps: dict[str, set[int]] = {}
         self.transitions: dict[str, set[int]] = {}
+        self._fixed: set[str] = set()
+        self._never_said: set[str] = set()
         main = [body for body in self._pou.bodies if isinstance(body, SfcBody)]
-        if len(main) == len(self._pou.bodies) == 1:
+        if nets and len(main) == len(self._pou.bodies) == 1:
             self._find()
+
+    def is_never_executed(self, owner: str) -> bool:
+        """True if nothing executes a text: ``Main.Fill``, ``Main / step A``."""
+        own = self._pou.name
+        if owner.removeprefix(f"{own}.").casefold() in self._never_said:
+            return True
+        place = owner.removeprefix(f"{own} / step ")
+        steps = self._nets[own].steps if own in self._nets else ()
+        return any(step.path == place and step.index in self.steps.get(own, ()) for step in steps)
+
+    def is_never_true(self, condition: str) -> bool:
+        """True if nothing makes the condition of a branch TRUE."""
+        parsed = parse_condition(condition, self._system.subject.project.dialect)
+        return not parsed.problems and self._is_impossible(normal_form(parsed.tree), self._pou.sfc, self._fixed)
 
     def _find(self) -> None:
         pou = self._pou
@@ -77,6 +96,10 @@ class Unreachable:
             executed |= {name for name in bodies if name in said}
             if (len(executed), len(said), sum(map(len, possible.values()))) == before:
                 break
+        self._fixed = fixed
+        self._never_said = (bodies.keys() - executed) | self._never_called(
+            possible, [texts[k] for k in executed & texts.keys()]
+        )
         for name, net in self._nets.items():
             dead = {step.index for step in net.steps} - possible[name]
             if name in {charts[key] for key in executed & charts.keys()} and len(dead) < len(net.steps):
@@ -84,6 +107,22 @@ class Unreachable:
                 dead |= {step.index for step in graph.unreachable_steps or ()}
             self.steps[name] = dead
             self.transitions[name] = never[name] | {t.index for t in net.transitions if set(t.sources) & dead}
+
+    def _never_called(self, possible: Mapping[str, set[int]], texts: Iterable[set[str]]) -> set[str]:
+        """The methods that nothing names which can be executed."""
+        methods = {method.name.casefold(): _words(method.model_dump_json()) for method in self._pou.methods}
+        said = set().union(*texts, *(_words(each.model_dump_json()) for each in self._pou.transitions))
+        for name, net in self._nets.items():
+            said |= {word for each in net.transitions for word in _words(each.transition.model_dump_json())}
+            said |= {word for index in possible[name] for word in _words(net.steps[index].step.model_dump_json())}
+        waiting = True
+        called: set[str] = set()
+        while waiting:
+            found = {name for name in methods if name in said} - called
+            said |= set().union(*(methods[name] for name in found))
+            called |= found
+            waiting = bool(found)
+        return methods.keys() - called
 
     def _own_variables(self) -> set[str]:
         """Local variables that only texts of the POU can write."""
@@ -104,8 +143,12 @@ class Unreachable:
         read = condition_of(transition.chart, transition.transition, project.dialect, transitions=self._pou.transitions)
         if read.tree is None or not read.complete or read.before:
             return False
-        formula = Formula(project.dialect, self._knowledge.at(self._pou, transition.chart))
-        terms = formula.terms([Reading(read.tree)])
+        return self._is_impossible(read.tree, transition.chart, fixed)
+
+    def _is_impossible(self, tree: Expression, chart: SfcNetwork | None, fixed: set[str]) -> bool:
+        """Whether a condition is FALSE while some variables are not written."""
+        formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
+        terms = formula.terms([Reading(tree)])
         known = {}
         for text in formula.names():
             root = text.casefold().partition(".")[0]

@@ -7,7 +7,7 @@ import json
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis import Verdict, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model import Project
 
@@ -99,4 +99,53 @@ END_PROGRAM
     assert [each.counts for each in verdict.coverage] == [{"assignment": (5, 6)}] * 2
     missed = verdict.coverage[0].unreached[0]
     assert (missed.name, missed.impossible) == ("P := TRUE;", True)
-    assert missed.why == "needs `c AND NOT c`, never reached"
+    assert missed.why == "needs `c AND NOT c`, never TRUE (proven)"
+
+
+COUNTING = """PROGRAM Main VAR_INPUT a, b : BOOL; m : DINT; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR n : DINT; END_VAR
+INITIAL_STEP Rest: END_STEP
+STEP Run: Fill(N); END_STEP
+TRANSITION FROM Rest TO Run := a; END_TRANSITION
+TRANSITION FROM Run TO Rest := b; END_TRANSITION
+ACTION Fill: IF {condition} THEN q := {value}; END_IF; n := n + m / 3; END_ACTION
+ACTION Unused: q := TRUE; END_ACTION
+END_PROGRAM"""
+
+
+def counting(condition: str, value: str = "TRUE") -> Project:
+    return sfc.loads(COUNTING.format(condition=condition, value=value).encode(), format="iec-text")
+
+
+def searched(one: Project, other: Project) -> Verdict:
+    return equivalent(one, other, "iec", cap=20, runs=4, scans=50)
+
+
+@pytest.mark.parametrize("value", ["TRUE", "FALSE"])
+def test_an_assignment_in_an_action_that_was_not_reached_is_named(value: str) -> None:
+    far = "n * n = 1000003"
+    verdict = searched(counting(far), counting(far, value))
+    assert verdict.kind is VerdictKind.UNTESTED
+    assert verdict.coverage[0].counts["assignment"] == (1, 3)
+    assert [str(each) for each in verdict.coverage[0].untested] == [
+        "assignment q := TRUE;: needs `n * n = 1000003`, never reached"
+    ]
+
+
+def test_assignments_that_nothing_executes_are_proven_so() -> None:
+    verdict = searched(counting("n > 5 AND n < 3"), counting("n > 5 AND n < 3", "FALSE"))
+    assert verdict.kind is VerdictKind.TESTED
+    assert [(each.name, each.why) for each in verdict.coverage[0].unreached] == [
+        ("q := TRUE;", "needs `n > 5 AND n < 3`, never TRUE (proven)"),
+        ("q := TRUE;", "what it stands in is never executed (proven)"),
+    ]
+    assert searched(counting("n > 3"), counting("n > 3", "FALSE")).different
+
+
+def test_what_only_terms_have_reached_was_not_reached() -> None:
+    """A search with terms in place of numbers looks behind every condition, whether or not numbers get there."""
+    one, other = (
+        sfc.loads(COUNTING.format(condition="n > 100000000", value=v).replace("m / 3", "m").encode(), format="iec-text")
+        for v in ("TRUE", "FALSE")
+    )
+    assert searched(one, one).proven
+    assert searched(one, other).kind is VerdictKind.UNTESTED
