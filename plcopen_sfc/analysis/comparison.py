@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain, repeat
 from typing import Any
 
 from plcopen_sfc.analysis.delay import Delay
@@ -21,10 +22,18 @@ from plcopen_sfc.semantics.trace import Column, Trace
 __all__ = ["Comparison", "filled", "operating_names"]
 
 _CALLS = "calls of unknown blocks"
-_SHRINKING_RUNS = 500
+_SHRINKING_RUNS, _SHRINKING_SCANS = 500, 500_000
+
+Look = Callable[[int], str]
+"""Tells why a search must end."""
 
 _SEEDS = 64
 """Results of unknown functions that are tried with the inputs of a difference."""
+
+
+def never(_: int) -> str:
+    """Time is never over."""
+    return ""
 
 
 class Comparison:
@@ -89,17 +98,27 @@ class Comparison:
             found, inputs=None, reason=f"results of {names} may tell them apart, but none that was tried does"
         )
 
-    def _runs(self, rows: Iterable[Mapping[str, Any]]) -> Iterator[tuple[SfcError | None, SfcError | None]]:
-        """Run both from the start; the errors of each scan, after which the systems can be looked at."""
+    def _runs(
+        self, rows: Iterable[Mapping[str, Any]], skipped: Sequence[int] | None = None
+    ) -> Iterator[tuple[SfcError | None, SfcError | None]]:
+        """Run both from the start; the errors of each scan, after which the systems can be looked at.
+
+        `skipped`: how many scans go by before each, with the same inputs, in which only clocks go on.
+        """
         self.left.reset()
         self.right.reset()
         for scan, row in enumerate(rows):
+            if skipped is not None and skipped[scan]:
+                for side in (self.left, self.right):
+                    side.pass_time(skipped[scan])
             yield tuple(failure_of(each, row.__getitem__, first=scan == 0) for each in (self.left, self.right))  # type: ignore[misc]
 
-    def first_difference(self, rows: Sequence[Mapping[str, Any]]) -> int | None:
-        """How many scans it takes to a difference; None where there is none."""
-        for scan, failures in enumerate(self._runs(rows)):
-            if end_of(failures) is not None:
+    def first_difference(
+        self, rows: Sequence[Mapping[str, Any]], skipped: Sequence[int] | None = None, look: Look = never
+    ) -> int | None:
+        """How many rows it takes to a difference; None where there is none, or `look` says that time is over."""
+        for scan, failures in enumerate(self._runs(rows, skipped)):
+            if end_of(failures) is not None or look(scan):
                 return None
             if any(failures):
                 return scan + 1
@@ -107,17 +126,19 @@ class Comparison:
                 return scan + 1
         return None
 
-    def shrunk(self, rows: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal]) -> list[Mapping[str, Value]]:
+    def shrunk(
+        self, rows: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], look: Look = never
+    ) -> list[Mapping[str, Value]]:
         """Fewer scans and fewer inputs that still show a difference: what is not needed is left out, one by one."""
         best = list(rows)
-        budget = _SHRINKING_RUNS
+        budget = min(_SHRINKING_RUNS, _SHRINKING_SCANS // (len(best) or 1))
 
         def attempt(candidate: list[Mapping[str, Value]]) -> bool:
             nonlocal best, budget
-            if budget <= 0:
+            if budget <= 0 or look(0):
                 return False
             budget -= 1
-            length = self.first_difference(candidate)
+            length = self.first_difference(candidate, look=look)
             if length is None:
                 return False
             best = candidate[:length]
@@ -135,7 +156,12 @@ class Comparison:
         return best
 
     def show(
-        self, inputs: Sequence[Mapping[str, Value]], signals: Mapping[str, Signal], *, shortest: bool
+        self,
+        inputs: Sequence[Mapping[str, Value]],
+        signals: Mapping[str, Signal],
+        skipped: Sequence[int] | None = None,
+        *,
+        shortest: bool,
     ) -> Counterexample:
         """What both do with these inputs; those that are not given stay as they are."""
         rows = filled(inputs, signals)
@@ -144,11 +170,14 @@ class Comparison:
         shown = [name for name in signals if name in read and name.casefold() not in compared]
         traces = [self._trace(system, shown, signals) for system in (self.left, self.right)]
         differences: list[Difference] = []
-        for row, failures in zip(rows, self._runs(rows), strict=True):
+        before: list[tuple[tuple[Value, ...], int]] = [((), 0), ((), 0)]
+        for place, (row, failures) in enumerate(zip(rows, self._runs(rows, skipped), strict=True)):
             given = tuple(row[name] for name in shown)
-            for system, trace in zip((self.left, self.right), traces, strict=True):
-                marking = system.marking() if trace.steps else 0
-                trace.record((*given, *map(plain, system.observed_now())), marking)
+            for side, (system, trace) in enumerate(zip((self.left, self.right), traces, strict=True)):
+                if skipped is not None and skipped[place]:
+                    trace.record((*given, *before[side][0]), before[side][1], scans=skipped[place])
+                before[side] = tuple(map(plain, system.observed_now())), system.marking() if trace.steps else 0
+                trace.record((*given, *before[side][0]), before[side][1])
             if any(failures):
                 differences = [
                     Difference("", None, None, f"only the {which} fails: {failure}")
@@ -162,8 +191,10 @@ class Comparison:
                     Difference(self.names[i], values[0][i], values[1][i], delay=self._delay.queued)
                     for i in compare(*values)
                 ]
-        given_rows = tuple({name: row[name] for name in shown} for row in rows)
-        return Counterexample(given_rows, tuple(differences), traces[0], traces[1], shortest)
+        given_rows = [{name: row[name] for name in shown} for row in rows]
+        counts = [1 + count for count in skipped] if skipped is not None else [1] * len(rows)
+        held = tuple(chain.from_iterable(map(repeat, given_rows, counts)))
+        return Counterexample(held, tuple(differences), traces[0], traces[1], shortest)
 
     def _trace(self, system: ProgramSystem, shown: Iterable[str], signals: Mapping[str, Signal]) -> Trace:
         columns = [Column(name, signals[name], "input") for name in shown]

@@ -11,7 +11,7 @@ chance. The same arguments always give the same search: its effort is counted in
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import frexp
 from random import Random
@@ -30,7 +30,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.types import INSTANT
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-__all__ = ["DirectedSearch", "Found"]
+__all__ = ["DirectedSearch", "Found", "Step"]
 
 _PATTERN_SCANS = 40
 _WAITS = 40
@@ -47,8 +47,8 @@ _MOST_STATES = 20_000
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
 Row = dict[str, Value]
-Segment = tuple[Row, int]
-"""Inputs, and for how many scans they stay."""
+Step = tuple[Row, int]
+"""The inputs of a scan, and how many scans went by before it with the same ones, in which only clocks went on."""
 
 
 @dataclass(slots=True)
@@ -57,7 +57,7 @@ class _State:
 
     before: Any
     parent: int
-    way: list[Segment]
+    way: list[Step]
     row: Row
     key: Any
     distance: float
@@ -66,12 +66,12 @@ class _State:
 
 @dataclass(frozen=True)
 class Found:
-    """What a search came to: the inputs of a run that ends with a difference, or None; and how much was run.
+    """What a search came to: the steps of a run that ends with a difference, or None; and how much was run.
 
     `stopped`: why it ended before its effort was spent.
     """
 
-    inputs: list[Row] | None
+    steps: list[Step] | None
     runs: int
     scans: int
     notes: tuple[str, ...] = ()
@@ -117,11 +117,11 @@ class DirectedSearch:
         self._notes: dict[str, None] = {}
         self._runs = 0
         self._scans = 0
-        self._difference: list[Row] | None = None
+        self._difference: list[Step] | None = None
         self._clocks = [_Clocks(each) for each in self._sides]
         # of the run that goes on
         self._at = 0
-        self._way: list[Segment] = []
+        self._way: list[Step] = []
 
     def run(self) -> Found:
         """Search to the end."""
@@ -169,7 +169,7 @@ class DirectedSearch:
         if virtual:
             for side in self._sides:
                 side.pass_time(virtual)
-        self._lengthen(row, 1 + virtual)
+        self._way.append((row, virtual))
 
         def read(name: str) -> Value:
             self._read[name] = None
@@ -190,22 +190,16 @@ class DirectedSearch:
         self._look(row)
         return True
 
-    def _lengthen(self, row: Row, count: int) -> None:
-        if self._way and self._way[-1][0] is row:
-            self._way[-1] = (row, self._way[-1][1] + count)
-        else:
-            self._way.append((row, count))
-
     def _differs(self) -> None:
-        self._difference = [row for each, count in [*self._ways_to(self._at), *self._way] for row in [each] * count]
+        self._difference = [*self._ways_to(self._at), *self._way]
         raise _End
 
-    def _ways_to(self, number: int) -> list[Segment]:
-        ways: list[list[Segment]] = []
+    def _ways_to(self, number: int) -> list[Step]:
+        ways: list[list[Step]] = []
         while number > 0:
             ways.append(self._states[number].way)
             number = self._states[number].parent
-        return [segment for way in reversed(ways) for segment in way]
+        return [step for way in reversed(ways) for step in way]
 
     # -- what is kept
 
@@ -226,7 +220,7 @@ class DirectedSearch:
             return
         self._keep(row, self._at, self._way, key, distance)
 
-    def _keep(self, row: Row, parent: int, way: list[Segment], key: Any = None, distance: float = float("inf")) -> None:
+    def _keep(self, row: Row, parent: int, way: list[Step], key: Any = None, distance: float = float("inf")) -> None:
         number = len(self._states)
         before = tuple(side.snapshot() for side in self._sides)
         self._states.append(_State(before, parent, list(way), row, key, distance))
@@ -344,7 +338,7 @@ class DirectedSearch:
         state = self._states[number]
         if state.key is None or not state.distance:
             return
-        way: list[list[Segment]] = [state.way]
+        way: list[list[Step]] = [state.way]
         ancestor = state.parent
         for _ in range(_LOOKED_BACK):
             if ancestor <= 0:
@@ -356,14 +350,14 @@ class DirectedSearch:
             ancestor = earlier.parent
         else:
             return
-        segments = [segment for each in reversed(way) for segment in each]
-        if sum(count for _, count in segments) > _LOOKED_BACK * 2:
+        steps = [step for each in reversed(way) for step in each]
+        if sum(1 + skipped for _, skipped in steps) > _LOOKED_BACK * 2:
             return
         self._begin(number)
         best = state.distance
         for _ in range(_REPEATED):
-            for row, count in segments:
-                for _ in range(count):
+            for row, skipped in steps:
+                for _ in range(1 + skipped):
                     if not self._scan(row):
                         return
             distance = total(goal.distance() for goal in self._frontier)
@@ -450,9 +444,3 @@ def _values(domain: Domain, signal: Signal) -> list[Value]:
     if signal.kind is SignalKind.BOOL:
         return known
     return list(dict.fromkeys([*(known if len(known) > 1 else ()), *samples(signal), *known]))
-
-
-def rows_of(segments: Sequence[Segment]) -> Iterator[Row]:
-    """The inputs of each scan."""
-    for row, count in segments:
-        yield from [row] * count

@@ -21,7 +21,7 @@ from plcopen_sfc.analysis.clocking import Clocking, clocking
 from plcopen_sfc.analysis.comparison import Comparison, filled, operating_names
 from plcopen_sfc.analysis.coverage import Tally, any_untested
 from plcopen_sfc.analysis.delay import NO_DELAY, Delay, delays, retimed
-from plcopen_sfc.analysis.directed import DirectedSearch
+from plcopen_sfc.analysis.directed import DirectedSearch, Step
 from plcopen_sfc.analysis.dividing import divide, race
 from plcopen_sfc.analysis.domains import Domain
 from plcopen_sfc.analysis.limits import INTERRUPTED, SearchProgress, Watch, seconds
@@ -30,7 +30,7 @@ from plcopen_sfc.analysis.product import BOTH_FAIL, Explored, Search, search
 from plcopen_sfc.analysis.stimuli import stimuli
 from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.analysis.terms import explore_terms
-from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
+from plcopen_sfc.analysis.verdict import Counterexample, Verdict, VerdictKind
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -77,6 +77,9 @@ class Code(Protocol):
 Comparable = SfcNetwork | Pou | Project | Subject
 _VARIANTS = 4
 """Results of unknown functions with which directed searches are made."""
+
+_MOST_RUN_ALONE = 20_000
+"""Scans of a difference that are run one by one; in longer ones those are skipped in which only clocks go on."""
 
 _QUICK_RUNS, _QUICK_SCANS = 12, 60
 """What each of several delays is tried with before it is searched whether it fits."""
@@ -305,9 +308,11 @@ class _Compared:
     def quick_difference(self, delay: Delay, tries: _Tries) -> int | None:
         """How many scans it takes to a difference in a few directed runs; None where there is none."""
         comparison, signals = self._prepared(delay)
+        watch = Watch(tries.limit, None, lambda: (0, 0))
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
         rows = stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)
-        lengths = [length for each in rows if (length := comparison.first_difference(each)) is not None]
+        found = (comparison.first_difference(each, look=watch.look) for each in rows if not watch.look(0))
+        lengths = [length for length in found if length is not None]
         return min(lengths, default=None)
 
     def verdict(self, delay: Delay, tries: _Tries) -> Verdict:
@@ -369,10 +374,8 @@ class _Compared:
                 ).run()
                 runs_made, scans_made = runs_made + directed.runs, scans_made + directed.scans
                 stopped = directed.stopped
-                length = comparison.first_difference(directed.inputs) if directed.inputs is not None else None
-                if directed.inputs is not None and length is not None:
-                    shrunk = comparison.shrunk(directed.inputs[:length], signals)
-                    counterexample = comparison.show(shrunk, signals, shortest=False)
+                if directed.steps is not None:
+                    counterexample, stopped = _confirmed(directed.steps, comparison, signals, watch)
                 if counterexample is not None or stopped:
                     break
         frozen = tuple(dict.fromkeys([*left.frozen(), *right.frozen()]))
@@ -410,3 +413,19 @@ class _Compared:
             comparison.unknown,
             interrupted,
         )
+
+
+def _confirmed(
+    steps: Sequence[Step], comparison: Comparison, signals: Mapping[str, Signal], watch: Watch
+) -> tuple[Counterexample | None, str]:
+    """The difference that a search came to, run from the start; or why it could not be."""
+    rows, skipped = [row for row, _ in steps], [count for _, count in steps]
+    if len(steps) + sum(skipped) > _MOST_RUN_ALONE:
+        if comparison.first_difference(rows, skipped, watch.look) != len(rows):
+            return None, watch.look(0)
+        return comparison.show(rows, signals, skipped, shortest=False), ""
+    alone = [row for row, count in steps for row in [row] * (1 + count)]
+    length = comparison.first_difference(alone, look=watch.look)
+    if length is None:
+        return None, watch.look(0)
+    return comparison.show(comparison.shrunk(alone[:length], signals, watch.look), signals, shortest=False), ""

@@ -249,12 +249,12 @@ def _search(
     closed = False
     while waiting:
         number = waiting.popleft()
-        try:
-            yield Progress(runs, depths[number], len(seen))
-        except StopError as stop:
-            return Explored(len(seen), depths[number], complete=False, reason=str(stop), capped=True)
         before_left, before_right = states[number]
         for values in branching.combinations():
+            try:
+                yield Progress(runs, depths[number], len(seen))
+            except StopError as stop:
+                return Explored(len(seen), depths[number], complete=False, reason=str(stop), capped=True)
             runs += 1
             if runs > cap * _RUNS_FOR_A_STATE:
                 reason = f"more than {cap * _RUNS_FOR_A_STATE:,} scans to search"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -14,6 +14,10 @@ from plcopen_sfc.semantics.signals import Value
 from plcopen_sfc.semantics.trace import Trace
 
 __all__ = ["Counterexample", "Difference", "Verdict", "VerdictKind"]
+
+
+_MOST_ROWS = 1_000
+"""Scans of a counterexample that are all shown."""
 
 
 class VerdictKind(StrEnum):
@@ -61,7 +65,7 @@ class Counterexample:
     shortest: bool
 
     def __str__(self) -> str:
-        """The differences, and a table of the inputs and of what differs in the end."""
+        """The differences, and a table of the inputs and of what differs in the end; a long one of changes only."""
         names = [name for name in dict.fromkeys(n for row in self.inputs for n in row) if name in self.left]
         differing = [d.name for d in self.differences if d.name in self.left]
         sides = (("first", self.left), ("second", self.right))
@@ -69,7 +73,7 @@ class Counterexample:
         for side, trace in sides:
             headers += [f"{side}: active"] * bool(trace.steps) + [f"{side}: {name}" for name in differing]
         rows = [headers]
-        for scan in range(len(self.left)):
+        for scan in self._scans_shown():
             row = [str(scan), time_literal(self.left.time(scan)).removeprefix("T#")]
             row += [self.left[name].signal.text(self.left[name][scan]) for name in names]
             for _, trace in sides:
@@ -79,6 +83,14 @@ class Counterexample:
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = ["  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
         return "\n".join([*(str(each) for each in self.differences), *lines])
+
+    def _scans_shown(self) -> Sequence[int]:
+        count = len(self.left)
+        if count <= _MOST_ROWS:
+            return range(count)
+        changes = {change.scan for trace in (self.left, self.right) for change in trace.changes()}
+        changes |= {scan for trace in (self.left, self.right) for scan, _ in trace.situations()}
+        return sorted(changes | {count - 1})
 
     def as_dict(self) -> dict[str, Any]:
         """The counterexample as plain data, for JSON."""

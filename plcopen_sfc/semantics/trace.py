@@ -144,15 +144,15 @@ class Trace:
         for column in self._list:
             column.share(self._scans)
 
-    def record(self, values: Sequence[Value], marking: int = 0) -> None:
-        """Add a row: a value for each column in their order, and the active steps as bits in the order of `steps`."""
+    def record(self, values: Sequence[Value], marking: int = 0, *, scans: int = 1) -> None:
+        """Add rows: a value for each column in their order, and the active steps as bits in the order of `steps`."""
         row = tuple(values)
         if row != self._last:
             for column, value in zip(self._list, row, strict=True):
                 column.note(value)
             self._last = row
         self._marking.note(marking)
-        self._scans[0] += 1
+        self._scans[0] += scans
 
     # -- questions
 

@@ -1,0 +1,51 @@
+"""A comparison ends when its time is over, whatever it compares."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
+from plcopen_sfc.model import Project
+
+_LATE = 4.0
+"""Seconds that a comparison may need to say what it has found, on a busy machine."""
+
+
+def project(leave: str, body: str = "q := c;") -> Project:
+    text = f"""
+    PROGRAM Main VAR_INPUT a, c : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR i, k : DINT; END_VAR
+    INITIAL_STEP Rest: END_STEP
+    STEP Run: Fill(N); END_STEP
+    STEP Long: END_STEP
+    TRANSITION FROM Rest TO Run := a; END_TRANSITION
+    TRANSITION FROM Run TO Long := Run.T > T#100ms; END_TRANSITION
+    TRANSITION FROM Long TO Rest := {leave}; END_TRANSITION
+    ACTION Fill: {body} END_ACTION
+    END_PROGRAM"""
+    return sfc.loads(text.encode(), format="iec-text")
+
+
+def limited(one: Project, other: Project, **options: object) -> Verdict:
+    started = monotonic()
+    verdict = equivalent(one, other, "iec", limit=0.5, **options)  # type: ignore[arg-type]
+    assert monotonic() - started < 0.5 + _LATE
+    return verdict
+
+
+def test_a_difference_after_a_day_is_found_in_time_and_told_shortly() -> None:
+    verdict = equivalent(project("Long.T > T#24h"), project("Long.T > T#25h"), "iec", cap=200)
+    assert verdict.counterexample is not None
+    assert len(verdict.counterexample.inputs) > 1_000_000
+    assert len(str(verdict).splitlines()) < 40
+    assert [each.name for each in verdict.counterexample.differences] == ["Rest.X", "Long.X"]
+
+
+@pytest.mark.parametrize("delay", [0, "auto"])
+def test_long_scans_end_in_time(delay: int | str) -> None:
+    looping = "FOR i := 0 TO 100000 DO k := k + i MOD 7; END_FOR; q := k > 5;"
+    verdict = limited(project("c", looping), project("c", looping), delay=delay)
+    assert verdict.kind is VerdictKind.UNTESTED
+    assert "time limit" in verdict.reason
