@@ -199,7 +199,7 @@ class Comparison:
     def _trace(self, system: ProgramSystem, shown: Iterable[str], signals: Mapping[str, Signal]) -> Trace:
         columns = [Column(name, signals[name], "input") for name in shown]
         columns += [Column(n, s, "output") for n, s in zip(self.names, self.signals, strict=True)]
-        return Trace(columns, scan_time=system.clock.scan_time, steps=system.steps, name=system.subject.name)
+        return Trace(columns, scan_time=system.clock.scan_time, steps=system.chart_steps, name=system.subject.name)
 
 
 def _named_pairs(

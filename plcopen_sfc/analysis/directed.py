@@ -415,14 +415,18 @@ class _Clocks:
         return [cells[slot] if not isinstance(cells[slot], list) else None for cells, slot in self._rest]
 
     def next_end(self, clock: Clocking) -> int | None:
-        """In how many scans the next clock ends, if one runs."""
+        """In how many scans the next clock ends, if one runs; one that has just ended is waited for.
+
+        A condition may want more than the time, or see it a scan later.
+        """
         now = self._system.instance.controller.now
+        past = _STEADY * clock.scan_time
         left = [
             constant - (now - start)
             for cells, slot in self._starts
             if (start := cells[slot]) is not None
             for constant in clock.constants
-            if constant > now - start
+            if constant + past > now - start
         ]
         return min(left) // clock.scan_time if left else None
 

@@ -93,7 +93,8 @@ class ProgramSystem:
         self.members: dict[str, Watched]
         self.members, self.large = watched_members(self.instance)
         self.addresses = self.instance.addresses()
-        self.steps, self._marking = step_marking(self.instance)
+        self.chart_steps, self._chart_marking = step_marking(self.instance)
+        self.steps, self._marking = self._all_steps()
         self.times = step_times(subject, clock.scan_time) if self.instance.charts() else _NO_STEPS
         self._forget = self._forgetting()
         self._scratch: list[tuple[list[Any], int, Value | None]] = []
@@ -155,8 +156,26 @@ class ProgramSystem:
         return len(self.instance.frame.layout.fields)
 
     def marking(self) -> int:
-        """The active steps as bits in the order of `steps`."""
-        return self._marking()
+        """The active steps of the chart that the POU is, as bits in the order of `chart_steps`."""
+        return self._chart_marking()
+
+    def _all_steps(self) -> tuple[tuple[str, ...], Callable[[], int]]:
+        """The steps of the chart that the POU is, and of those that its actions are (``Sub.Fill``)."""
+        names, main = self.chart_steps, self._chart_marking
+        paths = list(names)
+        inner: list[tuple[int, ChartProgram | GraphProgram]] = []
+        own = self.instance.frame
+        for path, chart, frame in self.instance.charts():
+            if path and frame is own and isinstance(chart, ChartProgram | GraphProgram):
+                inner.append((len(paths), chart))
+                paths += [f"{path}.{step.path}" for step in chart.net.steps]
+        if not inner:
+            return names, main
+
+        def marking() -> int:
+            return main() | sum(chart.marking(own) << start for start, chart in inner)
+
+        return tuple(paths), marking
 
     def connect(self, names: Mapping[str, str], fixed: Mapping[str, Value]) -> None:
         """Read inputs by the names that both systems share (`names`: own to shared), some of them as constants."""

@@ -79,3 +79,20 @@ def test_variables_of_global_lists_are_compared() -> None:
     verdict = compare(*made)
     assert verdict.counterexample is not None
     assert "GVL.q is TRUE in the first and FALSE in the second" in str(verdict)
+
+
+@pytest.mark.parametrize("profile", ["iec", "codesys"])
+@pytest.mark.parametrize("condition", ["b", "FALSE"])
+def test_steps_of_charts_that_are_actions_are_compared(profile: str, condition: str) -> None:
+    def nested(inner: str) -> Project:
+        made = project("", name="Main")
+        sub = project("", go=inner, name="Sub").pous[0]
+        made.pous[0].actions[0].body = sub.bodies[0].model_copy(deep=True)
+        made.pous[0].actions[0].body.chart.steps[1].actions.clear()  # type: ignore[union-attr]
+        return made
+
+    one = nested("a AND NOT b")
+    same = equivalent(one.pous[0], nested("a AND NOT b").pous[0], profile)
+    assert same.proven
+    assert {"Fill.Rest.X", "Fill.Run.X"} <= set(same.compared)
+    assert equivalent(one.pous[0], nested(condition).pous[0], profile).different

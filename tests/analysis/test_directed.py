@@ -174,3 +174,16 @@ def test_an_interruption_ends_with_what_is_known() -> None:
     verdict = equivalent(chart, lowered, runs=1_000_000, progress=interrupt)
     assert (verdict.interrupted, verdict.equal) == (True, False)
     assert verdict.coverage[0].counts["step"][0] >= 1
+
+
+@pytest.mark.parametrize("other", ["b", "b OR FALSE", "b OR S.T > T#90m"])
+def test_a_time_behind_an_alternative_is_waited_for(other: str) -> None:
+    """Nothing but the time makes the condition TRUE while the alternative stays FALSE."""
+    text = """PROGRAM Main VAR_INPUT a, b : BOOL; m : DINT; END_VAR VAR n : DINT; END_VAR
+        INITIAL_STEP Rest: END_STEP STEP S: Count(N); END_STEP
+        TRANSITION FROM Rest TO S := a; END_TRANSITION TRANSITION FROM S TO Rest := {}; END_TRANSITION
+        ACTION Count: n := n + m / 3; END_ACTION END_PROGRAM"""
+    timed, changed = (
+        sfc.loads(text.format(condition).encode(), format="iec-text") for condition in ("b OR S.T > T#1h", other)
+    )
+    assert equivalent(timed, changed, "iec", cap=50, runs=5, scan_time="100ms").different
