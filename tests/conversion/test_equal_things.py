@@ -47,6 +47,20 @@ def test_intervals_are_equal_however_they_are_spelled(said: str, meant: str) -> 
     assert [item for item in report.losses if item.what == "interval"] == []
 
 
+def test_an_interval_is_a_clock_time_in_the_first_version_of_tc6() -> None:
+    project = ring(
+        "PROGRAM Main\nEND_PROGRAM\nCONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#1m20ms, PRIORITY := 1);"
+        " END_RESOURCE END_CONFIGURATION",
+        "plcopen",
+    )
+    data, report = sfc.convert(project, "plcopen-1.01")
+    assert b'interval="00:01:00.02"' in data
+    assert report.losses == []
+    assert sfc.loads(data).configurations[0].resources[0].tasks[0].interval == "T#1m20ms"
+    edited = sfc.loads(data.replace(b"00:01:00.02", b"00:00:00.5"))
+    assert edited.configurations[0].resources[0].tasks[0].interval == "00:00:00.5"
+
+
 def test_a_minimum_time_of_a_tc6_chart_is_one_in_codesys() -> None:
     project = ring(format="plcopen")
     next(project.charts()).network.step("S1").min_time = "T#1s"

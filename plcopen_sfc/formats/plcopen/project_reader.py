@@ -7,6 +7,7 @@ from collections.abc import Callable
 from lxml import etree
 
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
+from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.formats.plcopen.body_reader import read_pou
 from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD, FIELDS_DATA, read_comment, read_fields
 from plcopen_sfc.formats.plcopen.reading import (
@@ -275,9 +276,10 @@ def read_resource(ctx: ReadContext, element: etree._Element, place: str) -> Fiel
 
 def _task(ctx: ReadContext, element: etree._Element) -> Fields:
     left = attributes(element)
+    interval = left.pop("interval", None)
     fields: Fields = {
         "name": take_required(ctx, element, left, "name"),
-        "interval": left.pop("interval", None),
+        "interval": interval,
         "single": left.pop("single", None),
         "instances": [],
     }
@@ -289,6 +291,8 @@ def _task(ctx: ReadContext, element: etree._Element) -> Fields:
             fields["instances"].append(_instance(ctx, child))
         else:
             read_common(ctx, fields, child, local, "task")
+    if interval is not None and duration_literal(fields["interval"]) != duration_literal(interval):
+        fields["interval"] = interval  # edited since this package put another spelling beside it
     carry_attributes(fields, left)
     return fields
 

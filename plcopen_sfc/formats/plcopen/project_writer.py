@@ -10,6 +10,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.durations import clock_time
 from plcopen_sfc.formats.plcopen.body_writer import write_pou
 from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD
 from plcopen_sfc.formats.plcopen.types_writer import (
@@ -206,8 +207,8 @@ def _task(ctx: WriteContext, parent: etree._Element, task: Task) -> None:
     native = {"name", "priority", "interval", "single", "instances"}
     interval = task.interval
     if interval is not None and ctx.version.first_generation and not _is_time(interval):
-        interval = None
-        native.discard("interval")
+        interval = clock_time(interval)
+        native.discard("interval")  # its spelling stands beside the element
     element = sub(
         ctx,
         parent,
