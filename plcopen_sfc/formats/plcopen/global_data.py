@@ -16,7 +16,7 @@ from plcopen_sfc.formats.plcopen.rewritten import ADDED_FIELD, Marks, added_sect
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
-from plcopen_sfc.languages.translation import NameScope, Renames, translate_text
+from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.addresses import translated_address
 from plcopen_sfc.languages.translation.kept import kept_names
 from plcopen_sfc.languages.translation.renames import identifier
@@ -24,15 +24,11 @@ from plcopen_sfc.model.pou import DataBlock, DataBlockKind, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, TagTable
 from plcopen_sfc.model.types import (
     ArrayType,
-    ArrayValue,
     DataType,
     DerivedType,
     MemberValue,
-    RepeatedValue,
-    SimpleValue,
     StructType,
     StructValue,
-    Value,
     Variable,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
@@ -176,7 +172,7 @@ class _Globals:
                 Variable(name=self._named(tag.name), type=kind, address=address.text or None, comment=tag.comment)
             )
         constants = [
-            Variable(name=self._named(c.name), type=c.type, initial=self._value(c.initial), comment=c.comment)
+            Variable(name=self._named(c.name), type=c.type, initial=c.initial, comment=c.comment)
             for c in table.constants
         ]
         if counted:
@@ -254,21 +250,7 @@ class _Globals:
         kind = variable.type
         if isinstance(kind, StructType):
             kind = StructType(members=[self._member(member, path) for member in kind.members])
-        return Variable(name=name, type=kind, initial=self._value(variable.initial), comment=variable.comment)
-
-    def _value(self, value: Value | None) -> Value | None:
-        """A start value in the literals of the target."""
-        match value:
-            case SimpleValue(text=str(text)):
-                return SimpleValue(text=translate_text(text, "expression", Dialect.SCL, self.host.dialect).text)
-            case ArrayValue(items=items):
-                new = [(self._value(item.value), item.repetitions) for item in items]
-                return ArrayValue(items=[RepeatedValue(value=v, repetitions=r) for v, r in new if v is not None])
-            case StructValue(members=members):
-                pairs = [(member.member, self._value(member.value)) for member in members]
-                return StructValue(members=[MemberValue(member=m, value=v) for m, v in pairs if v is not None])
-            case _:
-                return value
+        return Variable(name=name, type=kind, initial=variable.initial, comment=variable.comment)
 
 
 def _type_of(text: str) -> DataType | None:

@@ -9,7 +9,22 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.codesys.schema import validate as validate_codesys
 from plcopen_sfc.formats.plcopen.schema import validate
-from plcopen_sfc.model import DataBlock, Dialect, Interface, Pou, Project, StBody, Variable, VariableSection
+from plcopen_sfc.model import (
+    ArrayType,
+    ArrayValue,
+    DataBlock,
+    Dialect,
+    Dimension,
+    Interface,
+    Pou,
+    Project,
+    RepeatedValue,
+    SimpleValue,
+    StBody,
+    StringType,
+    Variable,
+    VariableSection,
+)
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.pou import DataBlockKind, PouKind
 from plcopen_sfc.model.project import Tag, TagTable
@@ -140,6 +155,23 @@ def test_lists_of_codesys_are_declared_in_tc6_and_names_resolve(target: str) -> 
     assert list(trace["count"]) == [5, 6, 7]
     back = sfc.loads(sfc.convert(sfc.loads(data), "codesys")[0])
     assert list(differences(sfc.loads(sfc.dumps(source, format="codesys")), back)) == []
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_start_values_are_translated_once(target: str) -> None:
+    """A wide string of IEC 61131-3 looks like a name of SCL."""
+    text = Variable(name="text", type=StringType(wide=True, length="36"), initial="WSTRING#'a b'")
+    one = ArrayValue(items=[RepeatedValue(value=SimpleValue(text="WSTRING#'R134'"))])
+    texts = Variable(
+        name="texts", type=ArrayType(dimensions=[Dimension(lower="1", upper="1")], base=text.type), initial=one
+    )
+    interface = Interface(sections=[VariableSection(variables=[text, texts])])
+    block = DataBlock(name="Labels", interface=interface)
+    source = Project(data_blocks=[block], dialect=Dialect.SCL)
+    data, report = sfc.convert(source, target)
+    assert report.losses == []
+    assert b'simpleValue value="&quot;a b&quot;"' in data
+    assert b'simpleValue value="&quot;R134&quot;"' in data
 
 
 def test_lists_that_tc6_cannot_tell_apart_are_reported() -> None:
