@@ -23,7 +23,7 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, FolderOrigin, Origin, Project
 from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
-from plcopen_sfc.semantics.profile import default_profile
+from plcopen_sfc.semantics.profile import PROFILES, default_profile
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -92,7 +92,10 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
     called = names_in_the_source(project, copy)
     if source is not None:
         seen = read_document(data, format=kind.name, path=None, as_tool=True)
-        report_execution(report, compare(source, executed(seen, lists=source.lists)), kind.tool, called)
+        target = PROFILES[flavour] if flavour else None
+        report_execution(
+            report, compare(source, executed(seen, target, lists=source.lists)), flavour or kind.tool, called
+        )
     if origin is not None and format_named(origin.format)[0].xml:
         report.locate(format_named(origin.format)[0].codec().lines(origin.content, project), called=called)
     locate_in_folder(project, report, called)
@@ -255,6 +258,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
     if options.flavour:
         kind.codec().fit(copy, options.flavour, report)
+        profile = replace(profile, final_scan=PROFILES[options.flavour].final_scan)  # it is written out, or reported
     rewrite = getattr(kind.codec(), "rewrite", None)
     # what is executed is looked at when source and result are compared, and a writer changes its copy until then
     unchanged = copy if rewrite is not None else copy.model_copy(deep=True)

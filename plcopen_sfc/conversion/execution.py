@@ -34,7 +34,7 @@ from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import Condition, Expression
 from plcopen_sfc.model.pou import DataBlockKind, Pou, PouKind
-from plcopen_sfc.model.project import Project, Task
+from plcopen_sfc.model.project import PouInstance, Project, Task
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -269,7 +269,7 @@ class _Reader:
                 self._task(task)
             for instance in resource.instances:
                 part = self.whole.add("program instance", instance.name, f"program instance {instance.name}")
-                part.tell("type", Meaning.of(instance.type_name.casefold(), instance.type_name))
+                part.tell("type", _program_of(instance))
 
     def _task(self, task: Task) -> None:
         part = self.whole.add("task", task.name, f"task {task.name}")
@@ -279,7 +279,7 @@ class _Reader:
         part.tell("priority", Meaning.of(task.priority))
         for instance in task.instances:
             inner = part.add("program instance", instance.name, f"task {task.name} / {instance.name}")
-            inner.tell("type", Meaning.of(instance.type_name.casefold(), instance.type_name))
+            inner.tell("type", _program_of(instance))
 
     # -- POUs
 
@@ -619,6 +619,11 @@ def _once(read: Callable[[], NetworkExpression]) -> Callable[[], NetworkExpressi
         return found[0]
 
     return again
+
+
+def _program_of(instance: PouInstance) -> Meaning:
+    name = instance.type_name or instance.name  # an instance without a program is named as its program
+    return Meaning.of(name.casefold(), name)
 
 
 def _time(text: str | None) -> Meaning | None:

@@ -31,10 +31,11 @@ from plcopen_sfc.report import Outcome
 
 _QUALIFIERS = frozenset(
     {Qualifier.N, Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.P0, Qualifier.P1}
-    | {Qualifier.L, Qualifier.D, Qualifier.SD}
+    | {Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL}
 )
 _ALONE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.P0, Qualifier.P1, Qualifier.L, Qualifier.D})
 """Those of which matiec takes the last of several that drive one thing, instead of one that is active."""
+_DELAYED = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
 _RISING = frozenset({Qualifier.P, Qualifier.P1})
 _PULSES = _RISING | {Qualifier.P0}
@@ -46,13 +47,15 @@ class ChartFitter:
     """Fits the chart of a POU.
 
     `final_scan`: the tool of the project executes an action once more after its end, as CODESYS does; False: IEC
-    61131-3 leaves that to the tool; None: its tool does not.
+    61131-3 leaves that to the tool; None: its tool does not. `step_actions` are the ids of associations in the place of
+    entry, main and exit actions, which are never executed once more.
     """
 
     unit: Unit
     chart: SfcNetwork
     final_scan: bool | None = None
     logic: list[str] = field(default_factory=list)
+    step_actions: set[int] = field(default_factory=set)
     ids: Iterator[int] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -71,6 +74,7 @@ class ChartFitter:
         self._conditions(keeps)
         for step in chart.steps:
             self._step(step)
+        self._hold_initial_steps()
         self._share()
         if drawn is not None:
             self._drawn_logic(drawn)
@@ -230,6 +234,23 @@ class ChartFitter:
                 path = f"{self.unit.path} / transition {self.chart.label(transition)}"
                 self.unit.note(Outcome.TRANSLATED, "end", path, f"a step {step.name} that is never left")
 
+    def _hold_initial_steps(self) -> None:
+        """Execute the actions of initial steps in the first scan: their tool does so before it looks at transitions."""
+        initial = {step.id: step for step in self.chart.initial_steps if step.actions}
+        leaving = [t for t in self.chart.transitions if initial.keys() & set(t.sources)]
+        if not self.final_scan or not leaving:
+            return
+        started = self.unit.declare("Started")
+        self.logic.append(f"{started} := TRUE;")
+        for transition in leaving:
+            if isinstance(transition.condition, Expression):
+                transition.condition.text = f"{started} AND ({transition.condition.text})"
+        for step in initial.values():
+            path = f"{self.unit.path} / step {step.name}"
+            self.unit.note(
+                Outcome.TRANSLATED, "initial step", path, f"not left before {started}: its actions come first"
+            )
+
     # -- steps ---------------------------------------------------------------------------------------------------------
 
     def _step(self, step: Step) -> None:
@@ -247,6 +268,7 @@ class ChartFitter:
                     new.body = value
                 unit.note(Outcome.TRANSLATED, f"{kind} action", path, f"an association with {qualifier}")
                 lines += self._association(step, new, f"{step.name}_{kind}", path)
+                self.step_actions.update(line.id for line in lines)
         for number, association in enumerate(step.actions, 1):
             lines += self._association(step, association, f"{step.name}_action_{number}", path)
         step.actions = lines
@@ -275,6 +297,9 @@ class ChartFitter:
         if wrong:
             unit.note(Outcome.NOT_EXECUTED, "association", place, "; ".join(wrong))
             return [self._line(Qualifier.N, self._action(wish, StBody(text=unit.nothing_right(wish)), place))]
+        if found.qualifier in _DELAYED and not unit.own:
+            why = "matiec starts SL again without R, lets R end no delay that runs, and sees no activation in the start"
+            unit.note(Outcome.APPROXIMATED, "association", place, f"{found.qualifier}: {why}")
         qualifier = Qualifier.R if found.qualifier is Qualifier.R0 else found.qualifier
         lines: list[ActionAssociation] = []
         for target, body in ((found.target, None), (None, found.body)):
@@ -302,6 +327,8 @@ class ChartFitter:
         wrong: list[str] = []
         if found.qualifier not in _QUALIFIERS and found.qualifier is not Qualifier.R0:
             wrong.append(f"matiec does not execute the qualifier {found.qualifier}")
+        elif found.qualifier.needs_duration and not found.duration:
+            wrong.append(f"it has no time for {found.qualifier}")
         if found.event is not None:
             wrong.append(f"matiec has no event {found.event}")
         if found.interlock and step.interlock is not None and step.interlock.condition is not None:
@@ -363,11 +390,12 @@ class ChartFitter:
         Of several associations that drive one thing the last has its way, the start is no activation of the initial
         steps, and only a variable with a simple name can be driven.
         """
-        lines: dict[str, list[tuple[Step, ActionAssociation]]] = {}
+        lines: dict[tuple[str, bool], list[tuple[Step, ActionAssociation]]] = {}
         for step in self.chart.steps:
             for association in step.actions:
-                lines.setdefault((association.target or "").casefold(), []).append((step, association))
-        for users in lines.values():
+                key = ((association.target or "").casefold(), association.id in self.step_actions)
+                lines.setdefault(key, []).append((step, association))
+        for (_, is_of_step), users in lines.items():
             target = users[0][1].target or ""
             action = self.unit.pou.action(target)
             text = action.body.text if action is not None and isinstance(action.body, StBody) else None
@@ -378,14 +406,14 @@ class ChartFitter:
             if action is None and (not is_plain(target) or ((shared or started) and not self.unit.own)):
                 self._drive(self._any_of(users), target)
             elif text is not None and (shared or started or self.final_scan) and not self.unit.own:
-                self._execute(self._any_of(users), text, target)
-            if text is not None and self.final_scan is False:
+                self._execute(self._any_of(users), text, target, once_more=bool(self.final_scan) and not is_of_step)
+            if text is not None and self.final_scan is False and not is_of_step:
                 why = "matiec does not execute it once more after its end, which IEC 61131-3 leaves to the tool"
                 self.unit.note(Outcome.APPROXIMATED, "action", f"{self.unit.path} / action {target}", why)
 
-    def _execute(self, active: str, text: str, target: str) -> None:
-        """Execute statements while `active`, and once more where the tool does so."""
-        was = f" OR {self.unit.declare(f'{target}_was')}" if self.final_scan else ""
+    def _execute(self, active: str, text: str, target: str, *, once_more: bool) -> None:
+        """Execute statements while `active`, and `once_more` after that."""
+        was = f" OR {self.unit.declare(f'{target}_was')}" if once_more else ""
         self.logic.append(f"IF {active}{was} THEN\n{text}\nEND_IF;")
         if was:
             self.logic.append(f"{was.removeprefix(' OR ')} := {active};")
@@ -431,24 +459,27 @@ class ChartFitter:
         elif read.tree.statements:
             texts = [print_node(statement, unit.dialect) for statement in read.tree.statements]
             self.logic += [text for text in texts if text not in self.logic]
-            unit.note(Outcome.TRANSLATED, "drawn logic", unit.path, "statements of an action of every scan")
+            why = "statements of an action of every scan, behind the transitions: they see steps a scan earlier"
+            unit.note(Outcome.APPROXIMATED, "drawn logic", unit.path, why)
 
     def _put_logic(self) -> None:
-        """The action, stored by the steps that can be active in the first scan."""
-        if not self.logic:
-            return
-        name = self._action("ChartLogic", StBody(text="\n".join(self.logic)), self.unit.path)
+        """The action, stored by the steps that can be active in the first scan; actions in the order of first use.
+
+        What the action drives is driven before bodies are executed, as other variables. The converter of Beremiz and
+        OpenPLC lets the first step alone start it, behind the actions of that step.
+        """
         actions = self.unit.pou.actions
+        name = self._action("ChartLogic", StBody(text="\n".join(self.logic)), self.unit.path) if self.logic else ""
+        used = [(a.target or "").casefold() for _, a in self.chart.associations()]
+        order = {target: place for place, target in reversed(list(enumerate(used)))}
+        actions.sort(key=lambda action: -1 if action.name == name else order.get(action.name.casefold(), len(order)))
         first = {step.id for step in self.chart.initial_steps}
-        if (
-            self.unit.own
-        ):  # their converter puts it behind the actions of the first step, and lets that step alone start it
-            own = {(a.target or "").casefold() for a in self.chart.initial_steps[0].actions}
-            actions.sort(key=lambda action: 0 if action.name.casefold() in own else 1 if action.name == name else 2)
+        if self.unit.own and name:
             first = {self.chart.initial_steps[0].id}
-        else:
-            actions.insert(0, actions.pop())  # what it drives is driven before bodies are executed, as other variables
+            own = {(a.target or "").casefold() for a in self.chart.initial_steps[0].actions}
+            actions.sort(key=lambda action: action.name.casefold() not in own)
+        elif name:
             first |= {i for t in self.chart.transitions if set(t.sources) <= first for i in t.targets}
         for step in self.chart.steps:
-            if step.id in first:
+            if name and step.id in first:
                 step.actions.append(self._line(Qualifier.S, name))

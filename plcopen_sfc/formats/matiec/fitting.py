@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.formats.matiec.charts import ChartFitter
 from plcopen_sfc.formats.matiec.drawn import give_iec_pins
 from plcopen_sfc.formats.matiec.globals import declare_globals
-from plcopen_sfc.formats.matiec.naming import give_plain_names
+from plcopen_sfc.formats.matiec.naming import give_plain_names, used_types
 from plcopen_sfc.formats.matiec.statements import compilable_instructions, compilable_statements
 from plcopen_sfc.formats.matiec.structures import name_structures
+from plcopen_sfc.formats.matiec.undeclared import note_undeclared
 from plcopen_sfc.formats.matiec.unit import Unit
 from plcopen_sfc.formats.strings import quote_strings
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -21,15 +23,15 @@ from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.types import (
     ArrayType,
+    ArrayValue,
     DataType,
     DataTypeDeclaration,
-    DerivedType,
     Elementary,
     ElementaryType,
     EnumType,
-    PointerType,
     StringType,
     StructType,
+    StructValue,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -62,6 +64,8 @@ def fit_project(project: Project, report: ConversionReport, *, keeps_drawings: b
     for pou in project.pous:
         _fit_pou(Unit(pou, project.dialect, report, own, types, functions, keeps_drawings), final_scan)
     _configure(project, report)
+    if not keeps_drawings:
+        note_undeclared(project, report)
 
 
 def _is_of_matiec_tools(project: Project) -> bool:
@@ -102,9 +106,12 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
         pou.interface.declaration = None
         _check_addresses(unit)
         for variable in pou.variables():
+            place = f"{unit.path} / variable {variable.name}"
             if isinstance(variable.type, ArrayType):
-                place = f"{unit.path} / variable {variable.name}"
                 variable.type = _whole_strings(variable.type, place, unit.report)
+            if isinstance(variable.type, ElementaryType) and isinstance(variable.initial, ArrayValue | StructValue):
+                unit.note(Outcome.NOT_EXECUTED, "initial value", place, "a list is no value of an elementary type")
+                variable.initial = None
         pou.interface.sections = [part for section in pou.interface.sections for part in _by_location(section)]
     for nodes in (nodes for _, body in pou.named_bodies() for nodes in _drawn_in(body)):
         give_iec_pins(nodes)
@@ -214,18 +221,10 @@ def _whole_strings(kind: DataType, path: str, report: ConversionReport) -> DataT
     return kind
 
 
-def _used_types(kind: DataType) -> list[str]:
-    if isinstance(kind, DerivedType):
-        return [kind.name]
-    if isinstance(kind, ArrayType | PointerType):
-        return _used_types(kind.base)
-    return [name for member in getattr(kind, "members", []) for name in _used_types(member.type)]
-
-
 def _types_in_order(project: Project) -> list[DataTypeDeclaration]:
     """The data types, each behind those that it uses: matiec knows what it has read."""
     types = {one.name.casefold(): one for one in project.data_types}
-    uses = {name: {u.casefold() for u in _used_types(one.type)} & types.keys() for name, one in types.items()}
+    uses = {name: {u.casefold() for u in used_types(one.type)} & types.keys() for name, one in types.items()}
     return [types[name] for name in _ordered(uses)]
 
 
@@ -233,7 +232,8 @@ def pous_in_order(project: Project) -> list[Pou]:
     """The POUs, each behind those that it calls."""
     pous = {pou.name.casefold(): pou for pou in project.pous}
     kinds = sorted(pous, key=lambda name: _ORDER.index(pous[name].kind))
-    calls = {name: _called(pous[name], project.dialect) & (pous.keys() - {name}) for name in kinds}
+    functions = {name for name in kinds if pous[name].kind is PouKind.FUNCTION}
+    calls = {name: _called(pous[name], functions, project.dialect) & (pous.keys() - {name}) for name in kinds}
     return [pous[name] for name in _ordered(calls)]
 
 
@@ -244,15 +244,16 @@ def _ordered(uses: dict[str, set[str]]) -> list[str]:
         return list(uses)
 
 
-def _called(pou: Pou, dialect: Dialect) -> set[str]:
-    """The names that a POU may mean by types and calls, in lower case."""
-    names = {name.casefold() for variable in pou.variables() for name in _used_types(variable.type)}
+def _called(pou: Pou, functions: set[str], dialect: Dialect) -> set[str]:
+    """The names of types and functions that a POU uses, in lower case; members may have the names of blocks."""
+    names = {name.casefold() for variable in pou.variables() for name in used_types(variable.type)}
     for _, body in pou.named_bodies():
         texts = [body.text] if isinstance(body, StBody | IlBody) else []
         if isinstance(body, SfcBody):
             texts = [getattr(t.condition, "text", "") for t in body.chart.transitions]
         for text in texts:
-            names |= {token.value.casefold() for token in tokenize(text, dialect).tokens if token.type == "NAME"}
+            words = {token.value.casefold() for token in tokenize(text, dialect).tokens if token.type == "NAME"}
+            names |= words & functions
     return names
 
 
@@ -283,12 +284,30 @@ def _configure(project: Project, report: ConversionReport) -> None:
         for resource in configuration.resources:
             resource.name = _free(resource.name, used, f"resource {resource.name}", report)
             for task in resource.tasks:
-                task.interval = duration_literal(task.interval)
+                _fit_task(task, report)
                 task.name = _free(task.name, used, f"task {task.name}", report)
             for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
                 if not instance.type_name:
                     instance.type_name = instance.name
                 instance.name = _free(instance.name, used, f"instance {instance.name}", report)
+
+
+def _fit_task(task: Task, report: ConversionReport) -> None:
+    """Give a task without a period one: matiec computes the time of a scan from those of the tasks."""
+    task.interval = duration_literal(task.interval)
+    if task.single or (task.interval is not None and not _IS_ZERO.fullmatch(task.interval)):
+        return
+    own = task.settings
+    period = (own.interval or "") if own is not None else ""
+    if own is not None and period.isdigit():
+        milliseconds = int(period) / (1000 if own.interval_unit in ("us", "µs") else 1)
+        period = f"T#{milliseconds:g}ms"
+    task.interval = period or "T#20ms"
+    why = "that of the settings of CODESYS" if period else "none is set, and matiec wants one: 20 ms"
+    report.add(Outcome.TRANSLATED, "interval", f"task {task.name}", why)
+
+
+_IS_ZERO = re.compile(r"T(?:IME)?#0+[a-z]+", re.IGNORECASE)
 
 
 def _instances(configuration: Configuration) -> list[PouInstance]:

@@ -110,7 +110,7 @@ class Names:
                 continue
             for reference in references(piece, self.dialect):
                 name = reference.name.casefold()
-                is_member = reference.base is not None or reference.callee is not None or reference.expected is not None
+                is_member = reference.base is not None or reference.callee is not None
                 if is_member or name in found or (piece.site, reference.role, name) in declared:
                     continue
                 meaning = self.resolver.meaning(reference, piece)

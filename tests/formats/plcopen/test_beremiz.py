@@ -59,10 +59,14 @@ def test_every_name_is_there_once(project: sfc.Project) -> None:
     assert {item.path for item in report.with_outcome(Outcome.TRANSLATED) if item.what == "name"} >= {"resource Plant"}
 
 
-def test_a_zero_interval_of_iso_8601_is_a_literal(project: sfc.Project) -> None:
-    project.configurations[0].resources[0].tasks[0].interval = "PT0S"
-    seen, _ = converted(project)
-    assert seen.configurations[0].resources[0].tasks[0].interval == "T#0ms"
+@pytest.mark.parametrize(
+    ("interval", "written"), [("PT0S", "T#20ms"), ("PT1.5S", "T#1500ms"), ("00:00:00.100000", "T#100ms")]
+)
+def test_an_interval_is_a_literal_and_not_zero(project: sfc.Project, interval: str, written: str) -> None:
+    project.configurations[0].resources[0].tasks[0].interval = interval
+    seen, report = converted(project)
+    assert seen.configurations[0].resources[0].tasks[0].interval == written
+    assert not [item for item in report.losses if item.what == "interval"]
 
 
 def test_negations_are_written_out(project: sfc.Project) -> None:
