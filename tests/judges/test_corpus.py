@@ -25,7 +25,13 @@ from tests.sweeps import WHOLE
 SCANS = 100
 PERIOD = 10_000_000
 LARGEST = 300_000
-SAMPLE = ("SFC_TEST.xml", "first_steps/plc.xml", "Example_1_rpoject.xml", "SFC_Evolution_5.xml", "Input1_left.sfc")
+SAMPLE = (
+    "SFC_TEST.xml",
+    "first_steps/plc.xml",
+    "Example_1_rpoject.xml",
+    "SFC_Evolution_5.xml",
+    "xml/src/test/resources/test.xml",
+)
 _CHART = re.compile(rb"<(?:\w+:)?SFC\b|\bINITIAL_STEP\b")
 _RENAMED = re.compile(r"renamed to (\w+)")
 _RESOURCE = re.compile(r"^(\s*RESOURCE [^\n]*\n)(.*?)^(\s*END_RESOURCE)", re.MULTILINE | re.DOTALL)
