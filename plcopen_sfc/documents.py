@@ -259,9 +259,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if options.flavour:
         kind.codec().fit(copy, options.flavour, report)
         profile = replace(profile, final_scan=PROFILES[options.flavour].final_scan)  # it is written out, or reported
-    rewrite = getattr(kind.codec(), "rewrite", None)
-    # what is executed is looked at when source and result are compared, and a writer changes its copy until then
-    unchanged = copy if rewrite is not None else copy.model_copy(deep=True)
+    # the writer changes its copy, and what is executed is looked at when source and result are compared
+    unchanged = copy.model_copy(deep=True)
     source = executed(unchanged, profile, addresses=project.dialect) if kind.tool else None
     if kind.drawing is DrawingNeed.NONE:
         return Prepared(copy, copy, options, source)
@@ -269,6 +268,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     if style.structured and (project._origin is None or project._origin.format != kind.name):
         _note_limits(copy, report)
     meant = copy
+    rewrite = getattr(kind.codec(), "rewrite", None)
     if rewrite is not None:
         copy, marks = rewrite(meant, options, report)
         options = replace(options, marks=marks)

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, report_types
+from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, is_void, report_types
 from plcopen_sfc.formats.plcopen.global_lists import declare_lists, has_lists
 from plcopen_sfc.formats.plcopen.host import Host
 from plcopen_sfc.formats.plcopen.rewriting import needs_rewriting, rewrite_charts
-from plcopen_sfc.formats.plcopen.rewritten import REWRITTEN_FIELD, Marks
+from plcopen_sfc.formats.plcopen.rewritten import NO_RESULT_FIELD, REWRITTEN_FIELD, Marks
 from plcopen_sfc.languages.networks.graph import is_memory_pin
 from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -31,6 +32,7 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
     lists = has_lists(project) and not host.is_codesys
     if (
         not lists
+        and not any(_without_result(project))
         and not has_globals(project)
         and not any(needs_rewriting(chart.network, host, options) for chart in project.charts())
     ):
@@ -41,14 +43,25 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
         declare_lists(copy, report, marks)
     rewrite_charts(copy, project, host, options=options, report=report, marks=marks)
     add_globals(copy, host, report, marks)
+    for interface in _without_result(copy):
+        place, section = next((i, section) for i, section in enumerate(interface.sections) if is_void(section))
+        marks[id(interface)] = {NO_RESULT_FIELD: [place, section.model_dump(mode="json", exclude_none=True)]}
+        interface.sections = [other for other in interface.sections if other is not section]
     return copy, marks
+
+
+def _without_result(project: Project) -> Iterator[Interface]:
+    """The interfaces of functions of S7 whose result is of the type Void: others have no result then."""
+    for pou in project.pous:
+        if pou.interface is not None and any(is_void(section) for section in pou.interface.sections):
+            yield pou.interface
 
 
 def is_rewritten(project: Project, content: bytes, host: Host) -> bool:
     """True if the file `content` holds what was rewritten, or an edit of `project` made that necessary."""
     if f'"{REWRITTEN_FIELD}"'.encode() in content or has_globals(project):
         return True
-    if not host.is_codesys and project.global_variables:
+    if any(_without_result(project)) or (not host.is_codesys and project.global_variables):
         return True
     bodies = (body for _, body in project.bodies_read() if isinstance(body, SfcBody) and not body.is_untouched)
     return any(needs_rewriting(body.chart, host, WriteOptions()) for body in bodies)

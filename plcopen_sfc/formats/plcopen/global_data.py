@@ -95,10 +95,18 @@ def report_types(project: Project, host: Host, report: ConversionReport) -> None
                 report.add(Outcome.NOT_EXECUTED, "data type", f"{path} / variable {variable.name}", why)
 
     for pou in project.pous:
-        look_at(pou.variables(), pou.report_path)
+        for section in pou.interface.sections if pou.interface is not None else ():
+            if not is_void(section):
+                look_at(section.variables, pou.report_path)
     for declaration in project.data_types:
         if isinstance(declaration.type, StructType):
             look_at(declaration.type.members, declaration.report_path)
+
+
+def is_void(section: VariableSection) -> bool:
+    """True if S7 says in a section that a function has no result."""
+    kinds = [variable.type for variable in section.variables if section.kind is SectionKind.RETURN]
+    return len(kinds) == 1 and isinstance(kinds[0], DerivedType) and kinds[0].name.casefold() == "void"
 
 
 def is_foreign_type(kind: DataType) -> str | None:

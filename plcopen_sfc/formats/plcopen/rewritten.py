@@ -26,6 +26,8 @@ ADDED_FIELD = "added"
 """At an action, a transition object or a list of variables that the source does not have: the digest of its content."""
 TEXTS_FIELD = "texts"
 """At a body: texts of the source by their fields, each with the digest of what was written for it."""
+NO_RESULT_FIELD = "no_result"
+"""At an interface: the section in which S7 says that a function has no result, and its place."""
 
 Marks = dict[int, dict[str, Any]]
 """What to keep at objects of a project, by their `id()`."""
@@ -137,6 +139,13 @@ def restore_texts(fields: Fields) -> None:
     for name, kept in texts.items() if isinstance(texts, dict) else ():
         if isinstance(kept, list) and len(kept) == 2 and digest(str(fields.get(name, ""))) == kept[1]:
             fields[name] = kept[0]
+
+
+def restore_no_result(interface: Fields) -> None:
+    """Put the section of S7 back into an interface that is being read. Takes the mark."""
+    mark = interface.pop(NO_RESULT_FIELD, None)
+    if isinstance(mark, list) and len(mark) == 2 and isinstance(mark[0], int) and "return_type" not in interface:
+        interface["sections"].insert(mark[0], mark[1])
 
 
 def is_added_configuration(configuration: Fields) -> bool:

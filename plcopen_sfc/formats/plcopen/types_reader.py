@@ -16,6 +16,7 @@ from plcopen_sfc.formats.plcopen.reading import (
     take_flag,
     take_required,
 )
+from plcopen_sfc.formats.plcopen.rewritten import restore_no_result
 from plcopen_sfc.model.types import Elementary
 
 SECTIONS = {
@@ -220,6 +221,7 @@ def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
             fields["return_type"] = read_data_type(ctx, child, fields)
         else:
             read_common(ctx, fields, child, local, "interface")
+    restore_no_result(fields)
     carry_attributes(fields, left)
     return fields
 

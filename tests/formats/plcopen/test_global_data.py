@@ -204,3 +204,21 @@ def test_a_constant_as_length_of_a_string_is_a_number_in_tc6_1_01(initial: str, 
     written = sfc.loads(data, as_tool=True).pous[0].variables()[0].type
     assert getattr(written, "length", "") == length
     assert sfc.loads(data).pous[0].variables()[0].type == text.type
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_function_without_result_has_none(target: str) -> None:
+    source = sfc.load(FIXTURES / "simaticml" / "FC_Release.xml")
+    data, report = sfc.convert(source, target, partial=True)
+    assert [item for item in report.losses if "Ret_Val" in item.path or "oid" in item.why] == []
+    read = sfc.loads(data, as_tool=True).pou("FC_Release")
+    assert [v.name for v in read.variables()] == ["Enable", "Running"]
+    back = sfc.loads(sfc.dumps(sfc.loads(data), format="simaticml", partial=True))
+    assert back.pou("FC_Release").interface == source.pou("FC_Release").interface
+    edited = sfc.loads(data)
+    edited.pou("FC_Release").comment = "changed"
+    assert b"Ret_Val" in sfc.dumps(edited)
+    assert [v.name for v in sfc.loads(sfc.dumps(edited), as_tool=True).pou("FC_Release").variables()] == [
+        "Enable",
+        "Running",
+    ]
