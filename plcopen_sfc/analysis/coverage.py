@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from plcopen_sfc.analysis.parts import ConditionParts, Part
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
-from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.model import conditions
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.net import Net, NetTransition
@@ -18,16 +20,17 @@ from plcopen_sfc.semantics.net import Net, NetTransition
 __all__ = ["Coverage", "Tally", "Unreached", "any_untested"]
 
 STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
+PART = "part of condition"
 _SHOWN = 10
 
 Key = tuple[str, str, int, str]
 """What can be reached: the chart or text it stands in, its name, a number where names are not unique, and the condition
-that an assignment stands behind."""
+that an assignment stands behind, or the part of the condition of a transition."""
 
 
 @dataclass(frozen=True)
 class Unreached:
-    """A step, transition, action or assignment that was not executed, and why.
+    """A step, transition, action or assignment that was not executed, or a part of a condition, and why.
 
     `impossible`: it is proven that nothing reaches it.
     """
@@ -38,6 +41,8 @@ class Unreached:
     impossible: bool = False
 
     def __str__(self) -> str:
+        if self.kind == PART:
+            return f"{TRANSITION} {self.name} {self.why}"
         return f"{self.kind} {self.name}: {self.why}"
 
 
@@ -46,7 +51,8 @@ class Coverage:
     """How much of one side of a comparison was executed.
 
     `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program or of the actions
-    of a chart) how many were reached, and how many there are.
+    of a chart) how many were reached, and how many there are; without a proof also ``part of condition``, those that
+    have decided it.
     """
 
     name: str
@@ -60,12 +66,14 @@ class Coverage:
 
     @property
     def untested(self) -> tuple[Unreached, ...]:
-        """Steps, transitions and assignments that were not reached though they may be reachable."""
+        """What was not reached though it may be reachable, but for actions."""
         return tuple(each for each in self.unreached if each.kind != ACTION and not each.impossible)
 
     def joined(self, other: Coverage) -> Coverage:
         """What was reached here or there, in two searches of the same side."""
         known = {(each.kind, each.name): each for each in other.unreached}
+        if PART not in other.counts:  # a proof with some inputs at rest: it does not tell which parts have decided
+            known |= {(each.kind, each.name): each for each in self.unreached if each.kind == PART}
         both = [(each, known[each.kind, each.name]) for each in self.unreached if (each.kind, each.name) in known]
         unreached = tuple(mine if mine.impossible else theirs for mine, theirs in both)
         missing = Counter(each.kind for each in unreached)
@@ -73,18 +81,24 @@ class Coverage:
         return Coverage(self.name, counts, unreached)
 
     def __str__(self) -> str:
-        counts = ", ".join(f"{reached} of {all_} {kind}s" for kind, (reached, all_) in self.counts.items() if all_)
+        counts = ", ".join(
+            f"{reached} of {all_} {_plural(kind)}" for kind, (reached, all_) in self.counts.items() if all_
+        )
         return counts or "nothing to be reached"
 
     def lines(self) -> list[str]:
         """What was not reached, a line for each reason; behind the first ones only how many there are."""
         together: dict[tuple[str, str], list[str]] = {}
         for each in self.unreached:
-            together.setdefault((each.kind, each.why), []).append(each.name)
+            if each.kind != PART:
+                together.setdefault((each.kind, each.why), []).append(each.name)
         lines = [
             f"not reached: {kind}{'s' * (len(names) > 1)} {_listed(names)}: {why}"
             for (kind, why), names in together.items()
         ]
+        missed = {each.name for each in self.unreached if each.kind == TRANSITION}
+        parts = [each for each in self.unreached if each.kind == PART]
+        lines += [f"not reached: {each}" for each in parts if each.name.partition(": `")[0] not in missed]
         more = len(lines) - _SHOWN
         return [*lines[:_SHOWN], f"not reached for other reasons: {more}"] if more > 0 else lines
 
@@ -110,14 +124,21 @@ class Tally:
     def __init__(self, system: ProgramSystem) -> None:
         self.system = system
         self._parts = [system]
-        self._before: dict[str, set[Key]] | None = None
+        self.parts: ConditionParts | None = None
 
     def add(self, part: ProgramSystem) -> None:
         """Count what a part of the system reaches, too."""
         self._parts.append(part)
 
+    def look_at_conditions(self) -> ConditionParts:
+        """Count the parts of conditions that decide them, from now on."""
+        self.parts = self.parts or ConditionParts(self.system, _charts(self.system))
+        return self.parts
+
     def reached(self, kind: str) -> set[Key]:
         """What was reached."""
+        if kind == PART:
+            return {_key(part) for part in self.parts or () if part.is_seen}
         return {key for part in self._parts for key, is_reached in _of_kind(part, kind) if is_reached}
 
     def numbers(self) -> tuple[int, int]:
@@ -128,19 +149,23 @@ class Tally:
 
     def coverage(self, *, complete: bool) -> Coverage:
         """What it comes to. `complete`: all that the system can do was searched."""
-        kinds = (STEP, TRANSITION, ACTION, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
+        kinds = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
         counts: dict[str, tuple[int, int]] = {}
         missing: dict[str, list[Key]] = {}
         reached: dict[str, set[Key]] = {}
         for kind in kinds:
-            everything = dict.fromkeys(key for key, _ in _of_kind(self.system, kind))
+            if kind == PART:
+                everything = dict.fromkeys(map(_key, self.parts or ()))
+            else:
+                everything = dict.fromkeys(key for key, _ in _of_kind(self.system, kind))
             reached[kind] = self.reached(kind)
             missing[kind] = [key for key in everything if key not in reached[kind]]
             if everything or kind in kinds[:3]:
                 counts[kind] = len(everything) - len(missing[kind]), len(everything)
         unreached: list[Unreached] = []
         if any(missing.values()):
-            reasons = _Reasons(self.system, reached, complete=complete)
+            deciding = {_key(part): part.deciding for part in self.parts or ()}
+            reasons = _Reasons(self.system, reached, deciding, complete=complete)
             unreached = [reasons.of(kind, key) for kind in kinds for key in missing[kind]]
         return Coverage(self.system.subject.name, counts, tuple(unreached))
 
@@ -149,6 +174,10 @@ def any_untested(coverage: Sequence[Coverage]) -> bool:
     """Whether something that may be reachable was not reached: of a chart, where there is one."""
     charts = [each for each in coverage if each.has_chart]
     return any(each.untested for each in charts or coverage)
+
+
+def _key(part: Part) -> Key:
+    return part.owner, part.transition.path, part.transition.transition.id, part.text
 
 
 def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
@@ -192,9 +221,17 @@ def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
 class _Reasons:
     """Why something was not reached."""
 
-    def __init__(self, system: ProgramSystem, reached: Mapping[str, set[Key]], *, complete: bool) -> None:
+    def __init__(
+        self,
+        system: ProgramSystem,
+        reached: Mapping[str, set[Key]],
+        deciding: Mapping[Key, Expression],
+        *,
+        complete: bool,
+    ) -> None:
         self._system = system
         self._reached = reached
+        self._deciding = deciding
         self._complete = complete
         self._nets = {name: chart.net for name, chart in _charts(system)}
         self._graphs = {name: isinstance(chart, GraphProgram) for name, chart in _charts(system)}
@@ -213,17 +250,26 @@ class _Reasons:
         if kind == ACTION:
             return Unreached(kind, shown, "was never executed", impossible=self._complete)
         net = self._nets[name]
+        if kind == PART:
+            return self._undecided(f"{shown}: {_quoted(condition)}", net, key)
         if kind == STEP:
             index = next(s.index for s in net.steps if s.path == label and s.step.id == number)
             impossible = index in self._unreachable.steps.get(name, ())
             why = "unreachable (proven)" if impossible else self._way_to(name, net, {index})
         else:
-            transition = next(t for t in net.transitions if t.path == label and t.transition.id == number)
+            transition = _transition(net, key)
             impossible = transition.index in self._unreachable.transitions.get(name, ())
             why = "can never fire (proven)" if impossible else self._needs(name, net, transition)
         if self._complete and not impossible:
             why, impossible = f"{why} (proven)", True
         return Unreached(kind, shown, why, impossible=impossible)
+
+    def _undecided(self, shown: str, net: Net, key: Key) -> Unreached:
+        transition = _transition(net, key)
+        is_dead = transition.index in self._unreachable.transitions.get(key[0], ())
+        if is_dead or self._unreachable.is_impossible(self._deciding[key], transition.chart):
+            return Unreached(PART, shown, "can never decide it (proven)", impossible=True)
+        return Unreached(PART, shown, "never decided it")
 
     # -- what is possible
 
@@ -259,8 +305,16 @@ class _Reasons:
         if missing:
             return f"{self._way_to(name, net, missing)}, never reached".replace(", never reached, never", ", never")
         condition = transition.transition.condition
-        text = condition.text if isinstance(condition, Expression) else f"the condition of {transition.path}"
-        return f"needs {_quoted(text) if isinstance(condition, Expression) else text}, never reached"
+        text = condition.text if isinstance(condition, conditions.Expression) else f"the condition of {transition.path}"
+        return f"needs {_quoted(text) if isinstance(condition, conditions.Expression) else text}, never reached"
+
+
+def _transition(net: Net, key: Key) -> NetTransition:
+    return next(t for t in net.transitions if (t.path, t.transition.id) == key[1:3])
+
+
+def _plural(kind: str) -> str:
+    return "parts of conditions" if kind == PART else f"{kind}s"
 
 
 def _listed(names: list[str]) -> str:

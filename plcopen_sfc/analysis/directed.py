@@ -13,6 +13,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 from math import frexp
 from random import Random
 from typing import Any
@@ -21,6 +22,7 @@ from plcopen_sfc.analysis.clocking import Clocking
 from plcopen_sfc.analysis.domains import Domain, NotProvableError, plain
 from plcopen_sfc.analysis.goals import Goal, Goals, total
 from plcopen_sfc.analysis.limits import INTERRUPTED
+from plcopen_sfc.analysis.parts import ConditionParts
 from plcopen_sfc.analysis.product import compare, end_of, failure_of
 from plcopen_sfc.analysis.stimuli import patterns
 from plcopen_sfc.analysis.systems import ProgramSystem
@@ -44,6 +46,9 @@ _LOOKED_BACK = 40
 _REPEATED = 2_000
 _MOST_GOALS = 24
 _MOST_STATES = 20_000
+_TRIES = 8
+"""How often inputs are tried that z3 has found for a part of a condition."""
+
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
 Row = dict[str, Value]
@@ -83,7 +88,11 @@ class _End(Exception):  # noqa: N818  # no error: the effort is spent, or there 
 
 
 class DirectedSearch:
-    """See the module. `scans`: the effort; `seed`: of what is left to chance; `look` tells why the search must end."""
+    """See the module.
+
+    `parts`: those of the conditions of both sides; `scans`: the effort; `seed`: of what is left to chance; `look` tells
+    why the search must end.
+    """
 
     def __init__(
         self,
@@ -93,6 +102,7 @@ class DirectedSearch:
         domains: Mapping[str, Domain],
         clock: Clocking,
         *,
+        parts: tuple[ConditionParts, ConditionParts],
         scans: int,
         seed: int,
         look: Callable[[int], str],
@@ -104,7 +114,12 @@ class DirectedSearch:
         self._look_at_time = look
         self._stopped = ""
         self._chance = Random(f"{seed}")  # noqa: S311  # no secret
-        self._goals = Goals(left if left.instance.charts() or not right.instance.charts() else right, signals)
+        leading = int(not left.instance.charts() and bool(right.instance.charts()))
+        self._goals = Goals(self._sides[leading], signals, parts[leading])
+        self._parts = parts
+        self._with_parts = [self._goals]
+        if any(parts[1 - leading]):
+            self._with_parts.append(Goals(self._sides[1 - leading], signals, parts[1 - leading]))
         self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
         self._moved = [name for name in signals if name.casefold().rpartition(".")[2] not in _FLAGS]
         self._states: list[_State] = []
@@ -235,11 +250,14 @@ class DirectedSearch:
             chart.reached.steps.bit_count() + chart.reached.transitions.bit_count() + chart.reached.actions.bit_count()
             for chart, _ in self._goals.charts
         )
-        return charts + sum(sum(side.marks.reached) for side in self._sides)
+        return charts + sum(sum(side.marks.reached) for side in self._sides) + sum(each.seen for each in self._parts)
 
     def _open(self) -> list[Goal]:
-        found = list(self._goals.open_transitions())[:_MOST_GOALS]
-        return [*found, *list(self._goals.open_branches())[: _MOST_GOALS - len(found)]]
+        found = list(islice(chain(self._goals.open_transitions(), self._goals.open_branches()), _MOST_GOALS))
+        if not found:  # parts of conditions come last: they are many, and most decide on the way
+            parts = (goal for goals in self._with_parts for goal in goals.open_parts())
+            found = list(islice(parts, _MOST_GOALS))
+        return found
 
     def _push(self, number: int) -> None:
         state = self._states[number]
@@ -297,6 +315,10 @@ class DirectedSearch:
             add(self._goals.solve([], enabled))
         for goal in wanted[:_MOST_GOALS]:
             add(self._goals.solve([goal], []))
+        for goals in self._with_parts:
+            for goal in goals.open_parts():
+                if goal.tries < _TRIES and add(goals.solve_part(goal)):
+                    goal.tries += 1
         for row in rows:
             self._begin(number)
             if self._scan(row):

@@ -363,11 +363,13 @@ class _Compared:
             counterexample = comparison.show(found.inputs, signals, shortest=found.shortest)
         elif not found.complete and found.reason != INTERRUPTED:
             effort = tries.runs * tries.scans
+            parts = tallies[0].look_at_conditions(), tallies[1].look_at_conditions()
             variants = range(_VARIANTS) if comparison.unknown else (0,)
             for variant in variants:  # of the results of unknown functions
                 comparison.vary(variant)
                 directed = DirectedSearch(
                     *(left, right, signals, domains, clock),
+                    parts=parts,
                     scans=effort // len(variants),
                     seed=tries.seed,
                     look=watch.look,

@@ -13,6 +13,7 @@ from typing import Any
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, Reading, negation
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
+from plcopen_sfc.analysis.parts import ConditionParts, Part
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
@@ -55,6 +56,7 @@ class Goal:
 
     `sources` are the bits of the steps that must be active for that, of the chart of number `chart` (-1: of none).
     `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
+    `part`: a part of a condition that decides it then; `tries`: how often inputs that were to do it have not done it.
     """
 
     name: str
@@ -63,6 +65,8 @@ class Goal:
     bit: int = 0
     sources: int = 0
     branch: int = -1
+    part: Part | None = None
+    tries: int = 0
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
     _formula: _Solving | None = field(default=None, repr=False)
@@ -81,7 +85,7 @@ class _Solving:
 class Goals:
     """The conditions of one system, and what is known of them. `signals`: the inputs that both systems share."""
 
-    def __init__(self, system: ProgramSystem, signals: Mapping[str, Signal]) -> None:
+    def __init__(self, system: ProgramSystem, signals: Mapping[str, Signal], parts: ConditionParts) -> None:
         self._system = system
         self._signals = signals
         self._shared = {own.casefold(): name for own, name in system.shared_names().items()}
@@ -100,6 +104,7 @@ class Goals:
             if chart in self._own:
                 self.transitions[number] = [self._of_transition(number, each) for each in chart.net.transitions]
         self._find_branches()
+        self.parts = [self._of_part(part) for part in parts]
         self._library.link()
 
     # -- which
@@ -136,6 +141,23 @@ class Goals:
             goal.distance = self._distance(tree, wanted=True)
             self.branches.append(goal)
 
+    def _of_part(self, part: Part) -> Goal:
+        number = next(number for number, (chart, _) in enumerate(self.charts) if chart is part.chart)
+        transition = part.transition
+        goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)
+        goal.distance = self._distance(part.deciding, wanted=True)
+        return goal
+
+    def open_parts(self) -> Iterator[Goal]:
+        """The parts of conditions of transitions whose sources were entered, and which have not decided them."""
+        for goal in self.parts:
+            if (
+                goal.part is not None
+                and goal.part.is_open
+                and goal.sources & ~self.charts[goal.chart][0].reached.steps == 0
+            ):
+                yield goal
+
     def open_transitions(self) -> Iterator[Goal]:
         """The transitions whose sources were entered, and which never fired."""
         for goals, (chart, _) in zip(self.transitions, self.charts, strict=True):
@@ -157,6 +179,16 @@ class Goals:
             for goal in goals
             if not goal.sources & ~marking
         ]
+
+    def solve_part(self, goal: Goal) -> dict[str, Value] | None:
+        """Values of inputs with which a part decides now, if possible while no competing transition fires."""
+        markings = self.markings()
+        if goal.sources & ~markings[goal.chart]:
+            return None
+        enabled = [each for each in self.enabled(markings) if each.chart == goal.chart and each.tree is not None]
+        competing = [each for each in enabled if each.bit != goal.bit and each.sources & goal.sources]
+        found = self.solve([goal], competing)
+        return found if found is not None or not competing else self.solve([goal], [])
 
     def markings(self) -> tuple[int, ...]:
         """The present situations of all charts."""

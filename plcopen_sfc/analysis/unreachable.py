@@ -60,7 +60,11 @@ class Unreachable:
     def is_never_true(self, condition: str) -> bool:
         """True if nothing makes the condition of a branch TRUE."""
         parsed = parse_condition(condition, self._system.subject.project.dialect)
-        return not parsed.problems and self._is_impossible(normal_form(parsed.tree), self._pou.sfc, self._fixed)
+        return not parsed.problems and self.is_impossible(normal_form(parsed.tree), self._pou.sfc)
+
+    def is_impossible(self, tree: Expression, chart: SfcNetwork | None) -> bool:
+        """True if a condition that stands in a chart is never TRUE."""
+        return self._is_impossible(tree, chart, self._fixed)
 
     def _find(self) -> None:
         pou = self._pou

@@ -149,3 +149,60 @@ def test_what_only_terms_have_reached_was_not_reached() -> None:
     )
     assert searched(one, one).proven
     assert searched(one, other).kind is VerdictKind.UNTESTED
+
+
+PARTS = """PROGRAM Main VAR_INPUT a, b : BOOL; m, n : DINT; END_VAR VAR sum : DINT; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: Add(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := {}; END_TRANSITION
+ACTION Add: sum := sum + m / 3; END_ACTION
+END_PROGRAM"""
+
+
+def decided(one: str, other: str = "") -> Verdict:
+    """What a comparison comes to that is no proof, of charts with a condition each."""
+    texts = [PARTS.format(condition).encode() for condition in (one, other or one)]
+    sides = [sfc.loads(text, format="iec-text") for text in texts]
+    return equivalent(*sides, "iec", cap=20, runs=20, scans=40, scan_time="100ms")
+
+
+@pytest.mark.parametrize("sides", [("b OR n > 100000", "b OR FALSE"), ("b OR FALSE", "b OR n > 100000")])
+def test_the_search_makes_parts_of_conditions_decide_them(sides: tuple[str, str]) -> None:
+    assert decided(*sides).different
+    same = decided("b OR n > 100000")
+    assert same.kind is VerdictKind.TESTED, str(same)
+    assert same.coverage[0].counts["part of condition"] == (1, 1)
+
+
+def test_a_part_of_a_condition_may_be_a_long_time() -> None:
+    assert decided("b AND m < 7 OR S2.T > T#1h").kind is VerdictKind.TESTED
+    assert decided("b AND m < 7 OR S2.T > T#1h", "b AND m < 7").different
+
+
+def test_a_part_that_never_decided_a_condition_is_named() -> None:
+    found = decided("b OR n * n = 1000003", "b OR FALSE")
+    assert found.kind is VerdictKind.UNTESTED
+    assert [str(each) for each in found.coverage[0].untested] == [
+        "transition S2 -> S1: `n * n = 1000003` never decided it"
+    ]
+    assert "transition S2 -> S1: `n * n = 1000003` never decided it" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("condition", "part"),
+    [("b OR n > 7 AND n < 3", "n > 7 AND n < 3"), ("b AND (n < 5 OR n > 3)", "n < 5 OR n > 3")],
+)
+def test_a_part_that_cannot_decide_a_condition_is_proven_so(condition: str, part: str) -> None:
+    found = decided(condition)
+    assert found.kind is VerdictKind.TESTED
+    assert [str(each) for each in found.coverage[0].unreached] == [
+        f"transition S2 -> S1: `{part}` can never decide it (proven)"
+    ]
+
+
+def test_a_proof_counts_no_parts_of_conditions() -> None:
+    project = sfc.loads(PARTS.format("b OR n > 5").replace("sum + m / 3", "m").encode(), format="iec-text")
+    found = equivalent(project, project, "iec")
+    assert found.proven
+    assert "part of condition" not in found.coverage[0].counts

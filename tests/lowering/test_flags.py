@@ -6,6 +6,7 @@ from random import Random
 
 import pytest
 
+import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
@@ -71,6 +72,37 @@ def test_what_sets_a_chart_back_and_stops_it(
 def test_what_actions_remember_ends(flag: str, construction: Construction, language: Language) -> None:
     found = verdict(with_memories(chain_with(flag)), construction, language, "codesys")
     assert not found.different, str(found)
+
+
+RESTING = """PROGRAM Main
+VAR_INPUT a, b, SFCReset, SFCInit : BOOL; END_VAR
+VAR_OUTPUT q, r : BOOL; END_VAR
+INITIAL_STEP Rest: {rest} END_STEP
+STEP Run: {run} END_STEP
+TRANSITION FROM Rest TO Run := a; END_TRANSITION
+TRANSITION FROM Run TO Rest := b; END_TRANSITION
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize(
+    ("rest", "run"),
+    [
+        ("q(D, T#30ms); r(SD, T#20ms);", "r(R);"),
+        ("q(SL, T#30ms); r(L, T#30ms);", "q(SL, T#20ms);"),
+        ("q(DS, T#30ms); r(S);", "q(R); r(R);"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("construction", "language"),
+    [("case", "ST"), ("bits", "ST"), ("flipflop", "ST"), ("flipflop", "FBD"), ("flipflop", "LD")],
+)
+def test_timed_actions_of_initial_steps_are_set_back(rest: str, run: str, construction: str, language: str) -> None:
+    """The step of the action is active again in the scan in which it is set back."""
+    project = sfc.loads(RESTING.format(rest=rest, run=run).encode(), format="iec-text")
+    proof = lower(project, construction, language=language, profile="codesys").proof
+    assert proof is not None
+    assert proof.proven, str(proof)
+    assert {"SFCReset", "SFCInit"} <= set(proof.inputs)
 
 
 @pytest.mark.parametrize("flags", [("SFCTip", "SFCTipMode"), ("SFCTip",), ("SFCTipMode",), ("SFCTip", "SFCReset")])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, SimulationError, UnknownBehaviourError, UnstableChartError
@@ -14,7 +14,7 @@ from plcopen_sfc.semantics.charts.flags import Flags, Order, Tip
 from plcopen_sfc.semantics.charts.forgetting import forgetting
 from plcopen_sfc.semantics.charts.grafcet.extension import Grafcet, has_grafcet
 from plcopen_sfc.semantics.charts.graph.conditions import check_no_graph
-from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice, testing_order
+from plcopen_sfc.semantics.charts.moves import NOTHING, Cleared, Move, choice, testing_order, watched
 from plcopen_sfc.semantics.charts.plans import Plan, Plans, Run, Watch
 from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.charts.step_actions import StepActions, check_step_actions
@@ -170,6 +170,11 @@ class ChartProgram:
         return move._replace(condition=lambda frame: all(waited(frame) for waited in waits) and condition(frame))
 
     # -- looking
+
+    def watch(self, looks: Mapping[int, Callable[[Frame], None]]) -> None:
+        """Call something each time the condition of a transition is tested, by the index of the transition."""
+        self._moves = tuple(watched(move, looks.get(index)) for index, move in enumerate(self._moves))
+        self._plans = Plans(self._plan)
 
     def marking(self, frame: Frame) -> int:
         """The active steps as programs see them, as bits of `net`."""

@@ -48,6 +48,20 @@ def choice(profile: Profile) -> Choice:
     return _numbered_first if profile.numbered_first else _all
 
 
+def watched(move: Move, look: Callable[[Frame], None] | None) -> Move:
+    """The transition with something that looks at the variables each time its condition is tested."""
+    if look is None:
+        return move
+    condition = move.condition
+
+    def tested(frame: Frame) -> bool:
+        value = condition(frame)
+        look(frame)
+        return value
+
+    return move._replace(condition=tested)
+
+
 def testing_order(net: Net) -> tuple[int, ...]:
     """The places of the transitions of a net, by their index, in the list in which matiec tests them.
 

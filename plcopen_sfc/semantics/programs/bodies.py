@@ -99,14 +99,13 @@ class Bodies:
             self._refuse(error, path, writer)
         return self._routine(writer, path)
 
-    def expression(self, text: str, path: str, expected: t.Type | None) -> Callable[[Frame], Any]:
-        """An expression as a function."""
+    def expression(self, given: str | n.Expression, path: str, expected: t.Type | None) -> Callable[[Frame], Any]:
+        """An expression, as a text or a tree, as a function."""
         writer = self._writer()
         try:
-            parsed = parse_expression(text, self._library.dialect)
-            _check_syntax(parsed)
+            tree = given if not isinstance(given, str) else self._parsed(given)
             translator = self._scope.translator(writer)
-            code = translator.value(parsed.tree, expected)
+            code = translator.value(tree, expected)
             if expected is not None:
                 code = translator.fitted(code, expected)
             writer.write(f"return {settled(code).text}")
@@ -119,10 +118,8 @@ class Bodies:
         writer = self._writer()
         path = self._scope.path
         try:
-            parsed = parse_expression(text, self._library.dialect)
-            _check_syntax(parsed)
             translator = self._scope.translator(writer)
-            place = translator.place(parsed.tree, type_)
+            place = translator.place(self._parsed(text), type_)
             translator.note_write(place)
             if place.bits is not None:
                 from plcopen_sfc.semantics.programs.code import Code  # noqa: PLC0415
@@ -135,6 +132,11 @@ class Bodies:
         return self._library.linker.routine(f"{self._parameters}, value", writer, path)
 
     # -- parts
+
+    def _parsed(self, text: str) -> n.Expression:
+        parsed = parse_expression(text, self._library.dialect)
+        _check_syntax(parsed)
+        return parsed.tree
 
     def _writer(self) -> Writer:
         writer = Writer()

@@ -209,11 +209,13 @@ class Scope:
 
         return Bodies(self).condition(condition, path, chart)
 
-    def expression(self, text: str, path: str, expected: t.Type | None = None) -> Callable[[Frame], Any]:
-        """An expression as a function; its value is one of type `expected` where that is given."""
+    def expression(
+        self, given: str | n.Expression, path: str, expected: t.Type | None = None
+    ) -> Callable[[Frame], Any]:
+        """An expression, a text or a tree, as a function; its value is of type `expected` where that is given."""
         from plcopen_sfc.semantics.programs.bodies import Bodies  # noqa: PLC0415
 
-        return Bodies(self).expression(text, path, expected)
+        return Bodies(self).expression(given, path, expected)
 
     def statements(self, text: str, path: str) -> Callable[[Frame], None]:
         """Structured text as a function."""

@@ -6,7 +6,7 @@ cycle. Permanent operations are executed in every cycle, also while the sequence
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import UnknownBehaviourError
@@ -17,7 +17,7 @@ from plcopen_sfc.semantics.charts.graph import data
 from plcopen_sfc.semantics.charts.graph.actions import SWITCHES, GraphActions, Happening
 from plcopen_sfc.semantics.charts.graph.conditions import Checked, StepConditions, programmed
 from plcopen_sfc.semantics.charts.graph.parameters import Commands, Mode, Parameters
-from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice
+from plcopen_sfc.semantics.charts.moves import NOTHING, Move, choice, watched
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run
 from plcopen_sfc.semantics.charts.reached import Reached
 from plcopen_sfc.semantics.charts.step_actions import check_step_actions
@@ -173,6 +173,11 @@ class GraphProgram:
         )
 
     # -- looking
+
+    def watch(self, looks: Mapping[int, Callable[[Frame], None]]) -> None:
+        """Call something each time the condition of a transition is tested, by the index of the transition."""
+        self._moves = tuple(watched(move, looks.get(index)) for index, move in enumerate(self._moves))
+        self._enabled.clear()
 
     def marking(self, frame: Frame) -> int:
         """The active steps as programs see them, as bits of `net`."""

@@ -1,0 +1,171 @@
+"""Which parts of conditions have decided them: what hides behind an alternative is not tested by its transition firing.
+
+A part of OR decides while it is TRUE and all others are FALSE, a part of AND while it is FALSE and all others are TRUE,
+and nothing outside of that operation decides already (masking MC/DC). Looked at are parts that compare numbers or
+times. A Boolean is tried by every search, and many cannot be FALSE where they stand, such as the flag of the own step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from plcopen_sfc.analysis.exclusivity import condition_of
+from plcopen_sfc.analysis.systems import ProgramSystem
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.networks.values import inverted, joined
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st.nodes import Expression, Operator
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.semantics.charts.chart import ChartProgram
+from plcopen_sfc.semantics.charts.graph.program import GraphProgram
+from plcopen_sfc.semantics.net import NetTransition
+from plcopen_sfc.semantics.programs.layouts import Frame
+
+__all__ = ["ConditionParts", "Part"]
+
+_AND = (Operator.AND, Operator.AND_THEN)
+_OR = (Operator.OR, Operator.OR_ELSE)
+_COMPARING = frozenset(
+    {
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+    }
+)
+
+
+@dataclass(eq=False)
+class Part:
+    """A part of the condition of a transition: its text, when it decides, and whether it has done so."""
+
+    owner: str
+    chart: ChartProgram | GraphProgram
+    transition: NetTransition
+    text: str
+    deciding: Expression
+    is_seen: bool = False
+    is_readable: bool = True
+
+    @property
+    def is_open(self) -> bool:
+        """True if it has not decided yet, as far as that can be seen."""
+        return self.is_readable and not self.is_seen
+
+
+class ConditionParts:
+    """The parts of the conditions of some charts of a system. They are looked at from now on, whatever runs.
+
+    `seen`: how many have decided; it only grows.
+    """
+
+    def __init__(self, system: ProgramSystem, charts: Iterable[tuple[str, ChartProgram | GraphProgram]]) -> None:
+        self._system = system
+        self.seen = 0
+        self._found: list[Part] = []
+        for name, chart in charts:
+            looks: dict[int, Callable[[Frame], None]] = {}
+            for transition in chart.net.transitions:
+                own = [
+                    Part(name, chart, transition, print_node(part), deciding)
+                    for part, deciding in _parts(self._condition(transition))
+                ]
+                if own:
+                    self._found += own
+                    looks[transition.index] = self._looking(own)
+            chart.watch(looks)
+
+    def __iter__(self) -> Iterator[Part]:
+        return (part for part in self._found if part.is_readable)
+
+    def _condition(self, transition: NetTransition) -> Expression | None:
+        """The condition of a transition; None where evaluating it again could do something."""
+        subject = self._system.subject
+        if transition.transition.condition is None or self._system.profile.grafcet_terms:
+            return None
+        read = condition_of(
+            transition.chart,
+            transition.transition,
+            subject.project.dialect,
+            transitions=subject.pou.transitions,
+        )
+        if read.tree is None or not read.complete or read.before:
+            return None
+        tree = normal_form(read.tree)
+        return None if any(map(_may_act, walk(tree))) else tree
+
+    def _looking(self, parts: Sequence[Part]) -> Callable[[Frame], None]:
+        waiting: list[tuple[Part, Callable[[Frame], bool]]] | None = None
+
+        def look(frame: Frame) -> None:
+            nonlocal waiting
+            if waiting is None:  # most conditions of large charts are never tested
+                waiting = self._prepared(parts)
+            if waiting:
+                seen = [each for each in waiting if _is_true(each[1], frame)]
+                for each in seen:
+                    each[0].is_seen = True
+                    self.seen += 1
+                    waiting.remove(each)
+
+        return look
+
+    def _prepared(self, parts: Sequence[Part]) -> list[tuple[Part, Callable[[Frame], bool]]]:
+        instance = self._system.instance
+        library = instance.controller.library
+        prepared = []
+        for part in parts:
+            before = len(library.problems)
+            function = instance.unit.scope.expression(part.deciding, part.owner)
+            part.is_readable = len(library.problems) == before
+            if part.is_readable:
+                prepared.append((part, function))
+            del library.problems[before:]
+        library.link()
+        return prepared
+
+
+def _parts(tree: Expression | None, around: tuple[Expression, ...] = ()) -> Iterator[tuple[Expression, Expression]]:
+    """The parts of a condition, and when they decide it; `around` is what must hold for the condition to matter."""
+    match tree:
+        case n.Parenthesized(inner):
+            yield from _parts(inner, around)
+        case n.Unary(Operator.NOT, operand):
+            yield from _parts(operand, around)
+        case n.Operation(operator, operands) if operator in _AND or operator in _OR:
+            is_or = operator in _OR
+            for number, operand in enumerate(operands):
+                others = [*operands[:number], *operands[number + 1 :]]
+                visible = (*around, *(map(inverted, others) if is_or else others))
+                if any(map(_compares, walk(operand))):
+                    yield operand, joined(Operator.AND, [*visible, operand if is_or else inverted(operand)])
+                yield from _parts(operand, visible)
+
+
+def _compares(node: n.Node) -> bool:
+    """True for comparisons of numbers and times, or of what may be some."""
+    if not isinstance(node, n.Operation) or node.operator not in _COMPARING:
+        return False
+    return not any(isinstance(each, n.Literal) and each.text in ("TRUE", "FALSE") for each in node.operands)
+
+
+def _may_act(node: n.Node) -> bool:
+    """True for calls that may do more than give a value."""
+    if isinstance(node, n.AssignmentExpression):
+        return True
+    if not isinstance(node, n.Call):
+        return False
+    block = standard_block(node.callee.identifier) if isinstance(node.callee, n.Name) else None
+    return block is None or block.stateful
+
+
+def _is_true(function: Callable[[Frame], bool], frame: Frame) -> bool:
+    try:
+        return bool(function(frame))
+    except (SfcError, ArithmeticError, TypeError, AttributeError, IndexError):
+        return False
