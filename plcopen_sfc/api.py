@@ -58,6 +58,7 @@ def save(
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
+    limit: float = 0,
 ) -> ConversionReport:
     """Save a project to a path or a binary file; returns what became of each item.
 
@@ -66,6 +67,9 @@ def save(
     TIA Portal (``V16``; the format is ``simaticml`` then), `fresh` writes from the model alone. With `normalize` what
     the tool ignores is left out, such as the time of an export: files can be compared then. A path is written to a
     temporary file and renamed: the old file stays whole whatever happens.
+
+    With a `limit` in seconds the charts of a conversion are also run in both tools, as `equivalent` does; a difference
+    is an approximated item, and `compared` of the report says what was found of each chart.
 
     Raises `LossError` and writes nothing where the target would not execute something that the source tool executes.
     With `partial` the rest is written, and what is not executed stands in the report; with `strict` also what the
@@ -83,9 +87,17 @@ def save(
         from plcopen_sfc.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
 
         return save_folder(
-            project, path, name, flavour=flavour, strict=strict, partial=partial, fresh=fresh, normalize=normalize
+            project,
+            path,
+            name,
+            flavour=flavour,
+            strict=strict,
+            partial=partial,
+            fresh=fresh,
+            normalize=normalize,
+            limit=limit,
         )
-    data, report = encode(project, name, flavour=flavour, fresh=fresh)
+    data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=limit)
     if normalize:
         before, data = data, normalized(data, name)
         report.unchanged = report.unchanged and data == before

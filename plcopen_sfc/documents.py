@@ -64,8 +64,13 @@ def fingerprint(project: Project) -> bytes:
         return hashlib.blake2b(content).digest()
 
 
-def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[bytes, ConversionReport]:
-    """The bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item."""
+def encode(
+    project: Project, name: str, *, flavour: str, fresh: bool, limit: float = 0
+) -> tuple[bytes, ConversionReport]:
+    """The bytes of `project` in the format `name` (``simaticml-V16``), and what became of each item.
+
+    `limit`: for so many seconds the charts are run in both tools.
+    """
     kind, version = format_named(name)
     if flavour and flavour not in kind.flavours:
         known = ", ".join(kind.flavours) or "none"
@@ -96,6 +101,10 @@ def encode(project: Project, name: str, *, flavour: str, fresh: bool) -> tuple[b
         report_execution(
             report, compare(source, executed(seen, target, lists=source.lists)), flavour or kind.tool, called
         )
+        if limit:
+            from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
+
+            report_running(report, project, seen, called, tool=flavour or kind.tool, target=target, limit=limit)
     if origin is not None and format_named(origin.format)[0].xml:
         report.locate(format_named(origin.format)[0].codec().lines(origin.content, project), called=called)
     locate_in_folder(project, report, called)

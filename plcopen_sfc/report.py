@@ -51,7 +51,7 @@ class ConversionReport:
     """The outcomes of all items. `unchanged`: nothing was edited, the file is what was read.
 
     `written` are the files that were written. In a folder, `removed` are those whose objects are gone, and `left_alone`
-    those that are none of the project's.
+    those that are none of the project's. `compared`: what came of running each chart in both tools, by its path.
     """
 
     source_format: str = ""
@@ -61,6 +61,7 @@ class ConversionReport:
     written: list[str] = field(default_factory=list)
     removed: list[str] = field(default_factory=list)
     left_alone: list[str] = field(default_factory=list)
+    compared: dict[str, str] = field(default_factory=dict)
 
     def add(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
         """Note the outcome of an item."""
@@ -106,6 +107,7 @@ class ConversionReport:
             "written": self.written,
             "removed": self.removed,
             "left_alone": self.left_alone,
+            "compared": self.compared,
             "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
         }
 

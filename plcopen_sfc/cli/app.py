@@ -159,6 +159,9 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     normalize: Annotated[
         bool, typer.Option("--normalize", help="Leave out what TIA Portal ignores, such as the time of an export.")
     ] = False,
+    limit: Annotated[
+        float, typer.Option("--limit", metavar="SECONDS", help="How long charts are run in both tools; 0: not at all.")
+    ] = 5,
     as_tool: Annotated[
         bool, typer.Option("--as-tool", help="Read as the tool of the file does, without what only this package reads.")
     ] = False,
@@ -174,9 +177,7 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
     with guarded(as_json=as_json, quiet=quiet, verbose=verbose) as screen:
         from plcopen_sfc.cli.commands import convert  # noqa: PLC0415
 
-        how = convert.How(
-            to, flavour=flavour, tia=tia, strict=strict, partial=partial, fresh=fresh, normalize=normalize
-        )
+        how = convert.How(to, flavour, tia, strict, partial, fresh, normalize, limit)
         screen.exit_code = convert.run(
             screen, source, target, how, as_tool=as_tool, accept_errors=accept_errors, report_to=report
         )

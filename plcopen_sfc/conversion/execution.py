@@ -23,6 +23,7 @@ from plcopen_sfc.conversion.meaning import (
     value_meaning,
 )
 from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names import Names
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
@@ -255,6 +256,8 @@ class _Reader:
             part.tell("retain", Meaning.of(True, "RETAIN"))
         if section.constant or section.kind is SectionKind.CONSTANT:
             part.tell("constant", Meaning.of(True, "CONSTANT"))
+        edge = kept(variable.carried).get("edge")
+        part.tell("edge", Meaning.of(edge) if edge else None)
         if owner is not self.whole:
             section_kind = SectionKind.LOCAL if section.kind is SectionKind.CONSTANT else section.kind
             if section_kind is SectionKind.LOCAL and kind == "variable of a function":

@@ -11,7 +11,7 @@ from plcopen_sfc.conversion.comparison import Difference
 from plcopen_sfc.conversion.execution import UNDECLARED
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
-__all__ = ["report_execution"]
+__all__ = ["UNSAID", "in_the_source", "report_execution"]
 
 UNSAID = "; nothing was said of it while writing: please report this as a mistake of plcopen_sfc"
 """The end of what is said of a difference that the reader of the target found, and no writer had named."""
@@ -32,7 +32,7 @@ def report_execution(
     """
     found = list(_without_repetition(differences))
     settled = Counter(
-        (_in_the_source(item.path, called), item.what)
+        (in_the_source(item.path, called), item.what)
         for item in report.items
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
@@ -43,7 +43,7 @@ def report_execution(
     told = set()
     for difference in found:
         what = difference.aspect or difference.kind
-        place = _in_the_source(difference.path, called)
+        place = in_the_source(difference.path, called)
         names = {(place, each) for each in (what, *_ALSO_CALLED.get(what, ()))}
         if difference.kind == "method":
             names.add((place.rpartition(" / ")[0], "methods"))
@@ -163,7 +163,7 @@ def _last(name: str) -> str:
     return name.rpartition(".")[2].casefold()
 
 
-def _in_the_source(path: str, called: Mapping[str, str]) -> str:
+def in_the_source(path: str, called: Mapping[str, str]) -> str:
     """The path of something in the source: names may be others in the target."""
     around, rest = path, ""
     while around:

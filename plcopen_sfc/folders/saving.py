@@ -40,6 +40,7 @@ def save_folder(
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
+    limit: float = 0,
 ) -> ConversionReport:
     """Save `project` in the format `name` into `folder`, which is made where it is missing.
 
@@ -57,7 +58,7 @@ def save_folder(
     origin = _documents_of(project, kind)
     home = origin is not None and origin is project._origin and _same_folder(origin.path, folder)
     if origin is None:
-        planned, contents = _convert(project, kind, version, report)
+        planned, contents = _convert(project, kind, version, report, limit)
     else:
         planned = plan_like(project, origin, kind, home=home)
         contents = _encode(planned, origin, name, report, flavour=flavour, fresh=fresh)
@@ -163,7 +164,7 @@ def _write_each(planned: list[PlannedDocument], write: Callable[[PlannedDocument
 
 
 def _convert(
-    project: Project, kind: Format, version: str, report: ConversionReport
+    project: Project, kind: Format, version: str, report: ConversionReport, limit: float
 ) -> tuple[list[PlannedDocument], dict[str, bytes]]:
     """The documents of a project of another format: adapted as a whole, written one by one, read back as a whole."""
     codec = kind.codec()
@@ -181,8 +182,13 @@ def _convert(
             settle(document.things, document.path)
     verify(copy, kind, _read_back(contents, kind, version, as_tool=False), report)
     if source is not None:
-        seen = executed(_read_back(contents, kind, version, as_tool=True), lists=source.lists)
-        report_execution(report, compare(source, seen), kind.tool, names_in_the_source(project, copy))
+        seen = _read_back(contents, kind, version, as_tool=True)
+        called = names_in_the_source(project, copy)
+        report_execution(report, compare(source, executed(seen, lists=source.lists)), kind.tool, called)
+        if limit:
+            from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
+
+            report_running(report, project, seen, called, tool=kind.tool, target=None, limit=limit)
     report.unchanged = False
     return planned, contents
 

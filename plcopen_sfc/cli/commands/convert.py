@@ -43,6 +43,7 @@ class How:
     partial: bool = False
     fresh: bool = False
     normalize: bool = False
+    limit: float = 0
 
 
 def run(
@@ -134,6 +135,10 @@ def _show(screen: Screen, report: ConversionReport) -> None:
         table.rows.append([what, *(counts.get((what, outcome), 0) for outcome in outcomes)])
     screen.table(table)
     _show_items(screen, report)
+    for path, found in report.compared.items():
+        screen.line(f"run in both tools: {path}: {found}")
+    if report.compared:
+        screen.line()
 
 
 def _show_not_executed(screen: Screen, items: Sequence[Item]) -> None:

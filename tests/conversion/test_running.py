@@ -1,0 +1,78 @@
+"""Charts that look the same in the target and act otherwise: running both says so."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.errors import LossError
+from plcopen_sfc.report import ConversionReport, Outcome
+from tests.samples import FIXTURES
+
+CHART = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL{edge}; t : TIME; END_VAR
+VAR_OUTPUT q : BOOL{initial}; m : INT; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a; END_TRANSITION
+STEP S1: {first} END_STEP
+TRANSITION FROM S1 TO S2 := b; END_TRANSITION
+STEP S2: {second} END_STEP
+TRANSITION FROM S2 TO S0 := a; END_TRANSITION
+{actions}
+END_FUNCTION_BLOCK
+"""
+ACTIONS = {"Aa": "m := 1;", "Zz": "m := 2;", "Set": "q := TRUE;"}
+
+
+def chart(first: str, second: str = "", initial: str = "", edge: str = "") -> sfc.Project:
+    used = [f"ACTION {name}: {text} END_ACTION" for name, text in ACTIONS.items() if f"{name}(" in first + second]
+    text = CHART.format(first=first, second=second, initial=initial, edge=edge, actions="\n".join(used))
+    return sfc.loads(text.encode(), format="iec-text")
+
+
+def saved(project: sfc.Project, target: str, **options: bool) -> ConversionReport:
+    return sfc.save(project, io.BytesIO(), format=target, limit=20, **options)
+
+
+@pytest.mark.parametrize(
+    ("project", "target"),
+    [
+        (chart("q(N); q(S);"), "simaticml"),
+        (chart("q(R); q(S);"), "simaticml"),
+        (chart("q(D, t);"), "simaticml"),
+        (chart("q(N);", "Set(P1);"), "codesys"),
+        (chart("q(N);", initial=" := TRUE"), "codesys"),
+        (chart("Zz(N); Aa(N);"), "codesys"),
+    ],
+    ids=["N and S", "R and S", "a time that changes", "N and an assignment", "TRUE at the start", "order of actions"],
+)
+def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Project, target: str) -> None:
+    report = saved(project, target)
+    (item,) = [item for item in report.losses if item.what == "chart"]
+    assert (item.outcome, item.path) == (Outcome.APPROXIMATED, "POU Main")
+    assert "it does something else after" in item.why
+    assert report.compared["POU Main"].startswith("different")
+    with pytest.raises(LossError):
+        saved(project, target, strict=True)
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen", "simaticml"])
+def test_what_acts_the_same_is_said_to(target: str) -> None:
+    report = saved(chart("q(N);", "Aa(P1);"), target, strict=True)
+    assert report.compared["POU Main"].startswith("equal")
+
+
+def test_a_chart_with_a_loss_is_not_run_again_and_none_without_a_limit() -> None:
+    project = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
+    report = saved(project, "codesys", partial=True)
+    assert report.compared == {}
+    assert sfc.save(chart("Zz(N); Aa(N);"), io.BytesIO(), format="codesys").compared == {}
+
+
+def test_edge_detection_of_an_input_is_not_executed_where_there_is_none() -> None:
+    project = chart("q(N);", edge=" R_EDGE")
+    for target in ("codesys", "plcopen", "simaticml"):
+        with pytest.raises(LossError, match="edge `R_EDGE`"):
+            sfc.convert(project, target)
