@@ -2,7 +2,7 @@
 
 A part of OR decides while it is TRUE and all others are FALSE, a part of AND while it is FALSE and all others are TRUE,
 and nothing outside of that operation decides already (masking MC/DC). Looked at are parts that compare numbers or
-times. A Boolean is tried by every search, and many cannot be FALSE where they stand, such as the flag of the own step.
+times. Of a Boolean it is seldom proven that it cannot change where it is tested, such as the flag of the own step.
 """
 
 from __future__ import annotations
