@@ -23,6 +23,7 @@ from plcopen_sfc.conversion.meaning import (
     value_meaning,
 )
 from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.formats.iectext.source import unwrapped
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names import Names
@@ -263,6 +264,8 @@ class _Reader:
             if section_kind is SectionKind.LOCAL and kind == "variable of a function":
                 section_kind = SectionKind.TEMP  # a function keeps nothing
             part.tell("section", Meaning.of(section_kind.value))
+            if kept(section.carried).get("keyword") == "VAR_STAT":
+                part.tell("static", Meaning.of(True, "VAR_STAT"))
 
     # -- tasks
 
@@ -272,7 +275,7 @@ class _Reader:
                 self._task(task)
             for instance in resource.instances:
                 part = self.whole.add("program instance", instance.name, f"program instance {instance.name}")
-                part.tell("type", _program_of(instance))
+                _tell_instance(part, instance)
 
     def _task(self, task: Task) -> None:
         part = self.whole.add("task", task.name, f"task {task.name}")
@@ -282,7 +285,7 @@ class _Reader:
         part.tell("priority", Meaning.of(task.priority))
         for instance in task.instances:
             inner = part.add("program instance", instance.name, f"task {task.name} / {instance.name}")
-            inner.tell("type", _program_of(instance))
+            _tell_instance(inner, instance)
 
     # -- POUs
 
@@ -624,9 +627,13 @@ def _once(read: Callable[[], NetworkExpression]) -> Callable[[], NetworkExpressi
     return again
 
 
-def _program_of(instance: PouInstance) -> Meaning:
+def _tell_instance(part: Part, instance: PouInstance) -> None:
     name = instance.type_name or instance.name  # an instance without a program is named as its program
-    return Meaning.of(name.casefold(), name)
+    part.tell("type", Meaning.of(name.casefold(), name))
+    for data in instance.carried.data if instance.carried is not None else ():
+        place, text = unwrapped(data.content) or ("", "")
+        if place == "arguments":
+            part.tell("arguments", Meaning.of(" ".join(text.split()).casefold(), text))
 
 
 def _time(text: str | None) -> Meaning | None:

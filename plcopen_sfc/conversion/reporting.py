@@ -177,7 +177,11 @@ def in_the_source(path: str, called: Mapping[str, str]) -> str:
 def _is_noticed(difference: Difference, noticed: set[str]) -> bool:
     """True if a writer said something of the part, of something in it, or of what it is in."""
     path = difference.path
-    if difference.kind in _OF_THE_PROJECT or any(other.startswith(f"{path} / ") for other in noticed):
+    if (
+        difference.kind in _OF_THE_PROJECT
+        or difference.aspect in _LEFT_TO_THE_READER
+        or any(other.startswith(f"{path} / ") for other in noticed)
+    ):
         return True
     while path:
         if path in noticed:
@@ -185,6 +189,9 @@ def _is_noticed(difference: Difference, noticed: set[str]) -> bool:
         path = path.rpartition(" / ")[0]
     return False
 
+
+_LEFT_TO_THE_READER = frozenset({"static", "arguments", "edge"})
+"""Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
 _OF_THE_PROJECT = frozenset({"global variable", "global variables", "task", "program instance", "instance", "type"})
 """Kinds of parts of which writers speak as a whole: "data blocks", "configurations"."""
@@ -286,6 +293,8 @@ _MISSING = {
     "constant": "`{name}` is no constant in {tool}",
     "operating inputs": "no effect in {tool}: {left}",
     "code": "the {kind} has no program in {tool}",
+    "static": "each instance has a `{name}` of its own in {tool}: VAR_STAT is one for all",
+    "arguments": "the program instance does not get its arguments in {tool}: {left}",
 }
 """What it means that an aspect is missing in the target."""
 

@@ -20,6 +20,9 @@ __all__ = ["report_running"]
 _CAP, _RUNS, _SCANS = 2_000, 10, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
+_APART = frozenset({"operating inputs", "retain", "address", "interval", "max time", "maximum time"})
+"""Losses that running a chart does not show: what operates it rests, nothing looks at addresses or times of tasks."""
+
 
 def report_running(
     report: ConversionReport,
@@ -69,7 +72,7 @@ def _pairs(
 ) -> Iterator[tuple[Chart, Chart]]:
     """The charts that are to be run: of the source, with that of the result."""
     found = {in_the_source(chart.report_path, called).casefold(): chart for chart in result.charts()}
-    lossy = [f"{item.path} / " for item in report.items if item.outcome in LOSSES]
+    lossy = [f"{item.path} / " for item in report.items if item.outcome in LOSSES and item.what not in _APART]
     for chart in source.charts():
         inside = f"{chart.report_path} / "
         here = found.get(chart.report_path.casefold())

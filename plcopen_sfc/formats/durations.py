@@ -23,7 +23,7 @@ def duration_literal(interval: str | None) -> str | None:
     return "T#" + text + (f"{microseconds % 1000}us" if microseconds % 1000 else "")
 
 
-def clock_time(interval: str) -> str | None:
+def clock_time(interval: str | None) -> str | None:
     """An interval as the ``xsd:time`` of TC6 1.01: ``00:00:00.02`` for ``T#20ms``. None: no duration below a day."""
     literal = duration_literal(interval) or ""
     if "#" not in literal:

@@ -47,17 +47,20 @@ def test_intervals_are_equal_however_they_are_spelled(said: str, meant: str) -> 
     assert [item for item in report.losses if item.what == "interval"] == []
 
 
-def test_an_interval_is_a_clock_time_in_the_first_version_of_tc6() -> None:
+@pytest.mark.parametrize(
+    ("interval", "clock"), [("T#1m20ms", "00:01:00.02"), ("T#5s", "00:00:05"), ("TIME#90m", "01:30:00")]
+)
+def test_an_interval_is_a_clock_time_in_the_first_version_of_tc6(interval: str, clock: str) -> None:
     project = ring(
-        "PROGRAM Main\nEND_PROGRAM\nCONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#1m20ms, PRIORITY := 1);"
+        f"PROGRAM Main\nEND_PROGRAM\nCONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := {interval}, PRIORITY := 1);"
         " END_RESOURCE END_CONFIGURATION",
         "plcopen",
     )
     data, report = sfc.convert(project, "plcopen-1.01")
-    assert b'interval="00:01:00.02"' in data
+    assert f'interval="{clock}"'.encode() in data
     assert report.losses == []
-    assert sfc.loads(data).configurations[0].resources[0].tasks[0].interval == "T#1m20ms"
-    edited = sfc.loads(data.replace(b"00:01:00.02", b"00:00:00.5"))
+    assert sfc.loads(data).configurations[0].resources[0].tasks[0].interval == interval
+    edited = sfc.loads(data.replace(clock.encode(), b"00:00:00.5"))
     assert edited.configurations[0].resources[0].tasks[0].interval == "00:00:00.5"
 
 

@@ -76,3 +76,28 @@ def test_edge_detection_of_an_input_is_not_executed_where_there_is_none() -> Non
     for target in ("codesys", "plcopen", "simaticml"):
         with pytest.raises(LossError, match="edge `R_EDGE`"):
             sfc.convert(project, target)
+
+
+def test_names_of_steps_and_variables_are_told_apart_in_s7_graph() -> None:
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="").replace("m : INT", "m, Trans1 : INT")
+    project = sfc.loads(text.encode(), format="iec-text")
+    data, report = sfc.convert(project, "simaticml")
+    assert report.losses == []
+    assert sfc.loads(data).diagnostics == ()
+    clash = sfc.loads(text.replace("m,", "s2, m,").encode(), format="iec-text")
+    with pytest.raises(LossError, match="a variable of the block is called S2 too"):
+        sfc.convert(clash, "simaticml")
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_what_only_text_can_declare_is_not_executed_elsewhere(target: str) -> None:
+    text = CHART.format(first="q(N);", second="", initial="", edge="", actions="")
+    static = text.replace("VAR_OUTPUT", "VAR_STAT count : INT; END_VAR\nVAR_OUTPUT")
+    with pytest.raises(LossError, match="VAR_STAT is one for all"):
+        sfc.convert(sfc.loads(static.encode(), format="iec-text"), target)
+    program = text.replace("FUNCTION_BLOCK", "PROGRAM") + (
+        "CONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#10ms, PRIORITY := 1);"
+        " PROGRAM P WITH T : Main(a := TRUE); END_RESOURCE END_CONFIGURATION"
+    )
+    with pytest.raises(LossError, match="does not get its arguments"):
+        sfc.convert(sfc.loads(program.encode(), format="iec-text"), target)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from lxml import etree
 
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.formats.durations import clock_time
 from plcopen_sfc.formats.plcopen.body_reader import read_pou
 from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD, FIELDS_DATA, read_comment, read_fields
 from plcopen_sfc.formats.plcopen.reading import (
@@ -291,7 +291,7 @@ def _task(ctx: ReadContext, element: etree._Element) -> Fields:
             fields["instances"].append(_instance(ctx, child))
         else:
             read_common(ctx, fields, child, local, "task")
-    if interval is not None and duration_literal(fields["interval"]) != duration_literal(interval):
+    if interval is not None and clock_time(fields["interval"]) != clock_time(interval):
         fields["interval"] = interval  # edited since this package put another spelling beside it
     carry_attributes(fields, left)
     return fields

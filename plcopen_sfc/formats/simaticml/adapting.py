@@ -51,7 +51,8 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _say_constants(project)
     for chart in project.charts():
         _shift_logic(chart.network)
-        _numbers(chart.network, chart.report_path, report)
+        variables = {variable.name.casefold() for variable in chart.pou.variables()}
+        _numbers(chart.network, chart.report_path, variables, report)
 
 
 _APART = 1 << 20
@@ -162,10 +163,14 @@ def _languages(thing: Any, language: str) -> None:
             _languages(item, language)
 
 
-def _numbers(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
+def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
     _number(chart.steps)
     _number(chart.transitions)
-    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions}
+    for kind, things in (("step", chart.steps), ("transition", chart.transitions)):
+        for name in (thing.name for thing in things if thing.name.casefold() in variables):
+            why = f"a variable of the block is called {name} too: TIA Portal does not compile it"
+            report.add(Outcome.NOT_EXECUTED, kind, f"{place} / {kind} {name}", why)
+    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions} | variables
     for transition in chart.transitions:
         if not transition.name:
             transition.name = _free(f"Trans{transition.number}", taken)

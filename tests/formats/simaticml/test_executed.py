@@ -435,7 +435,7 @@ def test_sections_stand_once_and_in_the_order_of_tia_portal() -> None:
     assert seen["r"].attributes == {"Remanence": "Retain"}
     assert [seen[name].initial for name in "krs"] == [m.SimpleValue(text=text) for text in ("5", "7", "'it$'s'")]
     assert seen["b"].address is None
-    assert [(item.what, item.path) for item in report.losses] == [("address", "POU F / b")]
+    assert [(item.what, item.path) for item in report.losses] == [("address", "POU F / b"), ("static", "POU F / u")]
     back = sfc.loads(data).pous[0].interface
     assert list(differences(back, project.pous[0].interface)) == []
 
