@@ -1,13 +1,16 @@
 """Conversion between tools: what the target executes of the source, and the report on it.
 
 `meaning`      program text, conditions and values in a form that can be compared
-`execution`    everything in a project that a controller executes, as a tree of parts and aspects
+`parts`        a project as a tree of what a controller executes
+`execution`    reads that tree: declarations, types, tasks, bodies; `charts` reads the charts
 `comparison`   what differs between two such trees
 `reporting`    the differences as items of a `ConversionReport`, in an engineer's words
+`running`      source and result run against each other
 """
 
 from plcopen_sfc.conversion.comparison import Difference, compare
-from plcopen_sfc.conversion.execution import Part, executed
+from plcopen_sfc.conversion.execution import executed
+from plcopen_sfc.conversion.parts import Part
 from plcopen_sfc.conversion.reporting import report_execution
 
 __all__ = ["Difference", "Part", "compare", "executed", "report_execution"]
