@@ -267,7 +267,14 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
     if options.flavour:
         kind.codec().fit(copy, options.flavour, report)
-        profile = replace(profile, final_scan=PROFILES[options.flavour].final_scan)  # it is written out, or reported
+        # what its rules would do otherwise is written out, or reported
+        rules = PROFILES[options.flavour]
+        profile = replace(
+            profile,
+            final_scan=rules.final_scan,
+            action_control=rules.action_control,
+            boolean_targets=rules.boolean_targets,
+        )
     # the writer changes its copy, and what is executed is looked at when source and result are compared
     unchanged = copy.model_copy(deep=True)
     source = executed(unchanged, profile, addresses=project.dialect) if kind.tool else None

@@ -25,7 +25,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PermanentOperation, SfcFlag, SfcNetwork, Step, Transition
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.flags import flags_in_use
-from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.profile import ActionControl, Profile
 from plcopen_sfc.semantics.system_inputs import system_inputs
 
 __all__ = ["ChartReader"]
@@ -209,7 +209,9 @@ class ChartReader:
         matters = is_code or association.qualifier.needs_duration or association.qualifier is Qualifier.P
         if not matters or self.used[name] < 2:
             return ""
-        return "each" if self.owner.profile.graph_parameters else "one for all"
+        profile = self.owner.profile
+        alone = profile.graph_parameters and profile.action_control is not ActionControl.SEQUENTIAL
+        return "each" if alone else "one for all"
 
     # -- transitions
 

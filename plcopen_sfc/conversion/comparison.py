@@ -67,7 +67,8 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
     for inner, part in right.parts.items():
         if inner not in left.parts and inner.kind not in _OF_NO_EFFECT and inner not in renamed.values():
             within = _steps(right, part, inner) or steps
-            yield Difference(part.path, inner.kind, _name(part, inner), "", None, _trigger(part), within)
+            box = "a box" if inner.kind == UNDECLARED and inner.name in left.boxes else None
+            yield Difference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
 
 
 def _steps(owner: Part, part: Part, key: Key) -> tuple[str, ...]:

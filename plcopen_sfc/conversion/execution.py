@@ -16,16 +16,18 @@ from plcopen_sfc.conversion.meaning import (
     type_meaning,
     value_meaning,
 )
-from plcopen_sfc.conversion.parts import UNDECLARED, Part, duration_meaning
+from plcopen_sfc.conversion.parts import UNDECLARED, Part, duration_meaning, plain_name
 from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.formats.iectext.source import unwrapped
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names import Names
+from plcopen_sfc.languages.names.pieces import pieces
 from plcopen_sfc.languages.s7_types import S7Types
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import PouInstance, Project, Task
 from plcopen_sfc.model.types import (
@@ -90,6 +92,8 @@ class _Reader:
         self._tasks()
         for pou in self.project.pous:
             self._pou(pou)
+        drawn = [piece.text for piece in pieces(self.project) if isinstance(piece.holder, Block)]
+        self.whole.boxes = frozenset(map(plain_name, drawn))
         for occurrence in Names(self.project).undeclared():
             name = occurrence.reference.name
             if name.casefold() in _RESULTS | self.global_names or standard_block(name) is not None:

@@ -37,7 +37,8 @@ class Part:
     """A part of a project that is executed. `path` is the place in the words of reports (``POU Main / step Fill``).
 
     Of a transition, `leaves` are the names of the steps that it leaves, as in their keys, and `waiting` is its
-    condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables.
+    condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables,
+    and `boxes` those of what its networks draw.
     """
 
     path: str
@@ -46,6 +47,7 @@ class Part:
     leaves: tuple[str, ...] = ()
     waiting: Meaning | None = None
     lists: frozenset[str] = frozenset()
+    boxes: frozenset[str] = frozenset()
 
     def tell(self, aspect: str, meaning: Meaning | None) -> None:
         """Note an aspect; None is nothing to note."""
@@ -53,8 +55,8 @@ class Part:
             self.aspects[aspect] = meaning
 
     def add(self, kind: str, name: str, path: str) -> Part:
-        """A new part inside this one."""
-        number, plain = 0, plain_name(name)
+        """A new part inside this one; the name of a transition is made of plain names of steps."""
+        number, plain = 0, name if kind == "transition" else plain_name(name)
         while Key(kind, plain, number) in self.parts:
             number += 1
         part = self.parts[Key(kind, plain, number)] = Part(path)
@@ -66,7 +68,7 @@ def plain_name(name: str) -> str:
     return _SIGNS.sub("_", name.replace('"', "").removeprefix("#")).casefold()
 
 
-_SIGNS = re.compile(r"[^\w.>+ -]| (?=\w)")
+_SIGNS = re.compile(r"(?:[^\w.]|_)+")
 
 
 def duration_meaning(text: str | None) -> Meaning | None:

@@ -53,7 +53,8 @@ def report_execution(
             continue
         told |= names
         why = _why(difference, tool)
-        if not (_is_noticed(difference, noticed) or _is_final_scan(difference)):
+        is_box = difference.kind == UNDECLARED and difference.left is not None
+        if not (is_box or _is_noticed(difference, noticed) or _is_final_scan(difference)):
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
@@ -242,7 +243,8 @@ def _why(difference: Difference, tool: str) -> str:
 def _whole(difference: Difference, tool: str) -> str:
     kind, name = difference.kind, difference.name
     if kind == UNDECLARED:
-        return f"the name `{name}` is not declared in {tool}"
+        origin = "" if difference.left is None else f": it is {difference.left} of the library of its tool"
+        return f"the name `{name}` is not declared in {tool}{origin}"
     if difference.left is None:
         return f"{tool} executes a {kind} `{name}` that the source does not"
     if kind == "action":

@@ -27,6 +27,10 @@ def give_plain_names(project: Project, report: ConversionReport) -> None:
     Where a variable is declared, matiec reads the name of a type, a POU or a standard block as such (``Motor : Motor``,
     ``LEN : INT``). Steps, actions, transitions and members of structures may have it.
     """
+    for pou in project.pous:
+        if not pou.name:  # seen in a file of TIA Portal; nothing can call it
+            pou.name = "Unnamed"
+            report.add(Outcome.TRANSLATED, "name", pou.report_path, "the POU has none; it gets one for matiec")
     units = {one.name.casefold() for one in (*project.pous, *project.data_types)}
     used = units | {name.casefold() for _, name in (*_placed(project), *_declared(project), *_units(project))}
     for path, name in _placed(project):
