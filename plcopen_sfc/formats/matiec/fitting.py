@@ -10,7 +10,7 @@ from plcopen_sfc.formats.matiec.charts import ChartFitter
 from plcopen_sfc.formats.matiec.drawn import give_iec_pins
 from plcopen_sfc.formats.matiec.globals import declare_globals
 from plcopen_sfc.formats.matiec.naming import give_plain_names, used_types
-from plcopen_sfc.formats.matiec.statements import compilable_instructions, compilable_statements
+from plcopen_sfc.formats.matiec.statements import compilable_instructions, compilable_statements, fit_expressions
 from plcopen_sfc.formats.matiec.structures import name_structures
 from plcopen_sfc.formats.matiec.undeclared import note_undeclared
 from plcopen_sfc.formats.matiec.unit import Unit
@@ -56,7 +56,7 @@ def fit_project(project: Project, report: ConversionReport, *, keeps_drawings: b
     for declaration in project.data_types:
         _fit_type(declaration.type, f"data type {declaration.name}", report)
         declaration.declaration = None
-        declaration.type = _whole_strings(declaration.type, f"type {declaration.name}", report)
+        declaration.type = _known_type(declaration.type, f"type {declaration.name}", report)
     project.data_types = _types_in_order(project)
     quote_strings(project)
     functions = _typed_functions(project)
@@ -64,6 +64,7 @@ def fit_project(project: Project, report: ConversionReport, *, keeps_drawings: b
     for pou in project.pous:
         _fit_pou(Unit(pou, project.dialect, report, own, types, functions, keeps_drawings), final_scan)
     _configure(project, report)
+    fit_expressions(project, report)
     if not keeps_drawings:
         note_undeclared(project, report)
 
@@ -107,11 +108,14 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
         _check_addresses(unit)
         for variable in pou.variables():
             place = f"{unit.path} / variable {variable.name}"
-            if isinstance(variable.type, ArrayType):
-                variable.type = _whole_strings(variable.type, place, unit.report)
+            variable.type = _known_type(variable.type, place, unit.report)
             if isinstance(variable.type, ElementaryType) and isinstance(variable.initial, ArrayValue | StructValue):
                 unit.note(Outcome.NOT_EXECUTED, "initial value", place, "a list is no value of an elementary type")
                 variable.initial = None
+        for section in pou.interface.sections:
+            if section.persistent:
+                section.persistent, section.retain = False, True
+                unit.note(Outcome.TRANSLATED, "section", unit.path, "PERSISTENT is RETAIN in matiec")
         pou.interface.sections = [part for section in pou.interface.sections for part in _by_location(section)]
     for nodes in (nodes for _, body in pou.named_bodies() for nodes in _drawn_in(body)):
         give_iec_pins(nodes)
@@ -208,15 +212,26 @@ def _fit_type(kind: DataType, path: str, report: ConversionReport) -> None:
         kind.base = None
 
 
-def _whole_strings(kind: DataType, path: str, report: ConversionReport) -> DataType:
-    """A type without strings of a length in structures and arrays, which matiec does not take there."""
+_UNKNOWN = frozenset({"LTIME", "LDATE", "LTOD", "LDT", "CHAR", "WCHAR"})
+
+
+def _known_type(kind: DataType, path: str, report: ConversionReport) -> DataType:
+    """A type without strings of a length, whose variables matiec does not find; what it has not is reported."""
     if isinstance(kind, ArrayType):
-        kind.base = _whole_strings(kind.base, path, report)
+        if isinstance(kind.base, ArrayType):
+            report.add(
+                Outcome.NOT_EXECUTED, "type", path, "matiec has no arrays of arrays; write one of two dimensions"
+            )
+        kind.base = _known_type(kind.base, path, report)
+    elif isinstance(kind, ElementaryType) and kind.name.value in _UNKNOWN:
+        report.add(Outcome.NOT_EXECUTED, "type", path, f"matiec has no {kind.name.value}")
+    elif isinstance(kind, StringType) and kind.wide:
+        report.add(Outcome.NOT_EXECUTED, "type", path, "matiec has no WSTRING")
     elif isinstance(kind, StructType):
         for member in kind.members:
-            member.type = _whole_strings(member.type, f"{path} / {member.name}", report)
+            member.type = _known_type(member.type, f"{path} / {member.name}", report)
     elif isinstance(kind, StringType) and kind.length is not None:
-        report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length in structures")
+        report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length")
         return StringType(wide=kind.wide)
     return kind
 

@@ -6,15 +6,21 @@ neither an empty statement nor an empty list of statements (all tried with iec2c
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.il import CALLS
+from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
+from plcopen_sfc.languages.names.resolving import Resolver
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements, render, transform
+from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import ElementaryType, SimpleValue
+from plcopen_sfc.report import ConversionReport, Outcome
 
 Idle = Callable[[], str]
 """Gives the name of a BOOL that may be written where a list of statements would be empty."""
@@ -127,3 +133,69 @@ def plain_comment(text: str) -> str:
     while "(*" in text or "*)" in text:
         text = text.replace("(*", "( *").replace("*)", "* )")
     return f"{text} " if text.endswith("*") else text
+
+
+# -- expressions ------------------------------------------------------------------------------------------------------
+
+
+def fit_expressions(project: Project, report: ConversionReport) -> None:
+    """Write what matiec spells otherwise in all texts of a project, and report what it has no words for."""
+    resolver = Resolver(project, project.dialect)
+    for piece in list(pieces(project)):
+        if not piece.is_program_text:
+            continue
+        parsed = (parse_statements if piece.reading is Reading.STATEMENTS else parse_expression)(
+            piece.text, project.dialect
+        )
+        if parsed.problems:
+            continue
+        fitter = _ExpressionFitter(piece, resolver)
+        tree = transform(parsed.tree, fitter)
+        if tree is not parsed.tree:
+            piece.put(render(parsed, tree))
+        for what, why in dict.fromkeys(fitter.missing):
+            report.add(Outcome.NOT_EXECUTED, what, piece.report_path, f"{why}; the text does not compile there")
+
+
+class _ExpressionFitter:
+    def __init__(self, piece: Piece, resolver: Resolver) -> None:
+        self.piece = piece
+        self.resolver = resolver
+        self.missing: list[tuple[str, str]] = []
+
+    def __call__(self, node: n.Node) -> n.Node:
+        if isinstance(node, n.Literal):
+            if _LONG.match(node.text) and not isinstance(self.piece.holder, SimpleValue):  # its type is reported
+                self.missing.append(("literal", f"matiec has no {node.text}"))
+            return replace(node, text=_POINTLESS.sub(r"\g<0>.0", node.text)) if _POINTLESS.match(node.text) else node
+        if isinstance(node, n.Member) and _BIT.fullmatch(node.name.identifier):
+            self.missing.append(("bit access", f"matiec has no bits of variables, here .{node.name.identifier}"))
+        if isinstance(node, n.Call) and isinstance(node.callee, n.Name):
+            return self._conversion(node, node.callee)
+        return node
+
+    def _conversion(self, call: n.Call, callee: n.Name) -> n.Node:
+        """``TO_INT(x)`` as ``REAL_TO_INT(x)``: matiec has the type of the argument in the name."""
+        name = callee.identifier.upper()
+        if not _CONVERSION.fullmatch(name) or len(call.arguments) != 1 or call.arguments[0].value is None:
+            return call
+        kind = self._type(call.arguments[0].value)
+        if not kind:
+            self.missing.append(("function", f"matiec has no {name}, and the type of its argument is not known"))
+            return call
+        if f"TO_{kind}" == name:
+            return n.Parenthesized(call.arguments[0].value)
+        return n.Call(n.Name(f"{kind}_{name}"), call.arguments)
+
+    def _type(self, value: n.Expression) -> str:
+        if isinstance(value, n.Literal):
+            return "REAL" if _REAL.fullmatch(value.text) else "DINT" if value.text.isdigit() else ""
+        found = self.resolver.type_of(value, self.piece.site)
+        return found.name.value if isinstance(found, ElementaryType) else ""
+
+
+_POINTLESS = re.compile(r"(?:L?REAL#)?[+-]?\d[\d_]*(?=[eE][+-]?\d)", re.IGNORECASE)
+_REAL = re.compile(r"[\d_]+\.[\d_]+(?:[eE][+-]?\d+)?")
+_LONG = re.compile(r"(?:LTIME|LT|LD|LDATE|LTOD|LDT|LTIME_OF_DAY|LDATE_AND_TIME|W?CHAR|WSTRING)#|\"", re.IGNORECASE)
+_BIT = re.compile(r"%?[XBWDL]?\d+", re.IGNORECASE)
+_CONVERSION = re.compile(r"TO_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD|TIME|STRING)")
