@@ -97,14 +97,23 @@ def _unit(ctx: ReadContext, unit: etree._Element, late: Fields) -> tuple[str, Fi
         if key not in ("ID", "CompositionName"):
             carry_attribute(own, f"@{key}", value)
     read_comments(ctx, unit, own)
-    if "body" in own:
-        return name, own["body"]
     parts = children(source) if source is not None else []
+    instead = own.pop("body", None)
+    if instead is not None and _is_empty(parts):
+        return name, instead
     if parts:
         ctx.note_schema(parts[0])
     if source is None:
         carry_attribute(own, "NetworkSource", "")
     return name, _body(ctx, name, parts, own, late)
+
+
+def _is_empty(parts: list[etree._Element]) -> bool:
+    """True if nothing is programmed in a compile unit."""
+    return all(local(each) in _SHELLS for part in parts for each in part.iter(etree.Element))
+
+
+_SHELLS = ("FlgNet", "Parts", "Wires", "StructuredText")
 
 
 def _body(ctx: ReadContext, name: str, parts: list[etree._Element], own: Fields, late: Fields) -> Fields | SfcBody:

@@ -26,6 +26,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_languages,
     whole_number,
 )
+from plcopen_sfc.formats.simaticml.rewritten import WRITTEN, edited_fields, forget_edited_times, of_condition
 from plcopen_sfc.formats.simaticml.topology import Ref
 from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, added_in, usual_order
 from plcopen_sfc.model.drawing import SymbolKind
@@ -68,6 +69,8 @@ class _ChartReader:
         self.topology = TopologyReader(ctx, self.new_id)
         self._connections: list[tuple[Fields, etree._Element]] = []
         self._named: list[tuple[str, str, etree._Element]] = []
+        self._networks: dict[int, Fields] = {}
+        """The conditions as their networks say them, of the transitions whose source is kept instead."""
 
     def new_id(self) -> int:
         """The next id."""
@@ -92,6 +95,7 @@ class _ChartReader:
                 carry_element(chart, child)
         _keep_attributes(chart, element)
         self._structure()
+        forget_edited_times(chart, self._networks)
         self._check_names()
         read_comments(self.ctx, element, chart)
         settings = dict(late.get("graph_settings", {}))
@@ -207,19 +211,24 @@ class _ChartReader:
         fields["warning_time"] = left.pop("WarningTime", None)
         if left.get("IsMissing") == "false":
             del left["IsMissing"]
+        edited: list[str] = []
         for child in children(element):
             kind = local(child)
             if kind in ("Actions", "Supervisions", "Interlocks"):
                 _keep_attributes(fields, child)
             if kind == "Actions":
-                self._actions(fields, child)
+                edited += self._actions(fields, child)
             elif kind in ("Supervisions", "Interlocks"):
                 self._supervised(fields, child, kind[:-1])
             elif not _text(fields, child, "StepName", "title") and not _text(fields, child, "Comment", "comment"):
                 carry_element(fields, child)
         for name, value in left.items():
             carry_attribute(fields, name, value)
-        read_comments(self.ctx, element, fields)
+        kept: Fields = {}
+        read_comments(self.ctx, element, kept)
+        if fields["max_time"] is not None:
+            kept.pop("max_time", None)
+        merge(fields, {name: value for name, value in kept.items() if name not in edited})
         self.chart["steps"].append(fields)
         sequence["steps"].append(fields["id"])
         if number is None:
@@ -230,30 +239,35 @@ class _ChartReader:
             self.topology.add_actions(fields["id"], [action["id"] for action in fields["actions"]])
         self.ctx.place.pop()
 
-    def _actions(self, step: Fields, element: etree._Element) -> None:
+    def _actions(self, step: Fields, element: etree._Element) -> list[str]:
+        """Read the rows of a step. Returns the fields of the step that count no more, as the rows were edited."""
         shell = _shell(element)
         rows = children(element)
+        notes = {comment: self._note(comment) for comment in element.iterchildren(etree.Comment)}
+        edited = [name for note in notes.values() for name in edited_fields(note, element)]
         for row in element:
             if not isinstance(row.tag, str):
-                step["actions"] += [{**said, "id": self.new_id()} for said in self._said_beside(row)]
+                said = notes.get(row, {}).get(ASSOCIATION)  # one that no row says
+                step["actions"] += [{**said, "id": self.new_id()}] if said is not None else []
             elif local(row) != "Action":
                 shell.append(copy.deepcopy(row))
-            elif self.ctx.trusting and is_added(row):
+            elif self.ctx.trusting and not edited and is_added(row):
                 continue
             elif row is not rows[-1] or len(row) or row.attrib:  # the last row of the editor is an empty one
                 action = {"id": self.new_id(), **read_action(row)}
                 read_comments(self.ctx, row, action)
                 said = action.pop(ASSOCIATION, None)
-                step["actions"].append(action if said is None else {**said, "id": action["id"]})
+                step["actions"].append(action if said is None or edited else {**said, "id": action["id"]})
         _keep_shell(step, shell)
+        return edited
 
-    def _said_beside(self, comment: etree._Element) -> list[Fields]:
-        """The association in a comment between the rows, which no row says."""
+    def _note(self, comment: etree._Element) -> Fields:
+        """The fields in a comment between the rows."""
         holder = etree.Element("Actions")
         holder.append(copy.deepcopy(comment))
         fields: Fields = {}
         read_comments(self.ctx, holder, fields)
-        return [fields[ASSOCIATION]] if ASSOCIATION in fields else []
+        return fields
 
     def _supervised(self, step: Fields, element: etree._Element, kind: str) -> None:
         shell = _shell(element)
@@ -298,8 +312,8 @@ class _ChartReader:
         fields: Fields = {"id": self.new_id(), "name": left.pop("Name", ""), "number": number}
         self.ctx.place.append(f"transition {fields['name']}")
         self._named.append(("transition", fields["name"], element))
-        condition = self._condition(element)
-        fields["condition"] = condition if condition is not None else {"kind": "expression", "text": "TRUE"}
+        condition = self._condition(element) or {"kind": "expression", "text": "TRUE"}
+        fields["condition"] = condition
         if left.get("IsMissing") == "false":
             del left["IsMissing"]
         for child in children(element):
@@ -309,6 +323,8 @@ class _ChartReader:
         for name, value in left.items():
             carry_attribute(fields, name, value)
         _replace_condition(self.ctx, element, fields)
+        if fields["condition"] is not condition:
+            self._networks[fields["id"]] = condition
         self.chart["transitions"].append(fields)
         if number is None:
             self.ctx.error("SFC107", "a transition has no usable number", element)
@@ -355,8 +371,13 @@ def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields
     """Put back what we keep in comments; a condition that is kept stands instead of the network drawn for it."""
     kept: Fields = {}
     read_comments(ctx, element, kept)
+    digest = kept.pop(WRITTEN, None)
     if "condition" in kept:
-        fields["condition"] = kept.pop("condition")
+        said = kept.pop("condition")
+        if digest is None or digest == of_condition(element, RESULT_OF[local(element)]):
+            fields["condition"] = said
+        else:
+            kept.pop("exclude", None)  # somebody has programmed what was excluded
     merge(fields, kept)
 
 

@@ -16,6 +16,7 @@ from plcopen_sfc.formats.simaticml.conditions import condition_body, drawn_condi
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.networks import is_sayable, write_flgnet_body
 from plcopen_sfc.formats.simaticml.reading import ASSOCIATION, children, local
+from plcopen_sfc.formats.simaticml.rewritten import INSTEAD, WRITTEN, of_condition, of_rows
 from plcopen_sfc.formats.simaticml.rows import RowPlanner, Rows
 from plcopen_sfc.formats.simaticml.topology import Link, Ref, write_link
 from plcopen_sfc.formats.simaticml.topology_reader import usual_order
@@ -308,7 +309,9 @@ class _ChartWriter:
         write_languages(ctx, element, "Comment", step.comment)
         actions = sub(element, "Actions")
         self._fill_shell(actions, step.carried, "Actions")
-        self._actions(actions, step)
+        instead = self._actions(actions, step)
+        if instead:
+            keep_fields(actions, {WRITTEN: of_rows(actions), INSTEAD: instead})
         sub(actions, "Action")
         self._supervised(element, step, "Supervision", step.supervision)
         self._supervised(element, step, "Interlock", step.interlock)
@@ -347,27 +350,36 @@ class _ChartWriter:
         watching = (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT, SfcFlag.ERROR_STEP)
         return any(name in flags and flags[name].use for name in watching)
 
-    def _actions(self, parent: etree._Element, step: Step) -> None:
-        """Write the rows of a step: what is done once on entry, while it is active, and once when it is left."""
-        if not step.exclude:
-            self._step_action(parent, "entry action", step.entry_action, ActionEvent.S1)
-            self._step_action(parent, "main action", step.main_action, None)
+    def _actions(self, parent: etree._Element, step: Step) -> list[str]:
+        """Write the rows of a step: what is done once on entry, while it is active, and once when it is left.
+
+        Returns the fields of the step which rows say otherwise.
+        """
+        instead: list[str] = []
+        if not step.exclude and self._step_action(parent, "entry action", step.entry_action, ActionEvent.S1):
+            instead.append("entry_action")
+        if not step.exclude and self._step_action(parent, "main action", step.main_action, None):
+            instead.append("main_action")
         for action in step.actions:
-            self._action(parent, action, step)
-        if not step.exclude:
-            self._step_action(parent, "exit action", step.exit_action, ActionEvent.S0)
+            if self._action(parent, action, step) and "actions" not in instead:
+                instead.append("actions")
+        if not step.exclude and self._step_action(parent, "exit action", step.exit_action, ActionEvent.S0):
+            instead.append("exit_action")
+        return instead
 
     def _step_action(
         self, parent: etree._Element, what: str, code: str | Body | None, event: ActionEvent | None
-    ) -> None:
+    ) -> bool:
+        """Write the rows of an entry, main or exit action. Returns True if there are any."""
         if code is None:
-            return
+            return False
         planned = self.rows.step_action(code, event)
         for row in planned.rows:
             element = sub(parent, "Action")
             write_row(element, row, self.blocks)
             keep_added(element)
         self._note_rows(planned, what, what, f"`{_bare(code)}`" if isinstance(code, str) else "it")
+        return bool(planned.rows)
 
     def _note_rows(self, planned: Rows, what: str, name: str, shown: str) -> None:
         if shown.startswith("`"):
@@ -376,17 +388,18 @@ class _ChartWriter:
         why = f"{shown} is not executed: {planned.why}" if lost else planned.why
         self.ctx.note(planned.outcome, what, name, why)
 
-    def _action(self, parent: etree._Element, action: ActionAssociation, step: Step) -> None:
+    def _action(self, parent: etree._Element, action: ActionAssociation, step: Step) -> bool:
+        """Write the rows of an association. Returns True if they say otherwise what it does."""
         kept = verbatim(self.ctx, action.carried)
         target = action.target or (action.body.text if isinstance(action.body, StBody) else "")
         if kept is not None and _says(kept, action):
             parent.append(kept)
             self.ctx.keep("action", target)
-            return
+            return False
         if isinstance(action.body, OpaqueBody) and action.body.source == "simaticml":
             add_element(self.ctx, parent, action.body.content)
             self.ctx.keep("action")
-            return
+            return False
         planned = self.rows.association(action, inverted=step.negated)
         if step.exclude:
             planned = Rows((), Outcome.TRANSLATED, "its step is excluded from the build")
@@ -396,7 +409,7 @@ class _ChartWriter:
             native = {"id", "qualifier", "target", "value", "duration", "event", "interlock", "body"}
             self.ctx.keep("action", target)
             finish(self.ctx, element, action, frozenset(native))
-            return
+            return False
         said = {ASSOCIATION: left_over(action, frozenset({"id"}))}
         if not planned.rows:
             keep_fields(parent, said)
@@ -412,6 +425,7 @@ class _ChartWriter:
         self._note_rows(
             planned, "action", f"action {shown}", f"`{shown}`" if not qualifier else f"what it does{qualifier}"
         )
+        return bool(planned.rows)
 
     def _supervised(self, parent: etree._Element, step: Step, kind: str, supervised: Supervised | None) -> None:
         holder = sub(parent, f"{kind}s")
@@ -458,8 +472,17 @@ class _ChartWriter:
         unsaid = condition is None and kind == "Transition" and not self.ctx.options.same
         if also or unsaid or (condition is not None and not plain):
             said = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None
-            keep_fields(element, {"condition": said})
+            self._write_instead(element, body, said)
+        else:
+            write_flgnet_body(self.ctx, element, body)
+
+    def _write_instead(self, element: etree._Element, body: Body, said: object) -> None:
+        """Write a network in place of a condition of the source, which a comment before it keeps."""
+        place = len(element)
         write_flgnet_body(self.ctx, element, body)
+        result = RESULT_OF[local(element)]
+        keep_fields(element, {"condition": said, WRITTEN: of_condition(element, result)})
+        element.insert(place, element[-1])
 
     def _transition(self, parent: etree._Element, transition: Transition) -> None:
         ctx = self.ctx
@@ -486,9 +509,8 @@ class _ChartWriter:
                 Outcome.TRANSLATED, "exclude", why="it is excluded from the build: a network that is never TRUE"
             )
             said = transition.condition.model_dump(mode="json", exclude_none=True) if transition.condition else None
-            keep_fields(element, {"condition": said})
             body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"])
-            write_flgnet_body(self.ctx, element, body or untranslated_body(RESULT_OF["Transition"], "excluded"))
+            self._write_instead(element, body or untranslated_body(RESULT_OF["Transition"], "excluded"), said)
             return
         least = [f"#{step.name}.T >= {step.min_time}" for step in sources if step.min_time is not None]
         self._condition(element, transition.condition, "Transition", least)

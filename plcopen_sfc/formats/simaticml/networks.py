@@ -47,8 +47,10 @@ def read_network(ctx: ReadContext, element: etree._Element) -> Fields:
         fields, kept = found
     else:
         net, fields, hints = _read_text(text)
-        read_comments(ctx, element, fields)
-        is_from_comment = bool(fields["nodes"]) and child_named(net, "Wires") is None
+        is_empty = child_named(net, "Wires") is None
+        if is_empty:  # one that somebody has programmed since counts as it is
+            read_comments(ctx, element, fields)
+        is_from_comment = bool(fields["nodes"]) and is_empty
         kept = {} if is_from_comment else _beside(net, fields, hints)
     if kept is None:
         fields.pop("carried", None)
