@@ -18,6 +18,7 @@ from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.trace import Column, Trace
+from plcopen_sfc.semantics.watching import MOST_ELEMENTS
 
 __all__ = ["Comparison", "filled", "operating_names"]
 
@@ -74,9 +75,27 @@ class Comparison:
         self.unknown = tuple(dict.fromkeys([*left.unknown, *right.unknown]))
         left.observe([own for own, _ in self.pairs])
         right.observe([other for _, other in self.pairs])
+        self.gap = "" if outputs is not None else self._not_compared()
         told = {path.casefold() for path, _, _ in steps}
         self.uncompared = unpaired(left, self.names)
         self.uncompared += [f"{path}.X" for path in left.steps if path.casefold() not in told]
+
+    def _not_compared(self) -> str:
+        """What both have, a side writes, and is not compared, in words."""
+        theirs = {path.casefold() for path in self.right.large}
+        large = [path for path in self.left.large if path.casefold() in theirs]
+        large = [path for path in large if self.left.writes(path) or self.right.writes(path)]
+        if large:
+            return f"arrays of more than {MOST_ELEMENTS} elements are not compared: {', '.join(large)}"
+        is_written = self.left.calls_blocks or self.right.calls_blocks
+        is_written |= any(
+            each.bit or system.writes(each.path)
+            for pair in self.pairs
+            for system, each in zip((self.left, self.right), pair, strict=True)
+        )
+        if is_written or not (self.left.writes_anything or self.right.writes_anything):
+            return ""
+        return "nothing of what they write is compared"
 
     def vary(self, seed: int) -> None:
         """Have other results of unknown functions and blocks in runs."""

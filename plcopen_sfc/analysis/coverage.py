@@ -16,21 +16,25 @@ from plcopen_sfc.model import conditions
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.net import Net, NetTransition
+from plcopen_sfc.semantics.programs.marks import Branch
 
-__all__ = ["Coverage", "Tally", "Unreached", "any_untested"]
+__all__ = ["Coverage", "Tally", "Unreached", "any_untested", "listed"]
 
 STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignment"
 PART = "part of condition"
+OUTCOME = "outcome of comparison"
 _SHOWN = 10
 
 Key = tuple[str, str, int, str]
 """What can be reached: the chart or text it stands in, its name, a number where names are not unique, and the condition
-that an assignment stands behind, or the part of the condition of a transition."""
+that an assignment stands behind, or the part of the condition of a transition. An outcome has its value as number."""
 
 
 @dataclass(frozen=True)
 class Unreached:
     """A step, transition, action or assignment that was not executed, or a part of a condition, and why.
+
+    Or an outcome that a comparison which is assigned did not have.
 
     `impossible`: it is proven that nothing reaches it.
     """
@@ -40,9 +44,16 @@ class Unreached:
     why: str
     impossible: bool = False
 
+    @property
+    def key(self) -> tuple[str, ...]:
+        """What tells it from all else that was not reached."""
+        return (self.kind, self.name, self.why) if self.kind == OUTCOME else (self.kind, self.name)
+
     def __str__(self) -> str:
         if self.kind == PART:
             return f"{TRANSITION} {self.name} {self.why}"
+        if self.kind == OUTCOME:
+            return f"{ASSIGNMENT} {_quoted(self.name)} {self.why}"
         return f"{self.kind} {self.name}: {self.why}"
 
 
@@ -52,7 +63,7 @@ class Coverage:
 
     `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program or of the actions
     of a chart) how many were reached, and how many there are; without a proof also ``part of condition``, those that
-    have decided it.
+    have decided it, and ``outcome of comparison``, TRUE and FALSE of each comparison that is assigned.
     """
 
     name: str
@@ -71,10 +82,10 @@ class Coverage:
 
     def joined(self, other: Coverage) -> Coverage:
         """What was reached here or there, in two searches of the same side."""
-        known = {(each.kind, each.name): each for each in other.unreached}
-        if PART not in other.counts:  # a proof with some inputs at rest: it does not tell which parts have decided
-            known |= {(each.kind, each.name): each for each in self.unreached if each.kind == PART}
-        both = [(each, known[each.kind, each.name]) for each in self.unreached if (each.kind, each.name) in known]
+        known = {each.key: each for each in other.unreached}
+        for kind in {PART, OUTCOME} - other.counts.keys():  # a proof with some inputs at rest: it does not tell these
+            known |= {each.key: each for each in self.unreached if each.kind == kind}
+        both = [(each, known[each.key]) for each in self.unreached if each.key in known]
         unreached = tuple(mine if mine.impossible else theirs for mine, theirs in both)
         missing = Counter(each.kind for each in unreached)
         counts = {kind: (all_ - missing[kind], all_) for kind, (_, all_) in self.counts.items()}
@@ -90,15 +101,17 @@ class Coverage:
         """What was not reached, a line for each reason; behind the first ones only how many there are."""
         together: dict[tuple[str, str], list[str]] = {}
         for each in self.unreached:
-            if each.kind != PART:
+            if each.kind not in (PART, OUTCOME):
                 together.setdefault((each.kind, each.why), []).append(each.name)
         lines = [
-            f"not reached: {kind}{'s' * (len(names) > 1)} {_listed(names)}: {why}"
+            f"not reached: {kind}{'s' * (len(names) > 1)} {listed(names)}: {why}"
             for (kind, why), names in together.items()
         ]
         missed = {each.name for each in self.unreached if each.kind == TRANSITION}
         parts = [each for each in self.unreached if each.kind == PART]
         lines += [f"not reached: {each}" for each in parts if each.name.partition(": `")[0] not in missed]
+        missed = {each.name for each in self.unreached if each.kind == ASSIGNMENT}
+        lines += [f"not reached: {each}" for each in self.unreached if each.kind == OUTCOME and each.name not in missed]
         more = len(lines) - _SHOWN
         return [*lines[:_SHOWN], f"not reached for other reasons: {more}"] if more > 0 else lines
 
@@ -149,7 +162,8 @@ class Tally:
 
     def coverage(self, *, complete: bool) -> Coverage:
         """What it comes to. `complete`: all that the system can do was searched."""
-        kinds = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
+        kinds: tuple[str, ...] = (STEP, TRANSITION, ACTION, PART, ASSIGNMENT) if _charts(self.system) else (ASSIGNMENT,)
+        kinds += (OUTCOME,) if self.parts is not None else ()
         counts: dict[str, tuple[int, int]] = {}
         missing: dict[str, list[Key]] = {}
         reached: dict[str, set[Key]] = {}
@@ -192,8 +206,8 @@ def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgra
 
 def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
     """All of a kind, and whether it was reached."""
-    if kind == ASSIGNMENT:
-        yield from _assignments(system)
+    if kind in (ASSIGNMENT, OUTCOME):
+        yield from _assignments(system) if kind == ASSIGNMENT else _outcomes(system)
         return
     for name, chart in _charts(system):
         reached = chart.reached
@@ -209,13 +223,25 @@ def _of_kind(system: ProgramSystem, kind: str) -> Iterator[tuple[Key, bool]]:
                 yield (name, label, 0, ""), bool(reached.actions >> number & 1)
 
 
-def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
+def _branches(system: ProgramSystem) -> Iterator[tuple[Branch, bool]]:
     marks = system.marks
     own = system.instance.unit.pou.name
     for branch, is_reached in zip(marks.branches, marks.reached, strict=True):
         if branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} ")):
-            for text in branch.assignments:
-                yield (branch.owner, text, 0, branch.condition), is_reached
+            yield branch, is_reached
+
+
+def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
+    for branch, is_reached in _branches(system):
+        for text in branch.assignments:
+            yield (branch.owner, text, 0, branch.condition), is_reached
+
+
+def _outcomes(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
+    for branch, is_reached in _branches(system):
+        if branch.outcome is not None:
+            text, value = branch.outcome
+            yield (branch.owner, text, int(value), branch.inside), is_reached
 
 
 class _Reasons:
@@ -238,6 +264,8 @@ class _Reasons:
 
     def of(self, kind: str, key: Key) -> Unreached:
         name, label, number, condition = key
+        if kind == OUTCOME:
+            return self._outcome(key)
         several = len(self._nets) > 1 and kind != ASSIGNMENT
         shown = f"{name}: {label}" if several else label
         if kind == ASSIGNMENT:
@@ -263,6 +291,15 @@ class _Reasons:
         if self._complete and not impossible:
             why, impossible = f"{why} (proven)", True
         return Unreached(kind, shown, why, impossible=impossible)
+
+    def _outcome(self, key: Key) -> Unreached:
+        owner, assignment, value, inside = key
+        shown = "TRUE" if value else "FALSE"
+        wanted = (b.condition for b, _ in _branches(self._system) if b.outcome == (assignment, bool(value)))
+        around = self.of(ASSIGNMENT, (owner, assignment, 0, inside))
+        if around.impossible or all(map(self._unreachable.is_never_true, wanted)):
+            return Unreached(OUTCOME, assignment, f"is never {shown} (proven)", impossible=True)
+        return Unreached(OUTCOME, assignment, f"was never {shown}")
 
     def _undecided(self, shown: str, net: Net, key: Key) -> Unreached:
         transition = _transition(net, key)
@@ -314,10 +351,11 @@ def _transition(net: Net, key: Key) -> NetTransition:
 
 
 def _plural(kind: str) -> str:
-    return "parts of conditions" if kind == PART else f"{kind}s"
+    return {PART: "parts of conditions", OUTCOME: "outcomes of comparisons"}.get(kind, f"{kind}s")
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Names, of many only the first ones."""
     more = len(names) - _SHOWN
     return ", ".join(names[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
 

@@ -118,8 +118,10 @@ class DirectedSearch:
         self._goals = Goals(self._sides[leading], signals, parts[leading])
         self._parts = parts
         self._with_parts = [self._goals]
-        if any(parts[1 - leading]):
-            self._with_parts.append(Goals(self._sides[1 - leading], signals, parts[1 - leading]))
+        other = self._sides[1 - leading]
+        has_outcomes = any(branch.outcome is not None for branch in other.marks.branches)
+        if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
+            self._with_parts.append(Goals(other, signals, parts[1 - leading]))
         self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
         self._moved = [name for name in signals if name.casefold().rpartition(".")[2] not in _FLAGS]
         self._states: list[_State] = []
@@ -255,7 +257,7 @@ class DirectedSearch:
     def _open(self) -> list[Goal]:
         found = list(islice(chain(self._goals.open_transitions(), self._goals.open_branches()), _MOST_GOALS))
         if not found:  # parts of conditions come last: they are many, and most decide on the way
-            parts = (goal for goals in self._with_parts for goal in goals.open_parts())
+            parts = (g for goals in self._with_parts for g in chain(goals.open_parts(), goals.open_outcomes()))
             found = list(islice(parts, _MOST_GOALS))
         return found
 
@@ -296,7 +298,7 @@ class DirectedSearch:
         self._begin(number)
         self._runs -= 1
         enabled = self._goals.enabled(state.key[0]) if state.key is not None else []
-        wanted = [goal for goal in self._frontier if goal.branch >= 0]
+        wanted = [goal for goal in self._goals.branches if goal in self._frontier]
         rows: list[Row] = []
 
         def add(values: Row | None) -> bool:
@@ -318,6 +320,9 @@ class DirectedSearch:
         for goals in self._with_parts:
             for goal in goals.open_parts():
                 if goal.tries < _TRIES and add(goals.solve_part(goal)):
+                    goal.tries += 1
+            for goal in goals.open_outcomes():
+                if goal.tries < _TRIES and add(goals.solve([goal], [])):
                     goal.tries += 1
         for row in rows:
             self._begin(number)

@@ -166,7 +166,8 @@ def equivalent(
         functions or {},
     )
     compared.check_freed()
-    tries = _Tries(cap, runs, scans, seed, seconds(limit), progress)
+    given = seconds(limit)
+    tries = _Tries(cap, runs, scans, seed, given, progress, given)
     wanted = [each for each in delays(delay, profiles) if not each.retimed or compared.can_be_retimed]
     if len(wanted) == 1:
         return compared.verdict(wanted[0], tries)
@@ -222,6 +223,8 @@ class _Tries(NamedTuple):
     seed: int
     limit: float | None
     progress: Callable[[SearchProgress], None] | None
+    whole: float | None
+    """The limit of all comparisons; `limit` is what is left of it."""
 
 
 @dataclass(frozen=True)
@@ -308,7 +311,7 @@ class _Compared:
     def quick_difference(self, delay: Delay, tries: _Tries) -> int | None:
         """How many scans it takes to a difference in a few directed runs; None where there is none."""
         comparison, signals = self._prepared(delay)
-        watch = Watch(tries.limit, None, lambda: (0, 0))
+        watch = Watch(tries.limit, None, lambda: (0, 0), tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
         rows = stimuli(signals, domains, self.clock, seed=tries.seed, runs=_QUICK_RUNS, scans=_QUICK_SCANS)
         found = (comparison.first_difference(each, look=watch.look) for each in rows if not watch.look(0))
@@ -321,7 +324,7 @@ class _Compared:
         left, right = comparison.left, comparison.right
         tallies = (Tally(left), Tally(right))
         cap, clock = tries.cap, self.clock
-        watch = Watch(tries.limit, tries.progress, tallies[0].numbers)
+        watch = Watch(tries.limit, tries.progress, tallies[0].numbers, tries.whole)
         domains = {name: Domain(name, signal) for name, signal in signals.items()}
 
         def build(
@@ -390,6 +393,9 @@ class _Compared:
             equal = VerdictKind.UNTESTED
             if found.complete:
                 reason = f"all inputs were tried, but {failed}" if failed else f"{', '.join(frozen)} kept their values"
+        if comparison.gap:
+            equal = VerdictKind.UNTESTED
+            reason = "; ".join(filter(None, (comparison.gap, reason)))
         if reason and None in (left.times.limit, right.times.limit) and found.states >= cap:
             reason += "; elapsed times of steps are used otherwise than in comparisons with constants"
         return Verdict(
@@ -414,6 +420,7 @@ class _Compared:
             delay.notes([each.order for each in self.profiles]),
             comparison.unknown,
             interrupted,
+            comparison.gap,
         )
 
 

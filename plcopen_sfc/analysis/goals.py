@@ -100,6 +100,7 @@ class Goals:
         self._own = [chart for _, chart in system.instance.unit.charts]
         self.transitions: list[list[Goal]] = [[] for _ in self.charts]
         self.branches: list[Goal] = []
+        self.outcomes: list[Goal] = []
         for number, (chart, _) in enumerate(self.charts):
             if chart in self._own:
                 self.transitions[number] = [self._of_transition(number, each) for each in chart.net.transitions]
@@ -129,7 +130,10 @@ class Goals:
     def _find_branches(self) -> None:
         marks = self._system.marks
         own = self._system.subject.pou.name
-        for number, branch in enumerate(marks.branches[:_MOST_BRANCHES]):
+        for number, branch in enumerate(marks.branches):
+            goals = self.branches if branch.outcome is None else self.outcomes
+            if len(goals) >= _MOST_BRANCHES:
+                continue
             inside = branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} "))
             if not branch.condition or not inside or "\n" in branch.condition:
                 continue
@@ -139,7 +143,7 @@ class Goals:
             tree = normal_form(parsed.tree)
             goal = Goal(branch.condition, tree, branch=number)
             goal.distance = self._distance(tree, wanted=True)
-            self.branches.append(goal)
+            goals.append(goal)
 
     def _of_part(self, part: Part) -> Goal:
         number = next(number for number, (chart, _) in enumerate(self.charts) if chart is part.chart)
@@ -157,6 +161,11 @@ class Goals:
                 and goal.sources & ~self.charts[goal.chart][0].reached.steps == 0
             ):
                 yield goal
+
+    def open_outcomes(self) -> Iterator[Goal]:
+        """The outcomes of comparisons that are assigned, and which have not come out so."""
+        reached = self._system.marks.reached
+        return (goal for goal in self.outcomes if not reached[goal.branch])
 
     def open_transitions(self) -> Iterator[Goal]:
         """The transitions whose sources were entered, and which never fired."""

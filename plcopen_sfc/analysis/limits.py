@@ -42,15 +42,20 @@ class SearchProgress:
 
 
 class Watch:
-    """Looks after one comparison. `reached` tells how much was reached, of how much."""
+    """Looks after one comparison. `reached` tells how much was reached, of how much.
+
+    `whole`: the limit of the user, of which other comparisons have left `limit` seconds, or less than nothing.
+    """
 
     def __init__(
         self,
         limit: float | None,
         report: Callable[[SearchProgress], None] | None,
         reached: Callable[[], tuple[int, int]],
+        whole: float | None = None,
     ) -> None:
         self._limit = limit
+        self._whole = limit if whole is None else whole
         self._report = report
         self._reached = reached
         self._start = monotonic()
@@ -69,15 +74,21 @@ class Watch:
             self._report(SearchProgress(self.proving, states, *self._reached(), passed, self._limit))
         if self._limit is None or passed < self._limit * (_PROVING if self.proving else 1):
             return ""
-        share = "half of " if self.proving else ""
-        return f"{share}the time limit of {self._limit:.3g} s was reached"
+        share = ""
+        if self.proving and self._limit > 0:
+            share = "half of " if self._limit == self._whole else "half of what was left of "
+        return f"{share}the time limit of {self._whole:.3g} s was reached"
 
 
 def seconds(limit: float | str | None) -> float | None:
     """A limit in seconds: a number of them, or ``60s``. Raises `InputError`."""
     if limit is None:
         return None
-    found = nanoseconds(limit) / 1e9 if isinstance(limit, str) else float(limit)
+    try:
+        found = nanoseconds(limit) / 1e9 if isinstance(limit, str) else float(limit)
+    except InputError as error:
+        hint = "Write it as 60s or 2m30s, or as a number of seconds."
+        raise InputError(f"{limit!r} is no time limit", hint=hint) from error
     if not found > 0:
         raise InputError(f"the time limit {limit!r} is not greater than zero")
     return found

@@ -335,7 +335,7 @@ def failure_of(system: System, read: InputReader, *, first: bool) -> SfcError | 
     try:
         system.scan(read, first=first)
     except (TypeError, AttributeError) as error:
-        raise NotProvableError(f"an input is used in a way that cannot be followed ({error})") from error
+        raise NotProvableError("an input is used in a way that cannot be followed") from error
     except SfcError as error:
         reason = hidden_reason(error)
         if reason is not None:

@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.programs.runtime import UNREAD
 from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
 from plcopen_sfc.semantics.signals import Signal, Value
 from plcopen_sfc.semantics.subjects import Subject
-from plcopen_sfc.semantics.watching import Watched, step_marking, watched, watched_members
+from plcopen_sfc.semantics.watching import Watched, is_written, step_marking, watched, watched_members
 
 __all__ = ["Observation", "ProgramSystem"]
 
@@ -149,6 +149,15 @@ class ProgramSystem:
     def frozen(self) -> list[str]:
         """The variables that it reads, that nothing writes, and that are no inputs."""
         return sorted(set(self._controller.library.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
+
+    def writes(self, path: str) -> bool:
+        """Whether it may write a variable."""
+        return is_written(self.instance, path)
+
+    @property
+    def writes_anything(self) -> bool:
+        """Whether it has a chart, or any statement that writes."""
+        return bool(self.instance.charts() or self._controller.library.written)
 
     @property
     def size(self) -> int:

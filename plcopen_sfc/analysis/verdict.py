@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
-from plcopen_sfc.analysis.coverage import Coverage, any_untested
+from plcopen_sfc.analysis.coverage import Coverage, any_untested, listed
 from plcopen_sfc.analysis.delay import NO_DELAY, Delay
 from plcopen_sfc.languages.st.literals import time_literal
 from plcopen_sfc.semantics.signals import Value
@@ -118,6 +118,7 @@ class Verdict:
     variables that nothing writes and that are declared as no inputs, so that they kept their values. `delay`: by how
     many scans the second is later in all that was compared, and how that was compared; `delay_notes` say it.
     `unknown`: functions and blocks that are called and that the file does not contain; see `equivalent`.
+    `gap`: what both have and one of them writes, but was not compared, in words.
     """
 
     kind: VerdictKind
@@ -141,6 +142,7 @@ class Verdict:
     delay_notes: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
     interrupted: bool = False
+    gap: str = ""
 
     @property
     def equal(self) -> bool:
@@ -156,7 +158,7 @@ class Verdict:
         """The same with what another search of the same two has reached, in which some inputs were at rest."""
         coverage = tuple(mine.joined(theirs) for mine, theirs in zip(self.coverage, other.coverage, strict=True))
         kind = self.kind
-        if kind is VerdictKind.UNTESTED and not self.interrupted and not any_untested(coverage):
+        if kind is VerdictKind.UNTESTED and not self.interrupted and not self.gap and not any_untested(coverage):
             kind = VerdictKind.TESTED
         return replace(self, kind=kind, coverage=coverage)
 
@@ -183,7 +185,9 @@ class Verdict:
             tried = f", all inputs tried for {self.depth} scans" if self.depth and self.runs else ""
             tried += "".join(f"; {note}" for note in self.delay_notes)
             run = f"{self.runs} directed runs, {self.scans} scans" if self.runs else f"{self.states} states"
-            missed = "not all was reached, " if self.kind is VerdictKind.UNTESTED else ""
+            missed = ""
+            if self.kind is VerdictKind.UNTESTED:
+                missed = f"not all was {'compared' if self.gap else 'reached'}, "
             head = f"{missed}equal{later} in {run}{times} (no proof: {self.reason}{tried})"
         return "\n".join([head, *self._covered()])
 
@@ -200,6 +204,8 @@ class Verdict:
             if each.has_chart or not has_chart:  # what is not reached of its code follows from the chart
                 yield from each.lines()
         yield from self._unknown()
+        if self.uncompared:
+            yield f"not compared: {listed(self.uncompared)}"
         if self.frozen:
             yield f"frozen, because nothing writes them and they are declared as no inputs: {', '.join(self.frozen)}"
 

@@ -17,10 +17,10 @@ from plcopen_sfc.semantics.programs.layouts import Direction, Frame
 from plcopen_sfc.semantics.programs.types import ArrayType, ElementaryType, Family, Type
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
-__all__ = ["Watched", "signal_of", "step_marking", "watched", "watched_members"]
+__all__ = ["MOST_ELEMENTS", "Watched", "is_written", "signal_of", "step_marking", "watched", "watched_members"]
 
 _NOT_SHOWN = frozenset({"constant", "temp"})
-_MOST_ELEMENTS = 256
+MOST_ELEMENTS = 256
 """Of an array: the time of a comparison grows with them."""
 
 _NOT_COMPARED = frozenset({Direction.CONSTANT, Direction.TEMP, Direction.IN_OUT})
@@ -99,7 +99,7 @@ def _inside(
             seen.add(id(value))
             yield from _members(instance, value, f"{path}.", seen)
     elif isinstance(value, list) and isinstance(type_, ArrayType):
-        if type_.size > _MOST_ELEMENTS:
+        if type_.size > MOST_ELEMENTS:
             yield path, type_, direction
             return
         indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))
@@ -126,6 +126,28 @@ def _as_declared(signal: Signal, project: Project) -> Signal:
             names = {number: written.get(name.casefold(), name) for number, name in signal.names.items()}
             return Signal.enumeration(declared.name, names)
     return signal
+
+
+def is_written(instance: Instance, path: str) -> bool:
+    """True if a program may write a variable, or a part of it; of an element of an array: any element."""
+    library = instance.controller.library
+    names = [name.partition("[")[0] for name in path.split(".")]
+    for start, outer in ((library.linker.name(instance.frame.layout), instance.frame), ("g", library.frame)):
+        keys = [start]
+        value: Any = outer
+        for name in names:
+            field = value.layout.find(name) if isinstance(value, Frame) else None
+            if field is None:
+                break
+            keys = [f"{key}.{field.slot}" for key in keys]
+            value = value.v[field.slot]
+            if isinstance(value, list):
+                return any(map(library.is_written_inside, keys))
+            if isinstance(value, Frame) and value.layout.is_instance:
+                keys.append(library.linker.name(value.layout))
+        else:
+            return any(map(library.is_written_inside, keys))
+    return True  # at an address, or where a chart keeps it
 
 
 def step_marking(instance: Instance) -> tuple[tuple[str, ...], Callable[[], int]]:

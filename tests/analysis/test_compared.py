@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.analysis import Verdict, equivalent
+from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.model import Project
 
 
@@ -68,7 +68,46 @@ def test_elements_of_arrays_are_compared() -> None:
     assert verdict.counterexample is not None
     assert [each.name for each in verdict.counterexample.differences] == ["f[2,0]"]
     large = project("f : ARRAY[0..999] OF INT;", action="f[0] := 3;")
-    assert compare(large, large).uncompared == ("f",)
+    verdict = compare(large, project("f : ARRAY[0..999] OF INT;", action="f[0] := 4;"))
+    assert (verdict.kind, verdict.uncompared) == (VerdictKind.UNTESTED, ("f",))
+    assert verdict.gap == "arrays of more than 256 elements are not compared: f"
+    assert "not compared: f" in str(verdict).splitlines()
+    table = project("f : ARRAY[0..999] OF INT; i : INT;", action="i := f[3];")
+    assert compare(table, table).proven  # nothing writes it
+
+
+@pytest.mark.parametrize(
+    ("inside", "body"),
+    [
+        ("s : Bag; f : Filler;", "s.a[k] := 1;"),
+        ("s : Bag; f : Filler;", "s.bags[1].a[2] := 1;"),
+        ("f : Filler; s : Bag;", "f(i := k);"),
+    ],
+)
+def test_large_arrays_that_are_written_in_structures_and_instances_are_named(inside: str, body: str) -> None:
+    text = f"""TYPE Bag : STRUCT a : ARRAY[0..299] OF INT; bags : ARRAY[0..299] OF Inner; END_STRUCT; END_TYPE
+    TYPE Inner : STRUCT a : ARRAY[0..9] OF INT; END_STRUCT; END_TYPE
+    FUNCTION_BLOCK Filler VAR_INPUT i : INT; END_VAR VAR a : ARRAY[0..299] OF INT; END_VAR a[2] := i; END_FUNCTION_BLOCK
+    PROGRAM Main VAR_INPUT k : INT; END_VAR VAR_OUTPUT q : INT; END_VAR VAR {inside} END_VAR
+    q := k; {body} END_PROGRAM"""
+    whole = sfc.loads(text.encode(), format="iec-text")
+    main = whole.pou("Main")
+    verdict = equivalent(main, main, "iec", runs=1, scans=20)
+    assert verdict.kind is VerdictKind.UNTESTED
+    assert verdict.gap.startswith("arrays of more than 256 elements are not compared: ")
+    assert equivalent(main, main, "iec", outputs=["q"], runs=1, scans=20).gap == ""
+
+
+def test_a_comparison_of_nothing_that_is_written_is_not_equal() -> None:
+    def local(variable: str, value: str) -> Project:
+        text = f"""PROGRAM Main VAR_INPUT n : INT; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR {variable} : INT; END_VAR
+        {value} END_PROGRAM"""
+        return sfc.loads(text.encode(), format="iec-text")
+
+    verdict = compare(local("x", "x := n;"), local("y", "y := n + 1;"))
+    assert (verdict.kind, verdict.gap) == (VerdictKind.UNTESTED, "nothing of what they write is compared")
+    assert str(verdict).startswith("not all was compared, equal in ")
+    assert compare(local("x", ""), local("y", "")).proven
 
 
 def test_variables_of_global_lists_are_compared() -> None:

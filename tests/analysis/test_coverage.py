@@ -206,3 +206,57 @@ def test_a_proof_counts_no_parts_of_conditions() -> None:
     found = equivalent(project, project, "iec")
     assert found.proven
     assert "part of condition" not in found.coverage[0].counts
+
+
+ASSIGNED = """PROGRAM Main VAR_INPUT a : BOOL; n : INT; r : REAL; s : STRING; END_VAR
+VAR_OUTPUT q : BOOL; m : INT; END_VAR
+m := n + 1;
+{}
+END_PROGRAM"""
+
+
+def assigned(body: str, other: str) -> Verdict:
+    one, two = (sfc.loads(ASSIGNED.format(each).encode(), format="iec-text") for each in (body, other))
+    return equivalent(one, two, "iec", cap=50, runs=10, scans=100)
+
+
+@pytest.mark.parametrize(
+    ("value", "constant"),
+    [
+        ("m > n", "TRUE"),
+        ("a OR n + 1 > n", "TRUE OR a"),
+        ("n * n = 1521", "FALSE"),
+        ("LEN(s) = 7", "FALSE"),
+        ("r * r = 2.25", "FALSE"),
+        ("a AND ABS(n) < 0", "FALSE AND a"),
+    ],
+)
+def test_a_comparison_that_is_assigned_must_have_both_outcomes(value: str, constant: str) -> None:
+    verdict = assigned(f"q := {value};", f"q := {constant};")
+    missing = "TRUE" if constant.startswith("FALSE") else "FALSE"
+    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
+    assert [str(each) for each in verdict.coverage[0].untested] == [f"assignment `q := {value};` was never {missing}"]
+    assert f"not reached: assignment `q := {value};` was never {missing}" in str(verdict).splitlines()
+    assert verdict.coverage[0].counts["outcome of comparison"] == (1, 2)
+
+
+def test_outcomes_of_comparisons_are_searched_and_proven_impossible() -> None:
+    found = assigned("q := n = 12345; m := m / 3;", "m := m / 3; q := n = 12345;")
+    assert found.kind is VerdictKind.TESTED, str(found)
+    assert found.coverage[0].counts["outcome of comparison"] == (2, 2)
+    assert assigned("q := n = 12345; m := m / 3;", "q := FALSE; m := m / 3;").different
+    impossible = assigned("q := n > 5 AND n < 3; m := m / 3;", "q := FALSE; m := m / 3;")
+    assert impossible.kind is VerdictKind.TESTED, str(impossible)
+    assert [each.why for each in impossible.coverage[0].unreached] == ["is never TRUE (proven)"]
+    booleans = assigned("q := a = FALSE OR a; m := m / 3;", "q := TRUE; m := m / 3;")
+    assert booleans.kind is VerdictKind.TESTED, str(booleans)
+
+
+def test_outcomes_count_in_actions_of_charts() -> None:
+    one, other = (
+        sfc.loads(COUNTING.replace("IF {condition} THEN q := {value}; END_IF", f"q := {v}").encode(), format="iec-text")
+        for v in ("n * n = 1000003", "FALSE")
+    )
+    verdict = searched(one, other)
+    assert verdict.kind is VerdictKind.UNTESTED
+    assert [str(each) for each in verdict.coverage[0].untested] == ["assignment `q := n * n = 1000003;` was never TRUE"]

@@ -8,6 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
+from plcopen_sfc.errors import InputError
 from plcopen_sfc.model import Project
 
 _LATE = 4.0
@@ -49,3 +50,16 @@ def test_long_scans_end_in_time(delay: int | str) -> None:
     verdict = limited(project("c", looping), project("c", looping), delay=delay)
     assert verdict.kind is VerdictKind.UNTESTED
     assert "time limit" in verdict.reason
+
+
+@pytest.mark.parametrize("limit", ["abc", "5", "T#1", "0s"])
+def test_a_limit_that_is_none_is_called_so(limit: str) -> None:
+    with pytest.raises(InputError, match=f"'{limit}' is no time limit"):
+        equivalent(project("c"), project("c"), "iec", limit=limit)
+
+
+def test_what_several_delays_have_used_up_is_told_by_the_whole_limit() -> None:
+    looping = "FOR i := 0 TO 100000 DO k := k + i MOD 7; END_FOR; q := k > 5;"
+    verdict = limited(project("c", looping), project("c", looping), delay=[0, 1, 2])
+    assert "the time limit of 0.5 s was reached" in verdict.reason
+    assert "-" not in verdict.reason

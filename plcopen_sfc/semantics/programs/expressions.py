@@ -42,6 +42,8 @@ class Translator:
         self.instances: Mapping[str, str] = {}
         """The types of instances by their names in lower case, where a network tells what is called on them."""
         self._operators = Operators(self)
+        self.comparisons = 0
+        """How many comparisons of anything but Booleans it has translated."""
         self._calls = Calls(self)
 
     # -- values

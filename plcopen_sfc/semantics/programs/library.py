@@ -251,6 +251,10 @@ class Library:
             return False
         return not self._is_written(key)
 
+    def is_written_inside(self, key: str) -> bool:
+        """Whether anything writes a variable, a part of it, or what it is a part of."""
+        return self._is_written(key) or any(each.startswith(f"{key}.") for each in self.written)
+
     def _is_written(self, key: str) -> bool:
         parts = key.split(".")
         return any(".".join(parts[:end]) in self.written for end in range(1, len(parts) + 1))

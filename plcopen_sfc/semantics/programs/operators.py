@@ -166,6 +166,8 @@ class Operators:
                 ">=": left.value >= right.value,
             }
             return Code(repr(table[sign]), t.BOOL, 0, 1, table[sign], constant=True)
+        if t.BOOL not in (left.type, right.type):
+            self._translator.comparisons += 1
         return Code(text, t.BOOL, 0, 1, acts=left.acts or right.acts)
 
     def _comparable(self, left: Code, right: Code) -> tuple[Code, Code]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.errors import Location, SimulationError
@@ -190,7 +191,13 @@ class StatementTranslator:
         if isinstance(known, Place) and isinstance(known.type, t.ReferenceType) and known.type.automatic:
             place = translator.followed(known, None)
         translator.note_write(place)
+        before = translator.comparisons
         code = settled(translator.fitted(translator.value(assigned, place.type), place.type))
+        if self._marks is not None and code.type is t.BOOL and not code.constant and translator.comparisons > before:
+            held = self._writer.temporary()
+            first = self._marks.outcomes(self._branch, print_node(node), print_node(assigned))
+            self._writer.write(f"{held} = {code.text}; m[{first} + (1 if {held} else 0)] = True")
+            code = replace(code, text=held)
         translator.write(place, code)
         self.note(print_node(node))
 
