@@ -15,6 +15,7 @@ from plcopen_sfc.formats.matiec.structures import name_structures
 from plcopen_sfc.formats.matiec.undeclared import note_undeclared
 from plcopen_sfc.formats.matiec.unit import Unit
 from plcopen_sfc.formats.strings import quote_strings
+from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -113,6 +114,8 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
                 unit.note(Outcome.NOT_EXECUTED, "initial value", place, "a list is no value of an elementary type")
                 variable.initial = None
         for section in pou.interface.sections:
+            if kept(section.carried).get("keyword") == "VAR_STAT":
+                unit.note(Outcome.NOT_EXECUTED, "section", unit.path, "matiec has no VAR_STAT, one for all instances")
             if section.persistent:
                 section.persistent, section.retain = False, True
                 unit.note(Outcome.TRANSLATED, "section", unit.path, "PERSISTENT is RETAIN in matiec")

@@ -93,6 +93,7 @@ def test_what_matiec_spells_otherwise_is_written_so(part: dict[str, str], writte
         ({"declared": "VAR long : LTIME; END_VAR"}, "type", "POU Plant / variable long"),
         ({"declared": 'VAR wide : WSTRING := "a"; END_VAR'}, "type", "POU Plant / variable wide"),
         ({"declared": "VAR a : ARRAY[0..1] OF ARRAY[0..2] OF INT; END_VAR"}, "type", "POU Plant / variable a"),
+        ({"declared": "VAR_STAT all : INT; END_VAR"}, "section", "POU Plant"),
         ({"work": "n := TO_INT(x + 1.0);"}, "function", "POU Plant / action ChartLogic"),
     ],
 )
