@@ -71,6 +71,8 @@ class _ChartReader:
         self._named: list[tuple[str, str, etree._Element]] = []
         self._networks: dict[int, Fields] = {}
         """The conditions as their networks say them, of the transitions whose source is kept instead."""
+        self._told: set[int] = set()
+        """The transitions of which a comment of ours keeps the condition, whether it counts or not."""
 
     def new_id(self) -> int:
         """The next id."""
@@ -95,7 +97,7 @@ class _ChartReader:
                 carry_element(chart, child)
         _keep_attributes(chart, element)
         self._structure()
-        forget_edited_times(chart, self._networks)
+        forget_edited_times(chart, self._networks, self._told)
         self._check_names()
         read_comments(self.ctx, element, chart)
         settings = dict(late.get("graph_settings", {}))
@@ -322,7 +324,8 @@ class _ChartReader:
                 carry_element(fields, child)
         for name, value in left.items():
             carry_attribute(fields, name, value)
-        _replace_condition(self.ctx, element, fields)
+        if _replace_condition(self.ctx, element, fields):
+            self._told.add(fields["id"])
         if fields["condition"] is not condition:
             self._networks[fields["id"]] = condition
         self.chart["transitions"].append(fields)
@@ -367,18 +370,23 @@ def _text(fields: Fields, element: etree._Element, name: str, field: str) -> boo
     return True
 
 
-def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
-    """Put back what we keep in comments; a condition that is kept stands instead of the network drawn for it."""
+def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields) -> bool:
+    """Put back what we keep in comments; a condition that is kept stands instead of the network drawn for it.
+
+    True if a comment of ours keeps one, whether it counts or not.
+    """
     kept: Fields = {}
     read_comments(ctx, element, kept)
     digest = kept.pop(WRITTEN, None)
-    if "condition" in kept:
+    is_kept = "condition" in kept
+    if is_kept:
         said = kept.pop("condition")
         if digest is None or digest == of_condition(element, RESULT_OF[local(element)]):
             fields["condition"] = said
         else:
             kept.pop("exclude", None)  # somebody has programmed what was excluded
     merge(fields, kept)
+    return is_kept
 
 
 def _shell(element: etree._Element) -> etree._Element:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Container
 from typing import Any
 
 from lxml import etree
@@ -63,10 +64,11 @@ def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
     return fields if isinstance(fields, list) and kept.get(WRITTEN) != of_rows(actions) else []
 
 
-def forget_edited_times(chart: Fields, networks: dict[int, Fields]) -> None:
+def forget_edited_times(chart: Fields, networks: dict[int, Fields], told: Container[int]) -> None:
     """Drop the minimum times of steps that a transition no longer waits for: its networks count then.
 
-    `networks`: the conditions as the file has them, by the ids of the transitions whose source is kept instead.
+    `networks`: the conditions as the file has them, by the ids of the transitions whose source is kept instead. `told`:
+    the transitions of which a condition is kept at all; where none leaves a step, its time is kept beside it only.
     """
     left = dict(networks)
     found = True
@@ -74,7 +76,7 @@ def forget_edited_times(chart: Fields, networks: dict[int, Fields]) -> None:
         found = False
         for step in (step for step in chart["steps"] if step.get("min_time") is not None):
             leaving = [each for each in chart["transitions"] if step["id"] in each.get("sources", ())]
-            if all(each["id"] in left for each in leaving):
+            if all(each["id"] in left for each in leaving) or not any(each["id"] in told for each in leaving):
                 continue
             found = True
             step["min_time"] = None
