@@ -10,7 +10,7 @@ from plcopen_sfc.formats.iectext.declarations_writer import said_listing, write_
 from plcopen_sfc.formats.iectext.layout import INDENT, indented
 from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
 from plcopen_sfc.formats.iectext.printing import Printer, comment_lines, foreign_pragmas, label, pragmas, split
-from plcopen_sfc.formats.iectext.source import Source, unwrapped
+from plcopen_sfc.formats.iectext.source import Source, unwrapped, wrapped
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Named, Segment
@@ -157,5 +157,11 @@ class _Writer:
         name = self._name(instance.name)
         type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
         said: Fields = {} if type_name == name else {"type_name": type_name}
+        data = instance.carried.data if instance.carried is not None else []
+        kept = [found for found in (unwrapped(each.content) for each in data) if found is not None]
+        arguments = next((words for place, words in kept if place == "arguments"), "")
+        if arguments:
+            said["carried"] = {"data": [wrapped("arguments", arguments)]}
         text = self._top(instance, name, indent, said=said)
-        return f"{text}{indent}PROGRAM {name}{f' WITH {task}' if task is not None else ''} : {type_name};\n"
+        within = f" WITH {task}" if task is not None else ""
+        return f"{text}{indent}PROGRAM {name}{within} : {type_name}{arguments and f' {arguments}'};\n"
