@@ -22,7 +22,7 @@ from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project, Tag, TagTable
 from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
 from plcopen_sfc.model.text import MultilingualText
-from plcopen_sfc.model.types import DataTypeDeclaration, Variable
+from plcopen_sfc.model.types import DataTypeDeclaration, DerivedType, Variable
 from plcopen_sfc.report import ConversionReport, Outcome
 
 TAB = 4
@@ -51,8 +51,13 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _say_constants(project)
     for chart in project.charts():
         _shift_logic(chart.network)
-        variables = {variable.name.casefold() for variable in chart.pou.variables()}
+        variables = {each.name.casefold() for each in chart.pou.variables() if not _is_own_member(each)}
         _numbers(chart.network, chart.report_path, variables, report)
+
+
+def _is_own_member(variable: Variable) -> bool:
+    """True for the members that TIA Portal declares for steps and transitions, under their names."""
+    return isinstance(variable.type, DerivedType) and variable.type.name.startswith("G7_")
 
 
 _APART = 1 << 20
