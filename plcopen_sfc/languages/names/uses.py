@@ -101,6 +101,12 @@ class Names:
                     if reference.name.casefold() in keys:
                         yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
 
+    def everything(self) -> Iterator[Occurrence]:
+        """Every name in every text."""
+        for piece in self._all_pieces():
+            for reference in references(piece, self.dialect):
+                yield Occurrence(piece, reference, self.resolver.meaning(reference, piece))
+
     def undeclared(self) -> Iterator[Occurrence]:
         """The names in program text that stand on their own and that nothing declares, each where it stands first."""
         found: set[str] = set()
