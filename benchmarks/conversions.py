@@ -26,8 +26,8 @@ from pathlib import Path
 
 import plcopen_sfc as sfc
 from plcopen_sfc.conversion.reporting import UNSAID
+from plcopen_sfc.documents.source import FileSource
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.model.project import Origin
 from plcopen_sfc.report import ConversionReport, Outcome
 
 FIXTURES = Path(__file__).resolve().parents[1] / "fixtures"
@@ -52,8 +52,8 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
         project = sfc.load(path)
     except SfcError:
         return None
-    origin = project._origin
-    assert isinstance(origin, Origin)
+    origin = project.source
+    assert isinstance(origin, FileSource)
     source = f"{origin.format}-{origin.version}" if origin.format == "plcopen" else origin.format
     if target == source:
         return None
@@ -71,7 +71,7 @@ def judged(path: Path, target: str, *, limit: float) -> Judged | None:
     found.counts[_column(report)] += 1
     unsaid = [item for item in report.losses if UNSAID in item.why]
     found.counts["unsaid"] += len(unsaid)
-    found.notes += [f"unsaid: {item.what} {item.path}: {item.why}" for item in unsaid]
+    found.notes += [f"unsaid: {item.place}: {item.why}" for item in unsaid]
     for chart, verdict in report.compared.items():
         column = next((name for name, start in _VERDICTS.items() if verdict.startswith(start)), "unknown")
         found.counts[column] += 1

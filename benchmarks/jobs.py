@@ -15,10 +15,10 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from benchmarks import structured_text
+from plcopen_sfc.documents.source import FolderSource
 from plcopen_sfc.formats.registry import recognise
 from plcopen_sfc.formats.xml.schema_files import schema_path
 from plcopen_sfc.model import Project
-from plcopen_sfc.model.project import FolderOrigin
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 OFFICIAL = {
@@ -59,8 +59,8 @@ def copy_folder(path: Path) -> Project:
 
 def save_home(project: Project) -> list[str]:
     """`save` into the folder that the project was read from."""
-    origin = project._origin
-    return sfc.save(project, origin.path).written if isinstance(origin, FolderOrigin) else []
+    origin = project.source
+    return sfc.save(project, origin.path).written if isinstance(origin, FolderSource) else []
 
 
 def rename_and_save_home(project: Project) -> list[str]:

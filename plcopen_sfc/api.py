@@ -7,16 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.documents import encode, normalized, read_document, refuse_losses
+from plcopen_sfc.documents.file import encode, normalized, read_document, refuse_losses
+from plcopen_sfc.documents.source import FileSource, FolderSource
 from plcopen_sfc.errors import UnknownFormatError
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
-from plcopen_sfc.model.project import FolderOrigin, Project
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
-    from plcopen_sfc.folders.loading import Progress
+    from plcopen_sfc.documents.folders.loading import Progress
 
 Source = str | os.PathLike[str] | BinaryIO
 
@@ -35,7 +36,7 @@ def load(
         path = os.fspath(source)
         refuse_empty(path)
         if Path(path).is_dir():
-            from plcopen_sfc.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
+            from plcopen_sfc.documents.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
 
             return load_folder(path, format=format, progress=progress, as_tool=as_tool)
         return loads(read_bytes(path), format=format, path=path, as_tool=as_tool)
@@ -84,7 +85,7 @@ def save(
         refuse_empty(path)
     name = _name(project, format, tia, Path(path) if path is not None else None)
     if path is not None and _is_folder(path, project, name):
-        from plcopen_sfc.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
+        from plcopen_sfc.documents.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
 
         return save_folder(
             project,
@@ -148,8 +149,8 @@ def _name(project: Project, format: str | None, tia: str, path: Path | None) -> 
 
 
 def _format_for(project: Project, path: Path | None) -> str:
-    if project._origin is not None:
-        return project._origin.format
+    if project.source is not None:
+        return project.source.format
     if path is not None:
         by_extension = [f.name for f in FORMATS if path.suffix.lower() in f.extensions]
         if len(by_extension) == 1:
@@ -165,7 +166,7 @@ def _is_folder(path: str, project: Project, name: str) -> bool:
         return Path(path).is_dir()
     if path.endswith(("/", os.sep)):
         return True
-    folders = isinstance(project._origin, FolderOrigin) and format_named(name)[0].folders
+    folders = isinstance(project.source, FolderSource) and format_named(name)[0].folders
     return folders and not Path(path).suffix
 
 
@@ -177,16 +178,16 @@ def check_syntax(project: Project) -> list[Diagnostic]:
     from plcopen_sfc.languages.locating import TextFinder  # noqa: PLC0415  # brings the parser with it
     from plcopen_sfc.languages.syntax import syntax_problems  # noqa: PLC0415
 
-    origin = project._origin
-    if isinstance(origin, FolderOrigin):
-        from plcopen_sfc.folders.parts import documents_of  # noqa: PLC0415
+    source = project.source
+    if isinstance(source, FolderSource):
+        from plcopen_sfc.documents.folders.parts import documents_of  # noqa: PLC0415
 
         return [finding for document in documents_of(project) for finding in check_syntax(document)]
-    if origin is None:
+    if not isinstance(source, FileSource):
         return syntax_problems(project)
-    kind = format_named(origin.format)[0]
-    finder = TextFinder(_text_of(origin.content, kind), xml=kind.xml)
-    return syntax_problems(project, file=origin.path, finder=finder)
+    kind = format_named(source.format)[0]
+    finder = TextFinder(_text_of(source.content, kind), xml=kind.xml)
+    return syntax_problems(project, file=source.path, finder=finder)
 
 
 def _text_of(content: bytes, kind: Format) -> str:

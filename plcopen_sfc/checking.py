@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.model.pou import Pou
-from plcopen_sfc.model.project import Project, projects_with
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 
 if TYPE_CHECKING:
@@ -38,18 +38,13 @@ def check(
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # brings the parser with it
 
     found = check_charts(subject, profile=profile, select=select, ignore=ignore)
-    project = subject if isinstance(subject, Project) else _home(subject)
+    project = subject.project
     return _located(found, project) if found and project is not None else found
-
-
-def _home(subject: Pou | SfcNetwork) -> Project | None:
-    chart = subject.sfc if isinstance(subject, Pou) else subject
-    return next(iter(projects_with(chart)), None) if chart is not None else None
 
 
 def _located(found: list[Diagnostic], project: Project) -> list[Diagnostic]:
     """The findings with their places in the file, by file and line."""
-    if project._origin is None:
+    if project.source is None:
         return found
     places = project.locations_of(each.location.path or "" for each in found)
     placed = [replace(each, location=place) for each, place in zip(found, places, strict=True)]

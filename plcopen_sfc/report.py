@@ -45,13 +45,19 @@ class Item:
     line: int | None = None
     file: str | None = None
 
+    @property
+    def place(self) -> str:
+        """What it is and where, for people: ``action POU Main / step S3``, and not ``task task Fast``."""
+        return self.path if self.path.startswith(f"{self.what} ") else f"{self.what} {self.path}".strip()
+
 
 @dataclass(slots=True)
 class ConversionReport:
     """The outcomes of all items. `unchanged`: nothing was edited, the file is what was read.
 
     `written` are the files that were written. In a folder, `removed` are those whose objects are gone, and `left_alone`
-    those that are none of the project's. `compared`: what came of running each chart in both tools, by its path.
+    those that are none of the project's. `compared`: what came of running each chart in both tools, by its path;
+    `untested` are those of these charts that could not be run, or of which not all was reached, with what was not.
     """
 
     source_format: str = ""
@@ -62,6 +68,7 @@ class ConversionReport:
     removed: list[str] = field(default_factory=list)
     left_alone: list[str] = field(default_factory=list)
     compared: dict[str, str] = field(default_factory=dict)
+    untested: dict[str, list[str]] = field(default_factory=dict)
 
     def add(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
         """Note the outcome of an item."""
@@ -93,7 +100,7 @@ class ConversionReport:
         what has got another name.
         """
         lines = {**lines, **{path: lines[old] for path, old in called.items() if old in lines}}
-        found = ((item, _line(item.path, lines)) for item in self.items)
+        found = ((item, line_of(item.path, lines)) for item in self.items)
         self.items = [
             item if line is None and file is not None else replace(item, line=line, file=file) for item, line in found
         ]
@@ -108,11 +115,13 @@ class ConversionReport:
             "removed": self.removed,
             "left_alone": self.left_alone,
             "compared": self.compared,
+            "untested": self.untested,
             "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
         }
 
 
-def _line(path: str, lines: Mapping[str, int]) -> int | None:
+def line_of(path: str, lines: Mapping[str, int]) -> int | None:
+    """The line of an object by its path, or of what is around it."""
     while path:
         if path in lines:
             return lines[path]

@@ -153,7 +153,7 @@ def round_trip(data: bytes) -> Project:
 def settled(loaded: Project) -> Project:
     """A copy in which a chart of CODESYS says what the tools always say: snippets leave the defaults out."""
     copy = loaded.model_copy(deep=True)
-    if loaded._origin is None or loaded._origin.format != "codesys":
+    if loaded.source is None or loaded.source.format != "codesys":
         return copy
     for one in copy.charts():
         network = one.network

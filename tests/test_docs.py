@@ -255,6 +255,6 @@ def test_convert_folder(workplace: Path) -> None:
     result = example(workplace, "convert_folder.py", "fixtures/codesys", "out", "--to", "plcopen-2.01", "--partial")
     assert result.returncode == 0, result.stderr
     for source in (workplace / "fixtures" / "codesys").glob("*.xml"):
-        assert plcopen_sfc.load(workplace / "out" / source.name)._origin.format == "plcopen"
+        assert plcopen_sfc.load(workplace / "out" / source.name).source.format == "plcopen"
         assert (workplace / "out" / f"{source.stem}.report.json").is_file()
     assert "translated" in result.stdout

@@ -58,7 +58,9 @@ class Comparison:
             own = operating_names(left.profile) ^ operating_names(right.profile)
             pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
         steps = step_observations(left, right, step_flags)
-        self.names = [name for name, _, _ in pairs] + [f"{path}.X" for path, _, _ in steps]
+        given = {*left.inputs, *right.inputs}  # what VAR_IN_OUT are before and after a scan has two names
+        self.names = [f"{name} (written)" if name in given else name for name, _, _ in pairs]
+        self.names += [f"{path}.X" for path, _, _ in steps]
         self.signals = [signal for _, signal, _ in pairs] + [Signal.elementary("BOOL")] * len(steps)
         if not self.names:
             hint = "Name variables of both with outputs=, or flags of steps with step_flags=."
@@ -75,13 +77,31 @@ class Comparison:
         self.unknown = tuple(dict.fromkeys([*left.unknown, *right.unknown]))
         left.observe([own for own, _ in self.pairs])
         right.observe([other for _, other in self.pairs])
-        self.gap = "" if outputs is not None else self._not_compared()
+        lonely = unpaired(left, self.names)
+        kept = dict.fromkeys([*left.not_driven(), *right.not_driven()])
+        gaps = [f"inputs that keep their values: {', '.join(kept)}"] if kept else []
+        self.gap = "; ".join(filter(None, [*gaps, "" if outputs is not None else self._not_compared(lonely)]))
         told = {path.casefold() for path, _, _ in steps}
-        self.uncompared = unpaired(left, self.names)
+        self.uncompared = lonely
         self.uncompared += [f"{path}.X" for path in left.steps if path.casefold() not in told]
 
-    def _not_compared(self) -> str:
-        """What both have, a side writes, and is not compared, in words."""
+    def _not_compared(self, lonely: Sequence[str]) -> str:
+        """What is written and is not compared though it can be seen from outside, in words.
+
+        `lonely`: outputs that only the first has.
+        """
+        own = operating_names(self.left.profile) ^ operating_names(self.right.profile)
+        is_whole = self.left.subject.name == self.left.subject.pou.name  # else the POU has texts that are not executed
+        written = [
+            each
+            for each in lonely
+            if each not in self.left.large
+            and each.upper().rpartition(".")[2] not in own
+            and (is_whole or self.left.variables[each].direction == "output")
+            and self.left.writes(each)
+        ]
+        if written:
+            return f"only the first has {', '.join(written)}"
         theirs = {path.casefold() for path in self.right.large}
         large = [path for path in self.left.large if path.casefold() in theirs]
         large = [path for path in large if self.left.writes(path) or self.right.writes(path)]
@@ -207,7 +227,7 @@ class Comparison:
             values = self.left.observed(), self.right.observed()
             if values[0] is not None and values[1] is not None:
                 differences = [
-                    Difference(self.names[i], values[0][i], values[1][i], delay=self._delay.queued)
+                    Difference(self.names[i], plain(values[0][i]), plain(values[1][i]), delay=self._delay.queued)
                     for i in compare(*values)
                 ]
         given_rows = [{name: row[name] for name in shown} for row in rows]

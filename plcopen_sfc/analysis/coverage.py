@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from plcopen_sfc.analysis.exclusivity import association_condition
 from plcopen_sfc.analysis.parts import ConditionParts, Part
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.analysis.unreachable import Unreachable
-from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model import conditions
+from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
-from plcopen_sfc.semantics.net import Net, NetTransition
+from plcopen_sfc.semantics.charts.reached import Origin
+from plcopen_sfc.semantics.net import Net, NetTransition, indexes
 from plcopen_sfc.semantics.programs.marks import Branch
 
 __all__ = ["Coverage", "Tally", "Unreached", "any_untested", "listed"]
@@ -24,6 +27,7 @@ STEP, TRANSITION, ACTION, ASSIGNMENT = "step", "transition", "action", "assignme
 PART = "part of condition"
 OUTCOME = "outcome of comparison"
 _SHOWN = 10
+_DELAYED = (Qualifier.D, Qualifier.SD, Qualifier.DS)
 
 Key = tuple[str, str, int, str]
 """What can be reached: the chart or text it stands in, its name, a number where names are not unique, and the condition
@@ -34,7 +38,8 @@ that an assignment stands behind, or the part of the condition of a transition. 
 class Unreached:
     """A step, transition, action or assignment that was not executed, or a part of a condition, and why.
 
-    Or an outcome that a comparison which is assigned did not have.
+    Or an outcome that a comparison which is assigned did not have, or a value that a Boolean did not have where it was
+    tested: then `value` is TRUE or FALSE.
 
     `impossible`: it is proven that nothing reaches it.
     """
@@ -43,11 +48,12 @@ class Unreached:
     name: str
     why: str
     impossible: bool = False
+    value: str = ""
 
     @property
     def key(self) -> tuple[str, ...]:
         """What tells it from all else that was not reached."""
-        return (self.kind, self.name, self.why) if self.kind == OUTCOME else (self.kind, self.name)
+        return (self.kind, self.name, self.value)
 
     def __str__(self) -> str:
         if self.kind == PART:
@@ -63,7 +69,8 @@ class Coverage:
 
     `counts`: by kind (``step``, ``transition`` and ``action`` of a chart, ``assignment`` of a program or of the actions
     of a chart) how many were reached, and how many there are; without a proof also ``part of condition``, those that
-    have decided it, and ``outcome of comparison``, TRUE and FALSE of each comparison that is assigned.
+    have decided it or, of Booleans, the values that were tested, and ``outcome of comparison``, TRUE and FALSE of each
+    comparison that is assigned.
     """
 
     name: str
@@ -77,13 +84,15 @@ class Coverage:
 
     @property
     def untested(self) -> tuple[Unreached, ...]:
-        """What was not reached though it may be reachable, but for actions."""
-        return tuple(each for each in self.unreached if each.kind != ACTION and not each.impossible)
+        """What was not reached though it may be reachable."""
+        return tuple(each for each in self.unreached if not each.impossible)
 
     def joined(self, other: Coverage) -> Coverage:
         """What was reached here or there, in two searches of the same side."""
         known = {each.key: each for each in other.unreached}
-        for kind in {PART, OUTCOME} - other.counts.keys():  # a proof with some inputs at rest: it does not tell these
+        for kind in sorted(
+            {PART, OUTCOME} - other.counts.keys()
+        ):  # a proof with some inputs at rest: it does not tell these
             known |= {each.key: each for each in self.unreached if each.kind == kind}
         both = [(each, known[each.key]) for each in self.unreached if each.key in known]
         unreached = tuple(mine if mine.impossible else theirs for mine, theirs in both)
@@ -178,7 +187,7 @@ class Tally:
                 counts[kind] = len(everything) - len(missing[kind]), len(everything)
         unreached: list[Unreached] = []
         if any(missing.values()):
-            deciding = {_key(part): part.deciding for part in self.parts or ()}
+            deciding = {_key(part): part for part in self.parts or ()}
             reasons = _Reasons(self.system, reached, deciding, complete=complete)
             unreached = [reasons.of(kind, key) for kind in kinds for key in missing[kind]]
         return Coverage(self.system.subject.name, counts, tuple(unreached))
@@ -191,7 +200,7 @@ def any_untested(coverage: Sequence[Coverage]) -> bool:
 
 
 def _key(part: Part) -> Key:
-    return part.owner, part.transition.path, part.transition.transition.id, part.text
+    return part.owner, part.transition.path, part.transition.transition.id, part.label
 
 
 def _charts(system: ProgramSystem) -> list[tuple[str, ChartProgram | GraphProgram]]:
@@ -234,14 +243,21 @@ def _branches(system: ProgramSystem) -> Iterator[tuple[Branch, bool]]:
 def _assignments(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
     for branch, is_reached in _branches(system):
         for text in branch.assignments:
-            yield (branch.owner, text, 0, branch.condition), is_reached
+            yield _assignment_key(branch, text), is_reached
 
 
 def _outcomes(system: ProgramSystem) -> Iterator[tuple[Key, bool]]:
     for branch, is_reached in _branches(system):
         if branch.outcome is not None:
-            text, value = branch.outcome
-            yield (branch.owner, text, int(value), branch.inside), is_reached
+            yield _outcome_key(branch, *branch.outcome), is_reached
+
+
+def _assignment_key(branch: Branch, text: str) -> Key:
+    return branch.owner, text, 0, branch.condition
+
+
+def _outcome_key(branch: Branch, text: str, value: bool) -> Key:
+    return branch.owner, text, int(value), branch.inside
 
 
 class _Reasons:
@@ -251,13 +267,13 @@ class _Reasons:
         self,
         system: ProgramSystem,
         reached: Mapping[str, set[Key]],
-        deciding: Mapping[Key, Expression],
+        parts: Mapping[Key, Part],
         *,
         complete: bool,
     ) -> None:
         self._system = system
         self._reached = reached
-        self._deciding = deciding
+        self._parts = parts
         self._complete = complete
         self._nets = {name: chart.net for name, chart in _charts(system)}
         self._graphs = {name: isinstance(chart, GraphProgram) for name, chart in _charts(system)}
@@ -271,15 +287,17 @@ class _Reasons:
         if kind == ASSIGNMENT:
             if self._unreachable.is_never_executed(name):
                 return Unreached(kind, shown, "what it stands in is never executed (proven)", impossible=True)
-            if condition and self._unreachable.is_never_true(condition):
-                return Unreached(kind, shown, f"needs {_quoted(condition)}, never TRUE (proven)", impossible=True)
+            never = self._never_true(ASSIGNMENT, key)
+            if never:
+                return Unreached(kind, shown, f"needs {never}, never TRUE (proven)", impossible=True)
             why = f"needs {_quoted(condition)}, never reached" if condition else "what it stands in was not executed"
             return Unreached(kind, shown, why, impossible=self._complete)
-        if kind == ACTION:
-            return Unreached(kind, shown, "was never executed", impossible=self._complete)
         net = self._nets[name]
+        if kind == ACTION:
+            why, impossible = self._not_executed(name, label, net)
+            return Unreached(kind, shown, why, impossible=impossible or self._complete)
         if kind == PART:
-            return self._undecided(f"{shown}: {_quoted(condition)}", net, key)
+            return self._undecided(shown, key)
         if kind == STEP:
             index = next(s.index for s in net.steps if s.path == label and s.step.id == number)
             impossible = index in self._unreachable.steps.get(name, ())
@@ -295,18 +313,96 @@ class _Reasons:
     def _outcome(self, key: Key) -> Unreached:
         owner, assignment, value, inside = key
         shown = "TRUE" if value else "FALSE"
-        wanted = (b.condition for b, _ in _branches(self._system) if b.outcome == (assignment, bool(value)))
         around = self.of(ASSIGNMENT, (owner, assignment, 0, inside))
-        if around.impossible or all(map(self._unreachable.is_never_true, wanted)):
-            return Unreached(OUTCOME, assignment, f"is never {shown} (proven)", impossible=True)
-        return Unreached(OUTCOME, assignment, f"was never {shown}")
+        if around.impossible or self._never_true(OUTCOME, key):
+            return Unreached(OUTCOME, assignment, f"is never {shown} (proven)", impossible=True, value=shown)
+        leading = self._leading_to[OUTCOME, key]
+        frozen = [self._unreachable.frozen_by(each.guards, self._system.subject.pou.sfc) for each in leading]
+        if all(frozen):
+            why = f"was never {shown}, as {_kept(frozen[0])}"
+            return Unreached(OUTCOME, assignment, why, impossible=True, value=shown)
+        return Unreached(OUTCOME, assignment, f"was never {shown}", value=shown)
 
-    def _undecided(self, shown: str, net: Net, key: Key) -> Unreached:
-        transition = _transition(net, key)
+    def _not_executed(self, name: str, label: str, net: Net) -> tuple[str, bool]:
+        """Why an action was never executed, and whether nothing can execute it."""
+        chart = next(chart for own, chart in _charts(self._system) if own == name)
+        told: dict[str, bool] = {}
+        entered = sum(1 << index for index in self._reached_steps(name, net))
+        dead = sum(1 << index for index in self._unreachable.steps.get(name, ()))
+        for found, origins in zip(chart.reached.labels, chart.reached.origins, strict=True):
+            for origin in origins if found == label else ():
+                told.setdefault(*self._idle(name, origin, entered, dead))
+        known = [why for why, impossible in told.items() if not impossible] or list(told)
+        return " or ".join(known) or "was never executed", all(told.values()) and bool(told)
+
+    def _idle(self, name: str, origin: Origin, entered: int, dead: int) -> tuple[str, bool]:
+        """Why a step did not execute an action, and whether it cannot."""
+        steps, association = origin
+        net = self._nets[name]
+        step = ", ".join(net.names(steps))
+        if not steps & ~dead:
+            return f"needs step {step}, unreachable (proven)", True
+        if association is not None and association.qualifier is Qualifier.R and association.event is None:
+            return f"step {step} only resets it", True
+        if not steps & entered:
+            return f"needs step {step}, never entered", False
+        if association is None:
+            return f"step {step} never executed it", False
+        condition = association_condition(association, self._system.subject.project.dialect)
+        if condition is not None and self._unreachable.is_impossible([condition], self._system.subject.pou.sfc):
+            return f"needs {_quoted(print_node(condition))}, never TRUE (proven)", True
+        time = association.duration if association.qualifier in _DELAYED else None
+        is_plain = association.qualifier is not Qualifier.SD and not association.negated
+        if (
+            time
+            and is_plain
+            and all(self._unreachable.is_left_before(name, net.steps[i], time) for i in indexes(steps))
+        ):
+            return f"step {step} is left before {time} has passed (proven)", True
+        needs = [_quoted(print_node(condition))] if condition is not None else []
+        needs += [f"{time} to pass ({association.qualifier})"] if time else []
+        if association.event is not None:
+            needs.append(f"the event {association.event}")
+        return f"step {step} never executed it" + (f", needs {' and '.join(needs)}" if needs else ""), False
+
+    def _never_true(self, kind: str, key: Key) -> str:
+        """What is never TRUE though an assignment or outcome needs it, in words; empty: that is not proven."""
+        told = ""
+        for branch in self._leading_to[kind, key]:
+            alone = branch.guards[-1:]
+            if not branch.guards or not self._unreachable.is_impossible(branch.guards, self._system.subject.pou.sfc):
+                return ""
+            is_alone = self._unreachable.is_impossible(alone, self._system.subject.pou.sfc)
+            told = " and ".join(_quoted(print_node(each)) for each in (alone if is_alone else branch.guards))
+        return told
+
+    @cached_property
+    def _leading_to(self) -> Mapping[tuple[str, Key], list[Branch]]:
+        """The branches in which an assignment is executed, or an outcome occurs."""
+        found: dict[tuple[str, Key], list[Branch]] = {}
+        for branch, _ in _branches(self._system):
+            if branch.outcome is not None:
+                found.setdefault((OUTCOME, _outcome_key(branch, *branch.outcome)), []).append(branch)
+            for text in branch.assignments:
+                found.setdefault((ASSIGNMENT, _assignment_key(branch, text)), []).append(branch)
+        return found
+
+    def _undecided(self, transition_shown: str, key: Key) -> Unreached:
+        part = self._parts[key]
+        transition, pou = part.transition, self._system.subject.pou
+        value = "" if part.value is None else str(part.value).upper()
+        shown = f"{transition_shown}: {_quoted(part.text)}"
         is_dead = transition.index in self._unreachable.transitions.get(key[0], ())
-        if is_dead or self._unreachable.is_impossible(self._deciding[key], transition.chart):
-            return Unreached(PART, shown, "can never decide it (proven)", impossible=True)
-        return Unreached(PART, shown, "never decided it")
+        is_dead |= self._unreachable.is_impossible([part.deciding], transition.chart)
+        if is_dead or (
+            part.value is not None and self._unreachable.has_never(key[0], transition, part.text, part.value)
+        ):
+            why = f"is never {value} (proven)" if value else "can never decide it (proven)"
+            return Unreached(PART, shown, why, impossible=True, value=value)
+        why = f"was never {value}" if value else "never decided it"
+        frozen = self._unreachable.frozen_by([part.deciding], transition.chart or pou.sfc)
+        why += f", as {_kept(frozen)}" if frozen else ""
+        return Unreached(PART, shown, why, impossible=bool(frozen), value=value)
 
     # -- what is possible
 
@@ -348,6 +444,10 @@ class _Reasons:
 
 def _transition(net: Net, key: Key) -> NetTransition:
     return next(t for t in net.transitions if (t.path, t.transition.id) == key[1:3])
+
+
+def _kept(names: Sequence[str]) -> str:
+    return f"{', '.join(names)} kept {'its value' if len(names) == 1 else 'their values'} (frozen)"
 
 
 def _plural(kind: str) -> str:

@@ -11,7 +11,7 @@ chance. The same arguments always give the same search: its effort is counted in
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from math import frexp
@@ -41,6 +41,13 @@ _WAITS = 40
 _STEADY = 2
 _FLIPS = 24
 _VALUES = 8
+_MOST_VALUES = 24
+"""Of an input, with those that conditions want."""
+
+_MOST_PATTERNS = 96
+"""Of an input whose bits may matter."""
+
+_CHANGED_BIT = 0.5
 _CHANCES = 12
 _LOOKED_BACK = 40
 _REPEATED = 2_000
@@ -122,7 +129,17 @@ class DirectedSearch:
         has_outcomes = any(branch.outcome is not None for branch in other.marks.branches)
         if any(parts[1 - leading]) or (has_outcomes and bool(other.instance.charts()) == bool(self._goals.charts)):
             self._with_parts.append(Goals(other, signals, parts[1 - leading]))
+        self._quiet: Row = {name: signal.default for name, signal in signals.items()}
         self._values = {name: _values(domains[name], signal) for name, signal in signals.items()}
+        for goals in self._with_parts:  # what is compared with a constant may be a copy of an input
+            for name, signal in signals.items():
+                self._learn(name, goals.constants(signal))
+        self._bitwise = {
+            name
+            for name, signal in signals.items()
+            for side in self._sides
+            if self._learn(name, (_wrapped(each, signal) for each in side.bit_patterns(signal)), most=_MOST_PATTERNS)
+        }
         self._moved = [name for name in signals if name.casefold().rpartition(".")[2] not in _FLAGS]
         self._states: list[_State] = []
         self._by_key: dict[Any, int] = {}
@@ -152,11 +169,18 @@ class DirectedSearch:
             self._stopped = INTERRUPTED
         return Found(self._difference, self._runs, self._scans, tuple(self._notes), self._stopped)
 
+    def _learn(self, name: str, values: Iterable[Value], *, most: int = _MOST_VALUES) -> bool:
+        """Try more values of an input; True where there are any."""
+        known = self._values[name]
+        found = dict.fromkeys(values)
+        known += [value for value in found if value not in known][: max(most - len(known), 0)]
+        return bool(found)
+
     # -- runs
 
     def _start(self) -> None:
         """The first states: runs of patterns that known mistakes fall over."""
-        row = {name: signal.default for name, signal in self._signals.items()}
+        row = self._quiet
         for side in self._sides:
             side.reset()
         self._keep(row, -1, [])
@@ -257,7 +281,11 @@ class DirectedSearch:
     def _open(self) -> list[Goal]:
         found = list(islice(chain(self._goals.open_transitions(), self._goals.open_branches()), _MOST_GOALS))
         if not found:  # parts of conditions come last: they are many, and most decide on the way
-            parts = (g for goals in self._with_parts for g in chain(goals.open_parts(), goals.open_outcomes()))
+            parts = (
+                goal
+                for goals in self._with_parts
+                for goal in chain(goals.open_actions(), goals.open_parts(), goals.open_outcomes())
+            )
             found = list(islice(parts, _MOST_GOALS))
         return found
 
@@ -301,9 +329,11 @@ class DirectedSearch:
         wanted = [goal for goal in self._goals.branches if goal in self._frontier]
         rows: list[Row] = []
 
-        def add(values: Row | None) -> bool:
+        def add(values: Row | None, around: Row = state.row) -> bool:
             if values is not None:
-                row = {**state.row, **values}
+                for name, value in values.items():  # what a condition wants once is worth a try elsewhere
+                    self._learn(name, [value])
+                row = {**around, **values}
                 if row not in rows:
                     rows.append(row)
             return values is not None
@@ -314,11 +344,13 @@ class DirectedSearch:
             if not add(self._goals.solve([goal], others)) and not add(self._goals.solve([goal], before)):
                 add(self._goals.solve([goal], []))
         if enabled:
-            add(self._goals.solve([], enabled))
+            held = self._goals.solve([], enabled)
+            add(held, self._quiet)  # where an action adds up an input, nothing but clocks goes on only while that is 0
+            add(held)
         for goal in wanted[:_MOST_GOALS]:
             add(self._goals.solve([goal], []))
         for goals in self._with_parts:
-            for goal in goals.open_parts():
+            for goal in chain(goals.open_actions(), goals.open_parts()):
                 if goal.tries < _TRIES and add(goals.solve_part(goal)):
                     goal.tries += 1
             for goal in goals.open_outcomes():
@@ -354,6 +386,8 @@ class DirectedSearch:
         names = [name for name in read if name in self._values]
         for name in names[:_FLIPS]:
             values = [value for value in self._values[name] if value != state.row[name]]
+            if name in self._bitwise:
+                values = self._chance.sample(values, min(len(values), _VALUES))
             for value in values[:_VALUES]:
                 row = {**state.row, name: value}
                 self._begin(number)
@@ -401,11 +435,21 @@ class DirectedSearch:
         for _ in range(_CHANCES):
             if names:
                 changed = chance.sample(names, min(len(names), chance.choice((1, 1, 2, 3))))
-                row = {**row, **{name: chance.choice(self._values[name]) for name in changed}}
+                row = {**row, **{name: self._other(name, row[name]) for name in changed}}
             for _ in range(chance.choice((1, 1, 2, 5))):
                 if not self._scan(row):
                     return
         self._wait(row)
+
+    def _other(self, name: str, value: Value) -> Value:
+        """A value by chance; where bits matter, often the present one with another bit, or a number around it."""
+        signal = self._signals[name]
+        if name in self._bitwise and isinstance(value, int) and self._chance.random() < _CHANGED_BIT:
+            bit = 1 << self._chance.randrange((signal.greatest - signal.least).bit_length())
+            return _wrapped(
+                self._chance.choice((value ^ bit, value + 1, value - 1, self._chance.getrandbits(64))), signal
+            )
+        return self._chance.choice(self._values[name])
 
 
 class _Clocks:
@@ -469,9 +513,18 @@ def _bucket(distance: float) -> int:
     return 4 + frexp(distance)[1] if distance > 0 else 0
 
 
+def _wrapped(number: int, signal: Signal) -> int:
+    return (number - signal.least) % (signal.greatest - signal.least + 1) + signal.least
+
+
 def _values(domain: Domain, signal: Signal) -> list[Value]:
-    """The values that are tried for an input: those that comparisons tell apart, and some of its type."""
+    """The values that are tried for an input: those that comparisons tell apart, and some of its type.
+
+    Among them are the least and the greatest integer: ``n + 1 > n`` is FALSE for one value only.
+    """
     known = [plain(each) for each in domain.options]
     if signal.kind is SignalKind.BOOL:
         return known
-    return list(dict.fromkeys([*(known if len(known) > 1 else ()), *samples(signal), *known]))
+    first, *others = samples(signal)
+    bounds = (signal.least, signal.greatest) if signal.kind is SignalKind.INTEGER else ()
+    return list(dict.fromkeys([*(known if len(known) > 1 else ()), first, *others[:1], *bounds, *others, *known]))

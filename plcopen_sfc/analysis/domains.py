@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, NoReturn
 
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-__all__ = ["Domain", "NotProvableError", "Probe", "Symbolic", "Text", "frozen", "plain"]
+__all__ = ["Domain", "NotProvableError", "Probe", "Symbolic", "Text", "Unasked", "asked", "frozen", "plain"]
 
 GREATEST_REAL = 3.4028234663852886e38
 _MOST_CUTS = 24
@@ -178,8 +179,24 @@ class Text(Probe):
         raise NotProvableError(f"{self.domain.name} is a text")
 
 
+class Unasked:
+    """The value of an input at the end of a scan that has not read it: it is only asked for where it matters."""
+
+    __slots__ = ("ask", "name")
+
+    def __init__(self, name: str, ask: Callable[[], Any]) -> None:
+        self.name = name
+        self.ask = ask
+
+
+def asked(value: Any) -> Any:
+    """A value, which is asked for if it was not yet."""
+    return value.ask() if isinstance(value, Unasked) else value
+
+
 def plain(value: Any) -> Value:
     """The number of a probe; anything else itself."""
+    value = asked(value)
     number: Value = value.value if isinstance(value, Probe) else value
     return number
 

@@ -11,6 +11,7 @@ written in the scan makes no difference.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -245,7 +246,8 @@ class _Compared:
     def check_freed(self) -> None:
         """Refuse names of variables that neither system can have as an input."""
         systems = self._systems(NO_DELAY) if self.free_inputs else ()
-        known = {name.casefold() for system in systems for name in system.inputs}
+        names = {name.casefold() for system in systems for name in system.inputs}
+        known = names | {re.split(r"[.\[]", name)[0] for name in names}
         for name in self.free_inputs:
             if name != ALL_FREE and name.casefold() not in known:
                 frozen = dict.fromkeys(each for system in systems for each in system.frozen())

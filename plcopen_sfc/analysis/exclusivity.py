@@ -18,6 +18,9 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.conditions import Expression as Condition
 from plcopen_sfc.model.pou import NamedTransition
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 
@@ -58,6 +61,14 @@ def condition_of(
 ) -> NetworkExpression:
     """The condition of a transition, however it is given. `transitions` are those of the POU (`Pou.transitions`)."""
     return condition_expression(chart, transition, dialect, transitions=transitions)
+
+
+def association_condition(association: ActionAssociation, dialect: Dialect = Dialect.IEC) -> Expression | None:
+    """The condition of an action association as a tree; None: it has none, or none that is an expression."""
+    if not isinstance(association.condition, Condition):
+        return None
+    parsed = parse_condition(association.condition.text, dialect)
+    return None if parsed.problems else parsed.tree
 
 
 def exclusive(

@@ -1,14 +1,15 @@
 """Conditions as formulas that z3 decides.
 
-A formula knows Boolean operations, comparisons of values with constants and with each other, and nothing else. What it
-does not know (arithmetic, calls) is an atom of its own: equal text, equal value. Such an atom may take any value in the
-formula, so what z3 finds impossible is impossible; what it finds possible is then only a guess, and `Formula.doubts`
-says why.
+A formula knows Boolean operations, comparisons of values with constants and with each other, lengths of texts, and
+nothing else. What it does not know (arithmetic, calls) is an atom of its own: equal text, equal value. Such an atom may
+take any value in the formula, so what z3 finds impossible is impossible; what it finds possible is then only a guess,
+and `Formula.doubts` says why. Where only guesses are wanted, arithmetic and standard functions are known, too.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
@@ -18,12 +19,26 @@ from functools import reduce
 from threading import local
 from typing import Any
 
+from plcopen_sfc.analysis.calculations import (
+    FIRST_IS_TEXT,
+    OF_NUMBERS,
+    TEXT_RESULT,
+    calculated,
+    called,
+    converted,
+)
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import normal_form
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
-from plcopen_sfc.languages.st.literals import LiteralKind, LiteralValue, literal_value, write_literal
+from plcopen_sfc.languages.st.literals import (
+    INTEGER_RANGES,
+    LiteralKind,
+    LiteralValue,
+    literal_value,
+    write_literal,
+)
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.standard_blocks import standard_block
 
@@ -39,6 +54,7 @@ class ValueKind(StrEnum):
     TIME_OF_DAY = "time of day"
     DATE_AND_TIME = "date and time"
     SYMBOL = "symbol"
+    TEXT = "text"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +107,7 @@ _KINDS = {
     LiteralKind.DATE: ValueKind.DATE,
     LiteralKind.TIME_OF_DAY: ValueKind.TIME_OF_DAY,
     LiteralKind.DATE_AND_TIME: ValueKind.DATE_AND_TIME,
-    LiteralKind.STRING: ValueKind.SYMBOL,
+    LiteralKind.STRING: ValueKind.TEXT,
     LiteralKind.ENUMERATED: ValueKind.SYMBOL,
 }
 _LITERALS = {
@@ -101,6 +117,17 @@ _LITERALS = {
     ValueKind.DATE_AND_TIME: LiteralKind.DATE_AND_TIME,
 }
 _NUMBERS = (ValueKind.INTEGER, ValueKind.REAL)
+_CALCULATING = frozenset(
+    {
+        Operator.ADD,
+        Operator.SUBTRACT,
+        Operator.MULTIPLY,
+        Operator.DIVIDE,
+        Operator.MODULO,
+        Operator.POWER,
+    }
+)
+_NUMERIC = {"REAL": ValueKind.REAL, "LREAL": ValueKind.REAL, **dict.fromkeys(INTEGER_RANGES, ValueKind.INTEGER)}
 
 
 @dataclass
@@ -115,10 +142,14 @@ class _Atom:
 
 @dataclass
 class Formula:
-    """Conditions in one formula, each a z3 term. `doubts`: why what z3 finds possible may still be impossible."""
+    """Conditions in one formula, each a z3 term. `doubts`: why what z3 finds possible may still be impossible.
+
+    `guessing`: only a `model` is wanted; what z3 finds impossible may be possible, as integers have no bounds between.
+    """
 
     dialect: Dialect
     knowledge: Knowledge | None
+    guessing: bool = False
     doubts: list[str] = field(default_factory=list)
     _atoms: dict[str, _Atom] = field(default_factory=dict)
     _bounds: list[Any] = field(default_factory=list)
@@ -183,6 +214,9 @@ class Formula:
             if atom.kind is ValueKind.BOOL:
                 if z3.is_true(value) or z3.is_false(value):
                     found[atom.text] = z3.is_true(value)
+            elif atom.kind is ValueKind.TEXT:
+                if z3.is_string_value(value):
+                    found[atom.text] = _plain_text(value)
             elif z3.is_rational_value(value):
                 found[atom.text] = value.as_fraction()
             elif z3.is_int_value(value):
@@ -213,6 +247,8 @@ class Formula:
         if atom.kind is ValueKind.BOOL:
             return [atom.term == z3.BoolVal(bool(value), ctx=context)]
         if isinstance(value, str):
+            if atom.kind is ValueKind.TEXT:
+                return [atom.term == _text_term(value)]
             if atom.kind is not ValueKind.SYMBOL:
                 return []
             return [atom.term == self._code(LiteralValue(LiteralKind.ENUMERATED, value))]
@@ -228,6 +264,8 @@ class Formula:
             value = model.eval(atom.term, model_completion=True)
             if atom.kind is ValueKind.BOOL:
                 situation[atom.text] = "TRUE" if str(value) == "True" else "FALSE"
+            elif atom.kind is ValueKind.TEXT:
+                situation[atom.text] = write_literal(LiteralValue(LiteralKind.STRING, _plain_text(value)), self.dialect)
             elif atom.kind is ValueKind.SYMBOL:
                 known = range(len(self._symbols))
                 situation[atom.text] = self._symbols[value.as_long()] if value.as_long() in known else "another value"
@@ -285,7 +323,8 @@ class Formula:
         numbers = all(k is None or k in _NUMBERS for k in kinds)
         if None not in kinds and kinds[0] is not kinds[1] and not numbers:
             return self._unknown(tree, "compares values of different types")
-        if kind is ValueKind.SYMBOL and operator not in (Operator.EQUAL, Operator.UNEQUAL):
+        by_size = operator not in (Operator.EQUAL, Operator.UNEQUAL)
+        if by_size and (kind is ValueKind.SYMBOL or (kind is ValueKind.TEXT and not self.guessing)):
             return self._unknown(tree, "compares texts or names by size")
         return _COMPARING[operator](self._value(left, kind), self._value(right, kind))
 
@@ -311,6 +350,12 @@ class Formula:
                 # of BOOL or of bit strings, whichever its operands are
                 kinds = [self._kind(operand) for operand in operands]
                 return next((kind for kind in kinds if kind is not None), None)
+            case n.Call(n.Name(name)) if name.upper() == "LEN":
+                return ValueKind.INTEGER
+        if self.guessing:
+            kind = self._calculated_kind(tree)
+            if kind is not None:
+                return kind
         if self._key(tree) in self._boolean:
             return ValueKind.BOOL
         atom = self._atoms.get(self._key(tree))
@@ -321,8 +366,11 @@ class Formula:
         tree = n.bare(tree)
         constant = self._constant(tree)
         if constant is None:
-            return self._atom(tree, kind).term
+            made = self._calculation(tree, kind)
+            return self._atom(tree, kind).term if made is None else made
         value = constant.value
+        if isinstance(value, str) and constant.kind is LiteralKind.STRING:
+            return _text_term(value)
         if isinstance(value, str):
             return z3.IntVal(self._code(constant), ctx=context)
         if isinstance(value, date):
@@ -330,6 +378,54 @@ class Formula:
         if isinstance(value, float):
             return z3.RealVal(Fraction(value), ctx=context)
         return z3.IntVal(int(value), ctx=context)
+
+    # -- what is calculated
+
+    def _calculated_kind(self, tree: Expression) -> ValueKind | None:
+        """The kind of the result of an operation or a standard function; None: not known."""
+        match tree:
+            case n.Unary(Operator.NEGATE | Operator.PLUS, operand):
+                return self._kind(operand)
+            case n.Operation(_, operands):
+                kinds = [self._kind(operand) for operand in operands]
+            case n.Call(n.Name(name), arguments) if name.upper() in OF_NUMBERS:
+                kinds = [self._kind(each.value) for each in arguments if each.value is not None]
+            case n.Call(n.Name(name)) if name.upper() in TEXT_RESULT:
+                return ValueKind.TEXT
+            case n.Call(n.Name(name)) if name.upper() == "FIND":
+                return ValueKind.INTEGER
+            case n.Call(n.Name(name)) if _is_standard(tree):
+                return _NUMERIC.get(name.upper().rpartition("TO_")[2]) if "TO_" in name.upper() else None
+            case _:
+                return None
+        known = [kind for kind in kinds if kind is not None]
+        return ValueKind.REAL if ValueKind.REAL in known else next(iter(known), None)
+
+    def _calculation(self, tree: Expression, kind: ValueKind) -> Any:
+        """The term of an operation or a standard function, where that is known and wanted; else None."""
+        z3, _ = _z3()
+        if isinstance(tree, n.Call) and isinstance(tree.callee, n.Name):
+            name = tree.callee.identifier.upper()
+            given = [each.value for each in tree.arguments if each.value is not None]
+            if name != "LEN" and not self.guessing:
+                return None
+            texts = FIRST_IS_TEXT.get(name, 0)
+            if texts or name in OF_NUMBERS:
+                other = ValueKind.INTEGER if texts else kind
+                terms = [self._value(a, ValueKind.TEXT if i < texts else other) for i, a in enumerate(given)]
+                return called(z3, name, terms)
+            source = self._kind(given[0]) if len(given) == 1 else None
+            if source in _NUMBERS and self._calculated_kind(tree) in _NUMBERS:
+                to_real = self._calculated_kind(tree) is ValueKind.REAL
+                return converted(z3, self._value(given[0], source), to_real=to_real)
+        if not self.guessing or kind not in (*_NUMBERS, ValueKind.DURATION):
+            return None
+        match tree:
+            case n.Unary(Operator.NEGATE, operand):
+                return -self._value(operand, kind)
+            case n.Operation(operator, operands) if operator in _CALCULATING:
+                return calculated(z3, operator, [self._value(each, self._kind(each) or kind) for each in operands])
+        return None
 
     def _constant(self, tree: Expression) -> LiteralValue | None:
         tree = n.bare(tree)
@@ -381,6 +477,8 @@ class Formula:
             self._doubt(f"{text} is used as {found.kind} and as {kind}")
         if kind is ValueKind.BOOL:
             term = z3.Bool(key, ctx=context)
+        elif kind is ValueKind.TEXT:
+            term = z3.Const(key, z3.StringSort(ctx=context))
         elif kind in _NUMBERS and (domain is None or kind is ValueKind.REAL):
             term = z3.Real(key, ctx=context)
         else:
@@ -474,6 +572,20 @@ def _is_standard(call: n.Call) -> bool:
         return False
     block = standard_block(call.callee.identifier)
     return block is not None and not block.stateful
+
+
+_ESCAPED = re.compile(r"\\u\{([0-9a-fA-F]+)\}")
+
+
+def _text_term(text: str) -> Any:
+    z3, context = _z3()
+    return z3.StringVal(text.replace("\\", "\\u{5c}"), ctx=context)  # else z3 reads the text \u{41} as A
+
+
+def _plain_text(value: Any) -> str:
+    """The text of a z3 value, which escapes what is not ASCII."""
+    text = value.as_string() if hasattr(value, "as_string") else ""
+    return _ESCAPED.sub(lambda found: chr(int(found[1], 16)), text)
 
 
 def negation(term: Any) -> Any:

@@ -8,17 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
-from plcopen_sfc.analysis.exclusivity import condition_of
+from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
 from plcopen_sfc.analysis.formulas import Formula, Reading, negation
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.parts import ConditionParts, Part
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import normal_form
+from plcopen_sfc.languages.networks.values import joined
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, print_node, walk
+from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st.literals import LiteralKind, literal_value
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
@@ -46,6 +49,12 @@ _OPPOSITE = {
     Operator.GREATER: Operator.LESS_OR_EQUAL,
     Operator.LESS_OR_EQUAL: Operator.GREATER,
 }
+_LITERALS = {
+    SignalKind.INTEGER: (LiteralKind.INTEGER,),
+    SignalKind.REAL: (LiteralKind.REAL, LiteralKind.INTEGER),
+    SignalKind.DURATION: (LiteralKind.DURATION,),
+    SignalKind.STRING: (LiteralKind.STRING,),
+}
 _FAR = 1e15
 _MOST_BRANCHES = 400
 
@@ -56,7 +65,8 @@ class Goal:
 
     `sources` are the bits of the steps that must be active for that, of the chart of number `chart` (-1: of none).
     `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
-    `part`: a part of a condition that decides it then; `tries`: how often inputs that were to do it have not done it.
+    `part`: a part of a condition that decides it then; `action`: the bit of an action that it executes; `tries`: how
+    often inputs that were to do it have not done it; `has_inputs`: it may be solved, as far as that was looked at.
     """
 
     name: str
@@ -66,6 +76,8 @@ class Goal:
     sources: int = 0
     branch: int = -1
     part: Part | None = None
+    action: int = 0
+    has_inputs: bool = True
     tries: int = 0
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
@@ -104,6 +116,7 @@ class Goals:
         for number, (chart, _) in enumerate(self.charts):
             if chart in self._own:
                 self.transitions[number] = [self._of_transition(number, each) for each in chart.net.transitions]
+        self.actions = [goal for number, _ in enumerate(self.charts) for goal in self._of_actions(number)]
         self._find_branches()
         self.parts = [self._of_part(part) for part in parts]
         self._library.link()
@@ -135,22 +148,49 @@ class Goals:
             if len(goals) >= _MOST_BRANCHES:
                 continue
             inside = branch.owner == own or branch.owner.startswith((f"{own}.", f"{own} "))
-            if not branch.condition or not inside or "\n" in branch.condition:
+            if not branch.guards or not inside:
                 continue
-            parsed = parse_condition(branch.condition, self._project.dialect)
-            if parsed.problems:
-                continue
-            tree = normal_form(parsed.tree)
+            tree = normal_form(joined(Operator.AND, branch.guards))
             goal = Goal(branch.condition, tree, branch=number)
             goal.distance = self._distance(tree, wanted=True)
             goals.append(goal)
+
+    def _of_actions(self, number: int) -> Iterator[Goal]:
+        """The conditions of the associations of actions."""
+        chart = self.charts[number][0]
+        if chart not in self._own:
+            return
+        for action, origins in enumerate(chart.reached.origins):
+            for steps, association in origins:
+                tree = association_condition(association, self._project.dialect) if association is not None else None
+                if tree is not None:
+                    tree = normal_form(tree)
+                    goal = Goal(chart.reached.labels[action], tree, number, sources=steps, action=1 << action)
+                    goal.distance = self._distance(tree, wanted=True)
+                    yield goal
 
     def _of_part(self, part: Part) -> Goal:
         number = next(number for number, (chart, _) in enumerate(self.charts) if chart is part.chart)
         transition = part.transition
         goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)
+        paths = (node for node in walk(part.deciding) if isinstance(node, n.Name | n.Member | n.Index | n.Address))
+        goal.has_inputs = any(self._input(print_node(node)) is not None for node in paths)
         goal.distance = self._distance(part.deciding, wanted=True)
         return goal
+
+    def constants(self, signal: Signal) -> Iterator[Value]:
+        """The constants in the conditions that an input of a type could have."""
+        kinds = _LITERALS.get(signal.kind, ())
+        transitions = chain.from_iterable(self.transitions)
+        for goal in chain(transitions, self.branches, self.outcomes, self.parts):
+            for node in walk(goal.tree) if goal.tree is not None and kinds else ():
+                if isinstance(node, n.Literal):
+                    try:
+                        found = literal_value(node, self._project.dialect)
+                        if found.kind in kinds:
+                            yield signal.accept(found.value)
+                    except SfcError:
+                        continue  # the type has no such value
 
     def open_parts(self) -> Iterator[Goal]:
         """The parts of conditions of transitions whose sources were entered, and which have not decided them."""
@@ -160,6 +200,13 @@ class Goals:
                 and goal.part.is_open
                 and goal.sources & ~self.charts[goal.chart][0].reached.steps == 0
             ):
+                yield goal
+
+    def open_actions(self) -> Iterator[Goal]:
+        """The conditions of actions that were never executed though a step was entered which has them."""
+        for goal in self.actions:
+            reached = self.charts[goal.chart][0].reached
+            if not goal.action & reached.actions and goal.sources & reached.steps:
                 yield goal
 
     def open_outcomes(self) -> Iterator[Goal]:
@@ -190,9 +237,9 @@ class Goals:
         ]
 
     def solve_part(self, goal: Goal) -> dict[str, Value] | None:
-        """Values of inputs with which a part decides now, if possible while no competing transition fires."""
+        """Values of inputs that make something of a step TRUE now, if possible while no competing transition fires."""
         markings = self.markings()
-        if goal.sources & ~markings[goal.chart]:
+        if goal.sources & ~markings[goal.chart] or not goal.has_inputs:
             return None
         enabled = [each for each in self.enabled(markings) if each.chart == goal.chart and each.tree is not None]
         competing = [each for each in enabled if each.bit != goal.bit and each.sources & goal.sources]
@@ -255,7 +302,7 @@ class Goals:
         for node in walk(tree):
             if isinstance(node, n.Call):
                 return None
-            if isinstance(node, n.Name | n.Member | n.Address) and self._input(print_node(node)) is not None:
+            if isinstance(node, n.Name | n.Member | n.Index | n.Address) and self._input(print_node(node)) is not None:
                 return None
         instance = self._system.instance
         try:
@@ -317,7 +364,7 @@ class Goals:
 
     def _formula(self) -> Formula:
         chart = self._system.subject.pou.sfc
-        return Formula(self._project.dialect, self._knowledge.at(self._system.subject.pou, chart))
+        return Formula(self._project.dialect, self._knowledge.at(self._system.subject.pou, chart), guessing=True)
 
     def _present(self, text: str) -> Any:
         try:
@@ -368,6 +415,8 @@ def _accepted(signal: Signal, value: Any) -> Value | None:
         wanted = str(value).casefold()
         return next((number for number, name in signal.names.items() if name.casefold() == wanted), None)
     try:
+        if signal.kind is SignalKind.STRING:
+            return signal.accept(value) if isinstance(value, str) else None
         if signal.kind is SignalKind.REAL:
             return signal.accept(float(value))
         if signal.kind in (SignalKind.INTEGER, SignalKind.DURATION):

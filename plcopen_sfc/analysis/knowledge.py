@@ -10,7 +10,6 @@ from plcopen_sfc.languages.names.declarations import Declaration, Kind, inside
 from plcopen_sfc.languages.names.pieces import Site
 from plcopen_sfc.languages.names.references import named
 from plcopen_sfc.languages.names.resolving import Resolver
-from plcopen_sfc.languages.names.scopes import sections_of
 from plcopen_sfc.languages.names.uses import dialect_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
@@ -41,7 +40,7 @@ class ProjectKnowledge:
 
     def __init__(self, project: Project) -> None:
         self.resolver = Resolver(project, dialect_of(project))
-        sections = [*sections_of(project), *(s for p in project.pous if p.interface for s in p.interface.sections)]
+        sections = [*project.global_sections(), *(s for p in project.pous if p.interface for s in p.interface.sections)]
         self.constants = {id(v) for section in sections if section.constant for v in section.variables}
         self.constants |= {id(constant) for table in project.tag_tables for constant in table.constants}
         enumerations = [type_ for declared in project.data_types for type_ in inside(declared.type)]
@@ -147,7 +146,7 @@ class _Known:
         if isinstance(type_, t.ElementaryType):
             return self._elementary(type_.name.value)
         if isinstance(type_, t.StringType):
-            return Domain(ValueKind.SYMBOL)
+            return Domain(ValueKind.TEXT)
         if isinstance(type_, t.EnumType):
             if any(value.value is not None and id(value) not in self._distinct for value in type_.values):
                 return None

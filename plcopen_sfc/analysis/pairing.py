@@ -76,9 +76,17 @@ def _input_keys(left: ProgramSystem, right: ProgramSystem) -> tuple[dict[str, st
 def output_pairs(left: ProgramSystem, right: ProgramSystem, *, delayed: bool) -> list[tuple[str, Signal, str]]:
     """All single values that both have and that are no inputs: name and signal on the left, name on the right.
 
+    VAR_IN_OUT are both, where one of the two writes them.
     `delayed`: the two see the inputs of different scans, and so do not give instances the same inputs.
     """
-    mine, theirs = ({n: each for n, each in s.variables.items() if not each.is_input} for s in (left, right))
+
+    def is_put_out(name: str, each: Watched) -> bool:
+        return each.direction == "in_out" and any(s.writes(name) for s in (left, right) if name in s.variables)
+
+    mine, theirs = (
+        {n: each for n, each in s.variables.items() if not each.is_input or (not delayed and is_put_out(n, each))}
+        for s in (left, right)
+    )
     placed = {right.addresses[name]: name for name in theirs if name in right.addresses}
     named = {right.local_name(name): name for name in theirs}
     by_address = {name: placed[at] for name in mine if (at := left.addresses.get(name)) in placed and at is not None}

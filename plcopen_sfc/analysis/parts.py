@@ -1,8 +1,9 @@
 """Which parts of conditions have decided them: what hides behind an alternative is not tested by its transition firing.
 
 A part of OR decides while it is TRUE and all others are FALSE, a part of AND while it is FALSE and all others are TRUE,
-and nothing outside of that operation decides already (masking MC/DC). Looked at are parts that compare numbers or
-times. Of a Boolean it is seldom proven that it cannot change where it is tested, such as the flag of the own step.
+and nothing outside of that operation decides already (masking MC/DC). That is asked of parts that compare numbers or
+times. A Boolean must only have been TRUE and FALSE where it was tested: of it alone it is often proven that it cannot
+change there, such as the flag of the own step, but seldom that it cannot decide.
 """
 
 from __future__ import annotations
@@ -42,15 +43,24 @@ _COMPARING = frozenset(
 
 @dataclass(eq=False)
 class Part:
-    """A part of the condition of a transition: its text, when it decides, and whether it has done so."""
+    """A part of the condition of a transition: its text, when it decides, and whether it has done so.
+
+    `value`: a Boolean that is to have this value when it is tested, whether it decides or not.
+    """
 
     owner: str
     chart: ChartProgram | GraphProgram
     transition: NetTransition
     text: str
     deciding: Expression
+    value: bool | None = None
     is_seen: bool = False
     is_readable: bool = True
+
+    @property
+    def label(self) -> str:
+        """What tells it from the other parts of the condition."""
+        return self.text if self.value is None else f"{self.text} = {self.value}".upper()
 
     @property
     def is_open(self) -> bool:
@@ -71,9 +81,12 @@ class ConditionParts:
         for name, chart in charts:
             looks: dict[int, Callable[[Frame], None]] = {}
             for transition in chart.net.transitions:
-                own = [
-                    Part(name, chart, transition, print_node(part), deciding)
-                    for part, deciding in _parts(self._condition(transition))
+                tree = self._condition(transition)
+                own = [Part(name, chart, transition, print_node(part), deciding) for part, deciding in _parts(tree)]
+                own += [
+                    Part(name, chart, transition, print_node(leaf), leaf if value else inverted(leaf), value)
+                    for leaf in _booleans(tree)
+                    for value in (True, False)
                 ]
                 if own:
                     self._found += own
@@ -145,6 +158,34 @@ def _parts(tree: Expression | None, around: tuple[Expression, ...] = ()) -> Iter
                 if any(map(_compares, walk(operand))):
                     yield operand, joined(Operator.AND, [*visible, operand if is_or else inverted(operand)])
                 yield from _parts(operand, visible)
+
+
+def _booleans(tree: Expression | None) -> Iterator[Expression]:
+    """The Booleans that a condition joins, each once."""
+    found: dict[str, Expression] = {}
+    waiting = list(_operands(tree))
+    while waiting:
+        node = waiting.pop(0)
+        inner = list(_operands(node))
+        waiting += inner
+        if not inner and not isinstance(node, n.Literal) and not any(map(_compares, walk(node))):
+            found.setdefault(print_node(node).casefold(), node)
+    return iter(found.values())
+
+
+def _operands(tree: Expression | None) -> Sequence[Expression]:
+    """What an operation joins; that of a condition which joins nothing is empty."""
+    tree = _bare(tree) if tree is not None else None
+    if isinstance(tree, n.Operation) and tree.operator in (*_AND, *_OR, Operator.XOR):
+        return [_bare(each) for each in tree.operands]
+    return ()
+
+
+def _bare(tree: Expression) -> Expression:
+    """An operand without parentheses and NOT."""
+    while isinstance(tree, n.Parenthesized) or (isinstance(tree, n.Unary) and tree.operator is Operator.NOT):
+        tree = tree.inner if isinstance(tree, n.Parenthesized) else tree.operand
+    return tree
 
 
 def _compares(node: n.Node) -> bool:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Generator, Hashable, Iterable,
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
-from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, Symbolic, Text, frozen, plain
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, Symbolic, Text, Unasked, asked, frozen, plain
 from plcopen_sfc.analysis.intervals import KeptError, Split
 from plcopen_sfc.errors import (
     ForcingConflictError,
@@ -366,6 +366,9 @@ _COPIES = frozenset({Probe, Text})
 
 
 def _equal(a: Any, b: Any) -> bool:
+    if isinstance(a, Unasked) and isinstance(b, Unasked) and a.name == b.name:
+        return True
+    a, b = asked(a), asked(b)
     if not isinstance(a, Probe) and not isinstance(b, Probe):
         return bool(a == b) or (a != a and b != b)  # noqa: PLR0124  # two that are no numbers are the same
     if isinstance(a, Probe) and isinstance(b, Probe) and a.domain is b.domain:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import itemgetter
 from typing import Any
 
 from plcopen_sfc.analysis.clocking import Clocking, StepTimes, step_times
+from plcopen_sfc.analysis.domains import Unasked, asked
 from plcopen_sfc.analysis.free_calls import FreeCalls
 from plcopen_sfc.analysis.product import Branching, LeftOutError, end_of, hidden_reason
 from plcopen_sfc.analysis.scratch import scratch_cells
@@ -25,7 +27,7 @@ from plcopen_sfc.semantics.programs.layouts import Frame
 from plcopen_sfc.semantics.programs.marks import Marks
 from plcopen_sfc.semantics.programs.runtime import UNREAD
 from plcopen_sfc.semantics.programs.types import ELAPSED, INSTANT
-from plcopen_sfc.semantics.signals import Signal, Value
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 from plcopen_sfc.semantics.subjects import Subject
 from plcopen_sfc.semantics.watching import Watched, is_written, step_marking, watched, watched_members
 
@@ -114,7 +116,7 @@ class ProgramSystem:
 
     @property
     def inputs(self) -> dict[str, Signal]:
-        """The inputs that nothing writes, with their types."""
+        """What has its value from outside, with its type."""
         return {name: each.signal for name, each in self.variables.items() if each.is_input}
 
     def local_name(self, path: str) -> str:
@@ -150,8 +152,31 @@ class ProgramSystem:
         """The variables that it reads, that nothing writes, and that are no inputs."""
         return sorted(set(self._controller.library.frozen()) - {*self._fixed, *self._not_free}, key=str.casefold)
 
+    def bit_patterns(self, signal: Signal) -> Iterator[int]:
+        """The integers of a type by which its bits may be told apart; none where it looks at no bits.
+
+        Those are single bits and masks, and what gives a number of the texts when it is shifted.
+        """
+        library = self._controller.library
+        if signal.kind is not SignalKind.INTEGER or not (library.masks or library.shifts):
+            return
+        width = (signal.greatest - signal.least).bit_length()
+        for mask in library.masks:
+            yield from (mask, ~mask)
+        for number in library.numbers:
+            for shift in (0, *(each for each in library.shifts if 0 < each < width)):
+                low = (1 << shift) - 1
+                yield from (number << shift, number << shift | low, number >> shift | (number & low) << width - shift)
+
+    def not_driven(self) -> list[str]:
+        """The inputs that it reads and that keep their values, because no few values stand for them."""
+        return self._controller.library.not_given()
+
     def writes(self, path: str) -> bool:
-        """Whether it may write a variable."""
+        """Whether it may write a variable. What unknown blocks put out is known from their calls."""
+        unknown = self._controller.library.unknown
+        if unknown is not None and unknown.owns(path):
+            return False
         return is_written(self.instance, path)
 
     @property
@@ -213,7 +238,11 @@ class ProgramSystem:
             marking = self._marking() if has_bits else 0
             return tuple(
                 [
-                    marking & bit != 0 if bit else values[place] if equals is None else bool(values[place] == equals)
+                    marking & bit != 0
+                    if bit
+                    else values[place]
+                    if equals is None
+                    else bool(asked(values[place]) == equals)
                     for bit, equals, place in plan
                 ]
             )
@@ -227,8 +256,12 @@ class ProgramSystem:
         if given.isdisjoint(path.casefold() for path in paths):
             return read
         return lambda: tuple(
-            [self._input(path) if value is UNREAD else value for path, value in zip(paths, read(), strict=True)]
+            [self._unasked(path) if value is UNREAD else value for path, value in zip(paths, read(), strict=True)]
         )
+
+    def _unasked(self, path: str) -> Any:
+        found = Unasked(self._names.get(path.casefold(), path), partial(self._input, path))
+        return found.ask() if self.is_delayed or path.casefold() in self._fixed else found
 
     def part(self, pou: Pou, observations: Sequence[Observation]) -> ProgramSystem:
         """A system of a part of its POU, at the same times, in which some of the same things are observed."""

@@ -8,7 +8,7 @@ transitions are looked at in turn until nothing more is found to be possible.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, Reading
@@ -16,18 +16,25 @@ from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.languages.networks import normal_form
-from plcopen_sfc.languages.st import parse_condition
+from plcopen_sfc.languages.networks.values import inverted
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.model.variables import SectionKind
-from plcopen_sfc.semantics.net import Net, NetTransition, indexes
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
+from plcopen_sfc.semantics.profile import Evolution, ScanOrder
 
 __all__ = ["Unreachable"]
 
 _MARKINGS = 20_000
 _POINTERS = re.compile(r"\bADR\b|\bREF\b|REF=|REFERENCE|POINTER", re.IGNORECASE)
+_ESCAPES = re.compile(r"\\[\\nrtbf]")
+"""Of JSON: else the name behind a line break would begin with an n."""
+
+_GIVING = re.compile(r"(?<![\w.])([A-Za-z_]\w*)\s*:=\s*(TRUE|FALSE)\s*;", re.IGNORECASE)
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
 
@@ -43,6 +50,7 @@ class Unreachable:
         self.steps: dict[str, set[int]] = {}
         self.transitions: dict[str, set[int]] = {}
         self._fixed: set[str] = set()
+        self._graphs: dict[str, MarkingGraph] = {}
         self._never_said: set[str] = set()
         main = [body for body in self._pou.bodies if isinstance(body, SfcBody)]
         if nets and len(main) == len(self._pou.bodies) == 1:
@@ -57,32 +65,83 @@ class Unreachable:
         steps = self._nets[own].steps if own in self._nets else ()
         return any(step.path == place and step.index in self.steps.get(own, ()) for step in steps)
 
-    def is_never_true(self, condition: str) -> bool:
-        """True if nothing makes the condition of a branch TRUE."""
-        parsed = parse_condition(condition, self._system.subject.project.dialect)
-        return not parsed.problems and self.is_impossible(normal_form(parsed.tree), self._pou.sfc)
+    def is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> bool:
+        """True if conditions that stand in a chart are never TRUE together."""
+        return self._is_impossible(trees, chart, self._fixed)
 
-    def is_impossible(self, tree: Expression, chart: SfcNetwork | None) -> bool:
-        """True if a condition that stands in a chart is never TRUE."""
-        return self._is_impossible(tree, chart, self._fixed)
+    def frozen_by(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> list[str]:
+        """The variables whose values keep conditions from being TRUE together, as nothing writes or gives them."""
+        frozen = {name.casefold(): name for name in self._system.frozen()}
+        names = {name.casefold() for tree in trees for name in _variables(tree)} & frozen.keys()
+        if not names or not self._is_impossible(trees, chart, self._fixed | names):
+            return []
+        return sorted((frozen[name] for name in names), key=str.casefold)
+
+    def has_never(self, name: str, transition: NetTransition, text: str, value: bool) -> bool:
+        """True if the flag of a step never has a value where the condition of a transition is tested."""
+        path, dot, member = text.casefold().rpartition(".")
+        net = self._nets.get(name)
+        profile = self._system.profile
+        if net is None or dot != "." or member != "x" or profile.evolution is not Evolution.SINGLE:
+            return False
+        bit = next((step.bit for step in net.steps if step.path.casefold() == path), 0)
+        if not bit or profile.order is ScanOrder.RETIMED:
+            return False
+        graph = self._graph(name)
+        return graph.complete and not any(
+            bool(marking & bit) is value for marking in graph if not transition.pre & ~marking
+        )
+
+    def _graph(self, name: str) -> MarkingGraph:
+        if name not in self._graphs:
+            net = self._nets[name]
+            self._graphs[name] = MarkingGraph(net, rivals=self._system.profile.rivals, cap=_MARKINGS)
+        return self._graphs[name]
+
+    def is_left_before(self, name: str, step: NetStep, time: str) -> bool:
+        """True if a step of a chart is always left before a time has passed: a condition behind it is TRUE then."""
+        dialect = self._system.subject.project.dialect
+        limit = parse_condition(f"{step.path}.T >= {time}", dialect)
+        if name not in self._nets or step.step.min_time or limit.problems:
+            return False
+        for transition in self._nets[name].transitions:
+            condition = self._condition(transition) if transition.sources == (step.index,) else None
+            if condition is not None and self.is_impossible([inverted(condition), limit.tree], transition.chart):
+                return True
+        return False
+
+    def _condition(self, transition: NetTransition) -> Expression | None:
+        """The condition of a transition; None: it is not known, or evaluating it does something."""
+        if transition.transition.condition is None:
+            return None
+        dialect = self._system.subject.project.dialect
+        read = condition_of(transition.chart, transition.transition, dialect, transitions=self._pou.transitions)
+        return None if not read.complete or read.before else read.tree
 
     def _find(self) -> None:
         pou = self._pou
         bodies = {action.name.casefold(): action.body for action in pou.actions}
         texts = {
-            name: _words(body.model_dump_json())
+            name: self._changing_words(body)
             for name, body in bodies.items()
             if not isinstance(body, SfcBody) and body is not None
         }
         charts = {name.partition(".")[2].casefold() or "": name for name in self._nets}
         own = self._own_variables()
         steps = (step.step for net in self._nets.values() for step in net.steps)
-        written = set().union(*texts.values(), *(_words(step.model_dump_json()) for step in steps))
-        methods = {word for method in pou.methods for word in _words(method.model_dump_json())}
+        written = {word for body in bodies.values() if body is not None for word in _words(body.model_dump_json())}
+        written |= {word for step in steps for word in _words(step.model_dump_json())}
+        methods = {method.name.casefold(): self._changing_words(method) for method in pou.methods}
+        calling = {word for each in pou.transitions for word in _words(each.model_dump_json())}
+        calling |= {
+            w for net in self._nets.values() for t in net.transitions for w in _words(t.transition.model_dump_json())
+        }
+        others = [each for each in self._system.subject.project.pous if each.name != pou.name]
+        calling |= {word for each in others for word in _words(each.model_dump_json())} if methods else set()
         possible: dict[str, set[int]] = {name: set() for name in self._nets}
         never: dict[str, set[int]] = {name: set() for name in self._nets}
         executed = {""}
-        said = set(methods)
+        said: set[str] = set()
         while True:
             before = (len(executed), len(said), sum(map(len, possible.values())))
             fixed = (own & written) - said
@@ -92,11 +151,13 @@ class Unreachable:
                 never[name] = {t.index for t in net.transitions if self._is_never(name, t, fixed)}
                 possible[name] = _entered(net, never[name])
                 for index in possible[name]:
-                    said |= _words(net.steps[index].step.model_dump_json())
+                    said |= self._changing_words(net.steps[index].step)
                 for macro in net.macros:
-                    said |= _words(macro.step.model_dump_json())
+                    said |= self._changing_words(macro.step)
             for key in executed & texts.keys():
                 said |= texts[key]
+            for key in (said | calling) & methods.keys():
+                said |= methods[key]
             executed |= {name for name in bodies if name in said}
             if (len(executed), len(said), sum(map(len, possible.values()))) == before:
                 break
@@ -107,10 +168,16 @@ class Unreachable:
         for name, net in self._nets.items():
             dead = {step.index for step in net.steps} - possible[name]
             if name in {charts[key] for key in executed & charts.keys()} and len(dead) < len(net.steps):
-                graph = MarkingGraph(net, rivals=self._system.profile.rivals, cap=_MARKINGS)
-                dead |= {step.index for step in graph.unreachable_steps or ()}
+                dead |= {step.index for step in self._graph(name).unreachable_steps or ()}
             self.steps[name] = dead
             self.transitions[name] = never[name] | {t.index for t in net.transitions if set(t.sources) & dead}
+
+    def _changing_words(self, owner: Element) -> set[str]:
+        """The words of a text, without variables that it only gives their first value."""
+        return _words(_GIVING.sub(self._without_first_value, _ESCAPES.sub(" ", owner.model_dump_json())))
+
+    def _without_first_value(self, given: re.Match[str]) -> str:
+        return ";" if self._first_value(given[1]) is (given[2].upper() == "TRUE") else given[0]
 
     def _never_called(self, possible: Mapping[str, set[int]], texts: Iterable[set[str]]) -> set[str]:
         """The methods that nothing names which can be executed."""
@@ -141,22 +208,19 @@ class Unreachable:
 
     def _is_never(self, name: str, transition: NetTransition, fixed: set[str]) -> bool:
         """Whether the condition of a transition that did not fire is FALSE while some variables are not written."""
-        if self._fired[name] & transition.bit or transition.transition.condition is None:
+        if self._fired[name] & transition.bit:
             return False
-        project = self._system.subject.project
-        read = condition_of(transition.chart, transition.transition, project.dialect, transitions=self._pou.transitions)
-        if read.tree is None or not read.complete or read.before:
-            return False
-        return self._is_impossible(read.tree, transition.chart, fixed)
+        condition = self._condition(transition)
+        return condition is not None and self._is_impossible([condition], transition.chart, fixed)
 
-    def _is_impossible(self, tree: Expression, chart: SfcNetwork | None, fixed: set[str]) -> bool:
-        """Whether a condition is FALSE while some variables are not written."""
+    def _is_impossible(self, trees: Sequence[Expression], chart: SfcNetwork | None, fixed: set[str]) -> bool:
+        """Whether one of some conditions is FALSE while some variables are not written."""
         formula = Formula(self._system.subject.project.dialect, self._knowledge.at(self._pou, chart))
-        terms = formula.terms([Reading(tree)])
+        terms = formula.terms([Reading(tree) for tree in trees])
         known = {}
         for text in formula.names():
             root = text.casefold().partition(".")[0]
-            if root in fixed:
+            if root in fixed or text.casefold() in fixed:
                 known[text] = self._first_value(text)
         return formula.is_impossible(terms, known)
 
@@ -182,5 +246,13 @@ def _entered(net: Net, never: set[int]) -> set[int]:
     return possible
 
 
+def _variables(tree: Expression) -> Iterator[str]:
+    """The names and paths in a condition."""
+    for node in walk(tree):
+        if isinstance(node, n.Name | n.Member):
+            yield print_node(node)
+
+
 def _words(text: str) -> set[str]:
-    return set(re.findall(r"\w+", text.casefold()))
+    """The words of a text in JSON, in lower case."""
+    return set(re.findall(r"\w+", _ESCAPES.sub(" ", text).casefold()))

@@ -110,7 +110,7 @@ class Counterexample:
 class Verdict:
     """The result of a comparison, and what it stands on.
 
-    `compared`: what was compared, by the names of the first; `uncompared`: what only one side has and so could not be.
+    `compared`: what was compared, by the names of the first; `uncompared`: what only the first has and so could not be.
     `states`: the pairs of states that were searched, with all input sequences of `depth` scans; `parts`: in how many
     searches of what does not depend on each other. `runs` of `scans` scans were made with directed and random inputs.
     `scan_time` (nanoseconds): what is said of times holds for it. `reason`: why there is no proof. `notes`: what was
@@ -118,7 +118,7 @@ class Verdict:
     variables that nothing writes and that are declared as no inputs, so that they kept their values. `delay`: by how
     many scans the second is later in all that was compared, and how that was compared; `delay_notes` say it.
     `unknown`: functions and blocks that are called and that the file does not contain; see `equivalent`.
-    `gap`: what both have and one of them writes, but was not compared, in words.
+    `gap`: what is written and can be seen from outside, but was not compared, in words.
     """
 
     kind: VerdictKind

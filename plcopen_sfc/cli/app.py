@@ -160,12 +160,16 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
         bool, typer.Option("--normalize", help="Leave out what TIA Portal ignores, such as the time of an export.")
     ] = False,
     limit: Annotated[
-        float, typer.Option("--limit", metavar="SECONDS", help="How long charts are run in both tools; 0: not at all.")
+        float,
+        typer.Option("--limit", min=0, metavar="SECONDS", help="Time to run charts in both tools; 0: not at all."),
     ] = 5,
     as_tool: Annotated[
         bool, typer.Option("--as-tool", help="Read as the tool of the file does, without what only this package reads.")
     ] = False,
     accept_errors: AcceptErrors = False,
+    accept_untested: Annotated[
+        bool, typer.Option("--accept-untested", help="No finding where not all of a chart was run in both tools.")
+    ] = False,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.json", help="Write what became of every item.")
     ] = None,
@@ -179,7 +183,14 @@ def _convert(  # noqa: PLR0917  # typer calls it by name
 
         how = convert.How(to, flavour, tia, strict, partial, fresh, normalize, limit)
         screen.exit_code = convert.run(
-            screen, source, target, how, as_tool=as_tool, accept_errors=accept_errors, report_to=report
+            screen,
+            source,
+            target,
+            how,
+            as_tool=as_tool,
+            accept_errors=accept_errors,
+            accept_untested=accept_untested,
+            report_to=report,
         )
 
 

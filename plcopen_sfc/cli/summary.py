@@ -8,13 +8,14 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from plcopen_sfc.folders.parts import documents_of
+from plcopen_sfc.documents.folders.parts import documents_of
+from plcopen_sfc.documents.source import FileSource, FolderSource
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
 from plcopen_sfc.model.drawing import SymbolKind
 from plcopen_sfc.model.pou import PouKind
-from plcopen_sfc.model.project import FolderOrigin, Origin, Project
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 
 __all__ = ["ChartSummary", "FileSummary", "all_charts", "summarise"]
@@ -96,10 +97,10 @@ def summarise(file: str, project: Project) -> FileSummary:
     versions: dict[str, None] = {}
     name = "json"
     for document in documents_of(project):
-        if isinstance(document._origin, Origin):
-            name = document._origin.format
-            contents.append(document._origin.content)
-            versions[document._origin.version] = None
+        if isinstance(document.source, FileSource):
+            name = document.source.format
+            contents.append(document.source.content)
+            versions[document.source.version] = None
     kind = format_named(name)[0]
     version = ", ".join(versions)
     characters = [_characters(content, xml=kind.xml) for content in contents]
@@ -114,7 +115,7 @@ def summarise(file: str, project: Project) -> FileSummary:
         project=project.name,
         encoding=encoding,
         line_ends=line_ends,
-        documents=len(contents) if isinstance(project._origin, FolderOrigin) else None,
+        documents=len(contents) if isinstance(project.source, FolderSource) else None,
         blocks=_blocks(project) or None,
         cultures=_cultures(contents) or None if kind.name == TIA_FORMAT else None,
         size=sum(map(len, contents)),

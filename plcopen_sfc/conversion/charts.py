@@ -12,7 +12,7 @@ from plcopen_sfc.conversion.meaning import (
     condition_meaning,
     plain,
 )
-from plcopen_sfc.conversion.parts import Part, duration_meaning, plain_name
+from plcopen_sfc.conversion.parts import STORED, Part, duration_meaning, plain_name
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import NetworkExpression, condition_reader
 from plcopen_sfc.languages.st import nodes as n
@@ -79,7 +79,7 @@ class ChartReader:
                 self._step(part, step)
         keys: dict[int, str] = {}
         for transition in self.chart.transitions:
-            if not _is_never(transition) and self.excluded.isdisjoint((*transition.sources, *transition.targets)):
+            if not self._is_never(transition) and self.excluded.isdisjoint((*transition.sources, *transition.targets)):
                 keys[transition.id] = self._transition(part, transition)
         self._priorities(part, keys)
         self._settings(part)
@@ -112,6 +112,7 @@ class ChartReader:
         for association in step.actions:
             if not association.exclude:
                 self._association(part, step, association)
+        self._stored(part, step)
         if step.macro is not None:
             inner = part.add("macro-step", step.name, path)
             if step.macro.expansion is not None:
@@ -162,6 +163,21 @@ class ChartReader:
         if association.forcing is not None:
             order = association.forcing
             part.tell("forcing", Meaning.of((order.chart, order.situation.value, *order.steps), str(order.situation)))
+
+    def _stored(self, part: Part, step: Step) -> None:
+        """What the rows S and R of a step leave in each operand: the last one counts in S7-GRAPH, else R."""
+        for association in step.actions:
+            name = association.target
+            plain_row = association.event is None and association.body is None and association.condition is None
+            stored = _STORED.get(association.qualifier)
+            if name is None or stored is None or not plain_row or association.interlock or association.exclude:
+                continue
+            if association.duration or self.pou.action(name.removeprefix("#")) is not None:
+                continue
+            aspect = f"{STORED}{plain_name(self.owner.target(name))}"
+            before = part.aspects.get(aspect)
+            if before is None or stored == "FALSE" or self.owner.profile.graph_parameters:
+                part.tell(aspect, Meaning.of(stored))
 
     def _code_of(self, action: str | Body | None, body: Body | None = None) -> tuple[str, Meaning | None]:
         """What an action is called, and its program; none for a variable."""
@@ -227,6 +243,14 @@ class ChartReader:
         elif self.owner.profile.graph_parameters:
             part.tell("condition", Meaning.of(("TRUE",), "TRUE"))
         return name
+
+    def _is_never(self, transition: Transition) -> bool:
+        """True for a transition that never fires: it is excluded, or its condition is FALSE."""
+        if transition.exclude or transition.condition is None:
+            return transition.exclude
+        found = self.condition_of(transition.condition)
+        tree = n.bare(found.tree) if found.tree is not None else None
+        return isinstance(tree, n.Literal) and tree.text.upper() == "FALSE" and not found.before
 
     def _waiting(self, transition: Transition) -> Meaning | None:
         """The condition together with the minimum times of the steps that a transition leaves."""
@@ -295,6 +319,7 @@ def _executed_by(step: Step) -> Iterator[str]:
             yield plain_name(action)
 
 
+_STORED = {Qualifier.S: "TRUE", Qualifier.R: "FALSE", Qualifier.R0: "FALSE"}
 _STEP_ACTIONS = {"S1": "entry action", "": "main action", "S0": "exit action"}
 _GRAPH_SETTINGS = {
     "acknowledge_errors_required": "supervision",
@@ -303,13 +328,6 @@ _GRAPH_SETTINGS = {
     "skip_steps": "",
 }
 """Settings of S7-GRAPH that change what is executed, and what a step must have for that."""
-
-
-def _is_never(transition: Transition) -> bool:
-    """True for a transition that never fires: it is excluded, or its condition is FALSE."""
-    condition = transition.condition
-    is_false = isinstance(condition, Expression) and condition.text.strip().upper() == "FALSE"
-    return transition.exclude or (is_false and not condition.negated)  # type: ignore[union-attr]
 
 
 def _once(read: Callable[[], NetworkExpression]) -> Callable[[], NetworkExpression]:

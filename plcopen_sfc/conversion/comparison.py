@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from plcopen_sfc.conversion.meaning import Meaning, is_stronger, same
-from plcopen_sfc.conversion.parts import UNDECLARED, Key, Part
+from plcopen_sfc.conversion.parts import STORED, UNDECLARED, UNDECLARED_TYPE, Key, Part
 
 __all__ = ["Difference", "compare"]
 
@@ -32,16 +32,25 @@ class Difference:
 
 
 _OF_NO_EFFECT = frozenset(
-    {"type", "instance", "POU", "action of the POU", "global variable", "variable", "task", "program instance"}
+    {"type", "POU", "action of the POU", "global variable", "variable", "task", "program instance"}
+    | {"unit", "property", "data of the tool"}
 )
 """Kinds of parts that may be added: what nothing names does nothing."""
 _AT_REST = frozenset({"operating inputs", "order of transitions"})
 """Aspects that may be added: a chart runs as before as long as nobody operates it."""
 
 
-def compare(left: Part, right: Part) -> Iterator[Difference]:
-    """The differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them."""
+def compare(left: Part, right: Part, *, other_tool: bool = False, has_libraries: bool = False) -> Iterator[Difference]:
+    """The differences between two trees of `plcopen_sfc.conversion.executed`, parts before what is in them.
+
+    `other_tool`: the second is for another tool, which does not have the libraries of the first. `has_libraries`: the
+    first is of a tool that has some, so that what it does not declare may come from there.
+    """
     yield from _compare(left, right, Key("project", ""), ())
+    for key, part in left.parts.items() if other_tool else ():
+        other = right.parts.get(key)
+        if other is not None and (key.kind == UNDECLARED_TYPE or (key.kind == UNDECLARED and other.is_called)):
+            yield Difference(part.path, key.kind, _name(part, key), "", None if has_libraries else "", "")
 
 
 def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Iterator[Difference]:
@@ -49,23 +58,27 @@ def _compare(left: Part, right: Part, key: Key, steps: tuple[str, ...]) -> Itera
         mine, theirs = left.aspects.get(aspect), right.aspects.get(aspect)
         if aspect == "order of transitions":
             theirs = _in_order_of(mine, theirs)
+        if aspect.startswith(STORED) and None in (mine, theirs):
+            continue  # rows that are missing on one side are told as such
         if not same(mine, theirs) and not (mine is None and aspect in _AT_REST):
             name, stronger = _name(left, key), aspect == "condition" and is_stronger(theirs, mine)
             yield Difference(left.path, key.kind, name, aspect, _show(mine), _show(theirs), steps, stronger)
-    renamed = _renamed_actions(left, right) | _competing_transitions(left, right)
-    if key.kind == "chart":
+    if key.kind in ("chart", "partial chart"):
+        _pass_added_steps(left, right)
         _settle_minimum_times(left, right)
+    renamed = _matched_actions(left, right) | _competing_transitions(left, right) | _renamed_tasks(left, right)
     for inner, part in left.parts.items():
         other = right.parts.get(renamed.get(inner, inner))
-        if other is None and inner.kind in (UNDECLARED, "action of the POU"):
+        if other is None and inner.kind in (UNDECLARED, UNDECLARED_TYPE, "action of the POU"):
             continue  # whatever calls the action names what is not declared, or has no program
         if other is None:
             within = _steps(left, part, inner) or steps
             yield Difference(part.path, inner.kind, _name(part, inner), "", _trigger(part), None, within)
         else:
             yield from _compare(part, other, inner, _steps(left, part, inner) or steps)
+    matched = {renamed.get(inner, inner) for inner in left.parts}
     for inner, part in right.parts.items():
-        if inner not in left.parts and inner.kind not in _OF_NO_EFFECT and inner not in renamed.values():
+        if inner not in matched and inner.kind not in _OF_NO_EFFECT:
             within = _steps(right, part, inner) or steps
             box = "a box" if inner.kind == UNDECLARED and inner.name in left.boxes else None
             yield Difference(part.path, inner.kind, _name(part, inner), "", box, _trigger(part), within)
@@ -103,24 +116,120 @@ def _waits(left: Part, right: Part | None) -> bool:
     return right is not None and left.waiting is not None and same(left.waiting, right.aspects.get("condition"))
 
 
-def _renamed_actions(left: Part, right: Part) -> dict[Key, Key]:
-    """Actions of a step with the same program under another name: one in place may have got a name.
+def _pass_added_steps(left: Part, right: Part) -> None:
+    """Lead transitions past the steps that only the other side has and that do nothing but wait one cycle.
 
-    Where several have it, first those that are executed at the same times.
+    A transition that is always TRUE leads to such a step, or away from it.
     """
+    for key, step in list(right.parts.items()):
+        does = step.parts or step.aspects.keys() - {"initial", "order of transitions"}
+        if key.kind != "step" or key in left.parts or does or same(step.aspects.get("initial"), _YES):
+            continue
+        ways = {each: _ends(each) for each in right.parts if each.kind == "transition"}
+        to = [each for each, (_, targets) in ways.items() if key.name in targets]
+        away = [each for each, (sources, _) in ways.items() if sources == (key.name,)]
+        if len(away) == 1 and _is_always(right.parts[away[0]]):
+            targets = ways[away[0]][1]
+            new = {each: (ways[each][0], (*(t for t in ways[each][1] if t != key.name), *targets)) for each in to}
+            gone = away[0]
+        elif len(to) == 1 and ways[to[0]][1] == (key.name,) and _is_always(right.parts[to[0]]):
+            new = {each: (ways[to[0]][0], ways[each][1]) for each in away}
+            gone = to[0]
+            for source in ways[gone][0]:
+                owner = right.parts.get(Key("step", source))
+                if owner is not None and "order of transitions" in step.aspects:
+                    owner.aspects["order of transitions"] = step.aspects["order of transitions"]
+        else:
+            continue
+        _rename_transitions(right, new, gone)
+
+
+_YES = Meaning.of(True)
+
+
+def _ends(transition: Key) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The steps that a transition leaves, and those to which it leads, as its key names them."""
+    sources, _, targets = transition.name.partition(" -> ")
+    return tuple(sources.split("+")), tuple(targets.split("+"))
+
+
+def _is_always(transition: Part) -> bool:
+    condition = transition.aspects.get("condition")
+    return condition is not None and condition.show().upper() == "TRUE"
+
+
+def _rename_transitions(chart: Part, new: dict[Key, tuple[tuple[str, ...], tuple[str, ...]]], gone: Key) -> None:
+    """Give transitions of a chart other ends, and take one out."""
+    names: dict[str, str] = {}
+    parts = [(key, part) for key, part in chart.parts.items() if key != gone]
+    chart.parts.clear()
+    for key, part in parts:
+        if key in new:
+            sources, targets = new[key]
+            names[key.name] = f"{'+'.join(sorted(sources))} -> {'+'.join(sorted(targets))}"
+            part.leaves = sources
+            place = Key(key.kind, names[key.name])
+            while place in chart.parts:
+                place = place._replace(number=place.number + 1)
+            chart.parts[place] = part
+        else:
+            chart.parts[key] = part
+    for part in chart.parts.values():
+        order = part.aspects.get("order of transitions")
+        if order is not None and isinstance(order.raw, tuple):
+            renamed = tuple(names.get(str(each), str(each)) for each in order.raw)
+            part.aspects["order of transitions"] = Meaning.of(renamed, ", ".join(renamed))
+
+
+def _matched_actions(left: Part, right: Part) -> dict[Key, Key]:
+    """The key that each action of a step has on the other side.
+
+    Several of one name are found by everything that they do, then by when they act. Others may have the same program
+    under another name: one in place may have got a name.
+    """
+    mine = [key for key in left.parts if key.kind == "action"]
+    others = [key for key in right.parts if key.kind == "action"]
     found: dict[Key, Key] = {}
-    mine = [key for key in left.parts if key.kind == "action" and key not in right.parts]
-    others = [key for key in right.parts if key.kind == "action" and key not in left.parts]
-    for aspects in (("code", "trigger"), ("code",)):
-        for key in mine:
+
+    def match(aspects: Iterable[str] | None, *, named: bool) -> None:
+        for key in (key for key in mine if key not in found):
             part = left.parts[key]
-            if key in found or "code" not in part.aspects:
+            if not named and "code" not in part.aspects:
                 continue
-            free = (other for other in others if other not in found.values())
-            match = next((other for other in free if _alike(part, right.parts[other], aspects)), None)
-            if match is not None:
-                found[key] = match
+            for other in (other for other in others if other not in found.values()):
+                is_named = key[:2] == other[:2]
+                if is_named is named and _alike(part, right.parts[other], aspects):
+                    found[key] = other
+                    break
+
+    if any(key.number for key in (*mine, *others)):
+        match(None, named=True)
+        match(("trigger", "value"), named=True)
+        match(("trigger",), named=True)
+    match((), named=True)
+    match(("code", "trigger"), named=False)
+    match(("code",), named=False)
+    return dict.fromkeys(mine, _NONE) | found
+
+
+def _renamed_tasks(left: Part, right: Part) -> dict[Key, Key]:
+    """The tasks that have another name on the other side: they run the same programs, if possible at the same times."""
+    found: dict[Key, Key] = {}
+    mine = [key for key in left.parts if key.kind == "task" and key not in right.parts]
+    others = [key for key in right.parts if key.kind == "task" and key not in left.parts]
+    for aspects in (None, ()):
+        for key in (key for key in mine if key not in found):
+            part = left.parts[key]
+            for other in (other for other in others if other not in found.values()):
+                task = right.parts[other]
+                if part.parts.keys() == task.parts.keys() and _alike(part, task, aspects):
+                    found[key] = other
+                    break
     return found
+
+
+_NONE = Key("", "")
+"""No part has this key."""
 
 
 def _competing_transitions(left: Part, right: Part) -> dict[Key, Key]:
@@ -137,17 +246,20 @@ def _competing_transitions(left: Part, right: Part) -> dict[Key, Key]:
     # those that have no match take what is left
     for key in (key for key in left.parts if key[:2] in several and key not in found):
         free = [other for other in right.parts if other[:2] == key[:2] and other not in found.values()]
-        found[key] = free[0] if free else key
+        found[key] = free[0] if free else _NONE
     return found
 
 
-def _alike(left: Part, right: Part, aspects: Iterable[str]) -> bool:
+def _alike(left: Part, right: Part, aspects: Iterable[str] | None) -> bool:
+    """True if these aspects are the same; None: all."""
+    if aspects is None:
+        aspects = (*left.aspects, *right.aspects)
     return all(same(left.aspects.get(a), right.aspects.get(a)) for a in aspects)
 
 
 def _name(part: Part, key: Key) -> str:
     """The name of a part as its file spells it."""
-    if key.kind == UNDECLARED:
+    if key.kind in (UNDECLARED, UNDECLARED_TYPE):
         return part.aspects["name"].show()
     last = part.path.rpartition(" / ")[2]
     return last.removeprefix(f"{key.kind} ") if key.name else ""

@@ -6,42 +6,49 @@ where two machines may.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 
 from plcopen_sfc.conversion.charts import ChartReader
+from plcopen_sfc.conversion.kept import add_kept, tell_inheritance, tell_type
 from plcopen_sfc.conversion.meaning import (
     Meaning,
     address_meaning,
     code_meaning,
     type_meaning,
-    value_meaning,
 )
-from plcopen_sfc.conversion.parts import UNDECLARED, Part, duration_meaning, plain_name
-from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.conversion.parts import PROGRAM_CALL, UNDECLARED, Part, duration_meaning, plain_name
+from plcopen_sfc.conversion.start_values import StartValues
 from plcopen_sfc.formats.iectext.source import unwrapped
+from plcopen_sfc.formats.tasks import schedule_of
 from plcopen_sfc.languages.declarations.kept import kept
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.names import Names
-from plcopen_sfc.languages.names.pieces import pieces
-from plcopen_sfc.languages.s7_types import S7Types
+from plcopen_sfc.languages.names.pieces import Role, pieces
+from plcopen_sfc.languages.names.uses import Occurrence
+from plcopen_sfc.languages.networks.graph import without_places
+from plcopen_sfc.languages.s7_globals import is_retained
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.base import ForeignData
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
 from plcopen_sfc.model.network import Block
-from plcopen_sfc.model.pou import DataBlockKind, Pou, PouKind
-from plcopen_sfc.model.project import PouInstance, Project, Task
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
+from plcopen_sfc.model.project import Configuration, PouInstance, Project, Task
+from plcopen_sfc.model.sfc import Step
 from plcopen_sfc.model.types import (
     ArrayType,
-    ArrayValue,
     DataType,
     DerivedType,
     Elementary,
     ElementaryType,
     EnumType,
+    MemberValue,
     SimpleValue,
+    StringType,
     StructType,
     StructValue,
-    Value,
     Variable,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
@@ -54,32 +61,35 @@ def executed(
     project: Project,
     profile: Profile | None = None,
     *,
-    addresses: Dialect | None = None,
+    source: Project | None = None,
     lists: frozenset[str] = frozenset(),
 ) -> Part:
     """Everything that a controller executes of a project, under the rules of `profile`.
 
-    `addresses` is the dialect of direct addresses, where it is not that of the program text. `lists` are names of lists
-    of global variables that the source of a conversion has: the project may have structures in their place.
+    `source` is the project as it was read, where its program text was put into another dialect and its tasks into
+    other terms since: the rules of its tool apply to direct addresses, to tasks and to its own data. `lists` are names
+    of lists of global variables that the source of a conversion has: the project may have structures in their place.
     """
-    return _Reader(project, profile or default_profile(project), addresses or project.dialect, lists).read()
+    return _Reader(project, profile or default_profile(project), source or project, lists).read()
 
 
 class _Reader:
-    def __init__(self, project: Project, profile: Profile, addresses: Dialect, lists: frozenset[str]) -> None:
+    def __init__(self, project: Project, profile: Profile, source: Project, lists: frozenset[str]) -> None:
         self.project = project
         self.profile = profile
         self.dialect = project.dialect
-        self.addresses = addresses
+        self.source = source
+        self.addresses = source.dialect
         self.whole = Part("")
-        self.lists = {s.name.casefold() for s in self._global_sections() if s.name}
+        self.lists = {s.name.casefold() for s in self.project.global_sections() if s.name}
         self.lists |= {block.name.casefold() for block in project.data_blocks}
         self.whole.lists = frozenset(self.lists)
-        self.lists |= lists
-        self.values = _values(project)
-        self.types = S7Types(project.data_types)
+        self.lists |= lists | {s.name.casefold() for s in source.global_sections() if s.name}
+        self.values = _values(project, self.project.global_sections())
+        self.starts = StartValues(project, self._number)
+        self.structures = lists
         self.declared = {declaration.name.casefold(): declaration.type for declaration in project.data_types}
-        self.global_names = {v.name.casefold() for section in self._global_sections() for v in section.variables}
+        self.global_names = {v.name.casefold() for section in self.project.global_sections() for v in section.variables}
 
     def read(self) -> Part:
         for declaration in self.project.data_types:
@@ -87,19 +97,40 @@ class _Reader:
                 continue  # other types are compared where they are used, by what they stand for
             part = self.whole.add("type", declaration.name, declaration.report_path)
             part.tell("type", type_meaning(self._plain_type(declaration.type), self.dialect))
-            part.tell("initial value", value_meaning(self._number(declaration.initial), declaration.type))
+            whole = Variable(name=declaration.name, type=declaration.type, initial=declaration.initial)
+            part.tell("initial value", self.starts.meaning(whole))
+            tell_type(part, declaration.type, declaration)
         self._globals()
         self._tasks()
         for pou in self.project.pous:
             self._pou(pou)
+        add_kept(self.whole, self.project, self.addresses)
         drawn = [piece.text for piece in pieces(self.project) if isinstance(piece.holder, Block)]
         self.whole.boxes = frozenset(map(plain_name, drawn))
-        for occurrence in Names(self.project).undeclared():
+        names = Names(self.project)
+        self._calls_of_programs(names)
+        for occurrence in names.undeclared():
             name = occurrence.reference.name
             if name.casefold() in _RESULTS | self.global_names or standard_block(name) is not None:
                 continue
-            self.whole.add(UNDECLARED, name, occurrence.piece.report_path).tell("name", Meaning.of(name))
+            part = self.whole.add(UNDECLARED, name, occurrence.piece.report_path)
+            part.tell("name", Meaning.of(name))
+            part.is_called = _is_call(occurrence)
         return self.whole
+
+    def _calls_of_programs(self, names: Names) -> None:
+        """Note where CODESYS calls a program, or reads its variables: no tool of IEC 61131-3 has such calls."""
+        programs = {pou.name.casefold(): pou for pou in self.project.pous if pou.kind is PouKind.PROGRAM}
+        found: set[tuple[str, str]] = set()
+        for occurrence in names.occurrences(*programs) if programs and self._is_of_codesys else ():
+            declaration, caller = occurrence.meaning.declaration, occurrence.piece.site.pou
+            program = programs[occurrence.reference.name.casefold()]
+            place = (occurrence.piece.report_path, program.name)
+            is_named = declaration is not None and declaration.holder is program and caller not in (None, program)
+            if is_named and place not in found and not isinstance(occurrence.piece.holder, ForeignData):
+                found.add(place)
+                part = self.whole.add(PROGRAM_CALL, " ".join(place), f"{place[0]} / {PROGRAM_CALL} {program.name}")
+                part.tell("program", Meaning.of(program.name.casefold(), program.name))
 
     def named(self, node: n.Node, result: str = "") -> n.Node:
         """A name as all tools could have it: without the list of a global variable; a result is ``Ret_Val``."""
@@ -119,64 +150,63 @@ class _Reader:
             return n.Name("Ret_Val")
         return n.Name(node.identifier) if isinstance(node, n.Name) and node.quoting is not n.Quoting.NONE else node
 
-    def _number(self, value: Value | None) -> Value | None:
-        """An initial value, in numbers where it names a value of an enumeration or a constant."""
-        if isinstance(value, ArrayValue):
-            items = [item.model_copy(update={"value": self._number(item.value)}) for item in value.items]
-            return ArrayValue(items=items)
-        if isinstance(value, StructValue):
-            members = [each.model_copy(update={"value": self._number(each.value)}) for each in value.members]
-            return StructValue(members=members)
-        if not isinstance(value, SimpleValue) or value.text is None:
-            return value
-        number = self.values.get(value.text.replace('"', "").replace("#", ".").casefold())
-        return value if number is None else SimpleValue(text=number)
+    def _number(self, text: str) -> str | None:
+        """The number for which a value of an enumeration or a constant stands that `text` names."""
+        return self.values.get(text.replace('"', "").replace("#", ".").casefold())
 
     def _plain_type(self, kind: DataType, depth: int = 0) -> DataType:
-        """A type without other names for types, with the numbers of enumerations, and with all initial values."""
+        """A type without other names for types and without initial values."""
         if isinstance(kind, DerivedType):
             declared = self.declared.get(kind.name.replace('"', "").casefold())
             stays = declared is None or isinstance(declared, StructType) or depth > _DEEPEST
             return kind if declared is None or stays else self._plain_type(declared, depth + 1)
+        if isinstance(kind, StringType) and kind.length is None:
+            known = STRING_LENGTHS.get(self.source.dialect) or STRING_LENGTHS.get(self.dialect)
+            return StringType(wide=kind.wide, length=known or STRING_LENGTHS[Dialect.CODESYS])
         if isinstance(kind, EnumType):
             return kind.base or ElementaryType(name=Elementary.INT)
         if isinstance(kind, ArrayType):
             return ArrayType(dimensions=kind.dimensions, base=self._plain_type(kind.base))
         if isinstance(kind, StructType):
-            return StructType(members=[self._plain_member(member) for member in kind.members])
+            members = [Variable(name=member.name, type=self._plain_type(member.type)) for member in kind.members]
+            return StructType(members=members)
         return kind
-
-    def _plain_member(self, member: Variable) -> Variable:
-        initial, kind = self._initial(member), self._plain_type(member.type)
-        if value_meaning(initial, kind) is None:
-            initial = None
-        return Variable(name=member.name, type=kind, initial=initial)
-
-    def _initial(self, variable: Variable) -> Value | None:
-        """The initial value of a variable, its own or that of its type, in numbers."""
-        return self._number(variable.initial) if variable.initial is not None else self.types.start(variable)
 
     def code(self, body: Body | None, result: str = "") -> Meaning | None:
         """The meaning of a body."""
+        if self._is_codesys_file and isinstance(body, FbdBody | LdBody):
+            networks = [n.model_copy(update={"nodes": without_places(n.nodes)}) for n in body.networks]
+            body = body.model_copy(update={"networks": networks})
         return code_meaning(body, self.dialect, lambda node: self.named(node, result))
 
     def target(self, name: str) -> str:
-        """The name of a variable without that of its list."""
-        around, dot, rest = name.replace('"', "").partition(".")
+        """The name of a variable without that of its list, and without the signs of S7."""
+        name = name.replace('"', "").removeprefix("#")
+        around, dot, rest = name.partition(".")
         return rest if dot and around.casefold() in self.lists else name
 
     # -- variables
 
     def _globals(self) -> None:
-        for section in self._global_sections():
+        for section in self.project.global_sections():
             for variable in section.variables:
-                self._variable(self.whole, "global variable", variable, section, section.name or "")
+                if variable.name.casefold() in self.structures and isinstance(variable.type, StructType):
+                    for member in _members(variable, variable.type):
+                        self._variable(self.whole, "global variable", member, section, variable.name)
+                else:
+                    self._variable(self.whole, "global variable", variable, section, section.name or "")
         for block in self.project.data_blocks:
-            if block.kind is DataBlockKind.INSTANCE:
-                part = self.whole.add("instance", block.name, block.report_path)
-                part.tell("type", Meaning.of((block.type_name or "").casefold(), block.type_name))
+            sections = block.interface.sections if block.interface is not None else []
+            unread = kept(block.carried).get("unread")
+            if unread is not None:
+                part = self.whole.add("start values", block.name, block.report_path)
+                part.tell("start values", Meaning.of(" ".join(unread.split())))
+            if block.type_name is not None or block.kind is DataBlockKind.INSTANCE:
+                kept_all = [is_retained(section, variable) for section in sections for variable in section.variables]
+                around = VariableSection(retain=bool(kept_all) and all(kept_all))
+                self._variable(self.whole, "global variable", _instance(block), around, "")
                 continue
-            for section in block.interface.sections if block.interface is not None else ():
+            for section in sections:
                 for variable in section.variables:
                     self._variable(self.whole, "global variable", variable, section, block.name)
         for table in self.project.tag_tables:
@@ -186,21 +216,18 @@ class _Reader:
             for constant in table.constants:
                 self._variable(self.whole, "global variable", constant, VariableSection(constant=True), "")
 
-    def _global_sections(self) -> Iterator[VariableSection]:
-        yield from self.project.global_variables
-        for configuration in self.project.configurations:
-            yield from configuration.global_variables
-        for resource in (*self.project.applications, *(r for c in self.project.configurations for r in c.resources)):
-            yield from resource.global_variables
-
     def _variable(self, owner: Part, kind: str, variable: Variable, section: VariableSection, around: str) -> None:
         place = f"{around}.{variable.name}" if around and owner is self.whole else variable.name
         path = f"{kind} {place}" if owner is self.whole else f"{owner.path} / {variable.name}"
         part = owner.add(kind.removesuffix(" of a function"), variable.name, path)
         part.tell("type", type_meaning(self._plain_type(variable.type), self.dialect))
-        part.tell("initial value", value_meaning(self._initial(variable), self._plain_type(variable.type)))
+        part.tell("initial value", self.starts.meaning(variable))
+        unread = [each for each in _carried_elements(variable) if "<StartValue" in each]
+        if unread and variable.initial is None:
+            part.tell("start values", Meaning.of(tuple(unread), "in a form that is not read"))
+        tell_type(part, variable.type)
         part.tell("address", address_meaning(variable.address, self.addresses))
-        if section.retain or section.persistent or variable.attributes.get("Remanence") == "Retain":
+        if is_retained(section, variable):
             part.tell("retain", Meaning.of(True, "RETAIN"))
         if section.constant or section.kind is SectionKind.CONSTANT:
             part.tell("constant", Meaning.of(True, "CONSTANT"))
@@ -217,28 +244,77 @@ class _Reader:
     # -- tasks
 
     def _tasks(self) -> None:
-        for resource in (*self.project.applications, *(r for c in self.project.configurations for r in c.resources)):
+        called = Counter(self._program(instance) for instance in self._instances())
+        shared = {program for program, count in called.items() if count > 1}
+        for resource in self.source.resources():
             for task in resource.tasks:
-                self._task(task)
-            for instance in resource.instances:
-                part = self.whole.add("program instance", instance.name, f"program instance {instance.name}")
-                _tell_instance(part, instance)
+                self._task(task, shared)
+            for instance in resource.instances if not self._is_of_codesys else ():  # which runs what a task calls
+                self._instance(self.whole, instance, "", shared)
+        owners: list[Project | Configuration] = [self.source, *self.source.configurations]
+        if self._is_codesys_file:  # none of its exports has configVars: its importer may not read them
+            owners = []
+        for section in (owner.config_variables for owner in owners):
+            for variable in section.variables if section is not None else ():
+                part = self.whole.add("VAR_CONFIG", variable.path, f"VAR_CONFIG {variable.path}")
+                part.tell("type", type_meaning(variable.type, self.dialect))
+                part.tell("address", address_meaning(variable.address, self.addresses))
+                part.tell("initial value", self.starts.of_value(variable.initial))
 
-    def _task(self, task: Task) -> None:
+    @property
+    def _is_of_codesys(self) -> bool:
+        return self.source.dialect is Dialect.CODESYS
+
+    @property
+    def _is_codesys_file(self) -> bool:
+        return self.source.source is not None and self.source.source.format == "codesys"
+
+    def _instances(self) -> Iterator[PouInstance]:
+        for resource in self.source.resources():
+            for task in resource.tasks:
+                yield from task.instances
+            yield from resource.instances
+
+    def _program(self, instance: PouInstance) -> str:
+        """What an instance executes. A task of CODESYS calls a program by its name, and has no instances."""
+        is_name = not instance.type_name or self._is_codesys_file
+        return plain_name(instance.name if is_name else instance.type_name)
+
+    def _task(self, task: Task, shared: set[str]) -> None:
         part = self.whole.add("task", task.name, f"task {task.name}")
-        part.tell("interval", duration_meaning(duration_literal(task.interval)))
-        if task.single:
-            part.tell("trigger", Meaning.of(task.single.strip().casefold(), task.single))
+        schedule = schedule_of(task)
+        part.tell("interval", self._source_of_data(schedule.interval))
+        part.tell("trigger", self._source_of_data(schedule.event))
+        if schedule.kind:
+            part.tell("kind of task", Meaning.of(schedule.kind.casefold(), schedule.kind))
         part.tell("priority", Meaning.of(task.priority))
         for instance in task.instances:
-            inner = part.add("program instance", instance.name, f"task {task.name} / {instance.name}")
-            _tell_instance(inner, instance)
+            self._instance(part, instance, f"task {task.name} / ", shared)
+
+    def _source_of_data(self, text: str | None) -> Meaning | None:
+        """The meaning of a literal or of the name of a variable."""
+        if text is None or "#" in text:
+            return duration_meaning(text)
+        return Meaning.of(self.target(text.strip()).casefold(), text)
+
+    def _instance(self, owner: Part, instance: PouInstance, around: str, shared: set[str]) -> None:
+        program = self._program(instance)
+        part = owner.add("program instance", program, f"{around}program instance {instance.name}")
+        part.tell("program", Meaning.of(program, instance.type_name or instance.name))
+        if program in shared:
+            memory = "shared by all calls" if self._is_of_codesys else "its own"
+            part.tell("variables", Meaning.of(memory))
+        for data in instance.carried.data if instance.carried is not None else ():
+            place, text = unwrapped(data.content) or ("", "")
+            if place == "arguments":
+                part.tell("arguments", Meaning.of(" ".join(text.split()).casefold(), text))
 
     # -- POUs
 
     def _pou(self, pou: Pou) -> None:
         part = self.whole.add("POU", pou.name, pou.report_path)
         part.tell("kind", Meaning.of(pou.kind.value))
+        tell_inheritance(part, pou)
         if pou.interface is not None:
             self._result(part, pou.interface.return_type)
             for section in pou.interface.sections:
@@ -250,8 +326,10 @@ class _Reader:
                         kind = "variable of a function" if pou.kind is PouKind.FUNCTION else "variable"
                         self._variable(part, kind, variable, section, "")
         called: set[str] = set()
+        programs = 0
         for body in pou.bodies:
-            self._body(part, pou, body, pou.report_path, called)
+            self._body(part, pou, body, pou.report_path, called, number=programs)
+            programs += not isinstance(body, SfcBody)
         for method in pou.methods:
             inner = part.add("method", method.name, f"{pou.report_path} / method {method.name}")
             inner.tell("code", self.code(method.body))
@@ -265,15 +343,41 @@ class _Reader:
         if not (isinstance(kind, DerivedType) and kind.name.casefold() == "void"):  # S7 says so of functions without
             part.tell("result", type_meaning(kind, self.dialect))
 
-    def _body(self, part: Part, pou: Pou, body: Body, path: str, called: set[str]) -> None:
+    def _body(self, part: Part, pou: Pou, body: Body, path: str, called: set[str], *, number: int = 0) -> None:
+        """Note what a body does; `number`: the programs of the POU before it."""
         if isinstance(body, SfcBody):
             if body.chart.steps or body.chart.transitions:
                 ChartReader(self, pou, body.chart, path, called).read(part.add("chart", "", path))
         else:
-            number = sum(aspect.startswith("code") for aspect in part.aspects)
             result = pou.name if pou.kind is PouKind.FUNCTION else ""
             meaning = self.code(body, result)
             part.tell(f"code {number + 1}" if number else "code", meaning)
+
+
+def _carried_elements(variable: Variable) -> list[str]:
+    return variable.carried.elements if variable.carried is not None else []
+
+
+def _members(variable: Variable, type_: StructType) -> Iterator[Variable]:
+    """The members of a structure as variables, with the values that it gives them."""
+    values = variable.initial.members if isinstance(variable.initial, StructValue) else []
+    given = {each.member.casefold(): each.value for each in values}
+    for member in type_.members:
+        yield member.model_copy(update={"initial": given.get(member.name.casefold(), member.initial)})
+
+
+def _instance(block: DataBlock) -> Variable:
+    """The variable that an instance data block is, with its start values."""
+    given = (
+        [variable for variable in block.interface.variables() if variable.initial is not None]
+        if block.interface is not None
+        else []
+    )
+    members = [MemberValue(member=each.name, value=each.initial) for each in given if each.initial is not None]
+    type_name = (block.type_name or "").strip('"')
+    return Variable(
+        name=block.name, type=DerivedType(name=type_name), initial=StructValue(members=members) if members else None
+    )
 
 
 _DEEPEST = 32
@@ -282,8 +386,8 @@ _RESULTS = frozenset({"trcoil", "ilcoil", "svcoil"})
 """What the results of the networks of S7-GRAPH are called."""
 
 
-def _values(project: Project) -> dict[str, str]:
-    """The numbers of values of enumerations and of user constants, by their names in lower case."""
+def _values(project: Project, sections: Iterable[VariableSection]) -> dict[str, str]:
+    """The numbers of values of enumerations and of global constants, by their names in lower case."""
     found: dict[str, str] = {}
     for declaration in project.data_types:
         number = -1
@@ -292,17 +396,15 @@ def _values(project: Project) -> dict[str, str]:
             number = int(given) if given.lstrip("-").isdigit() else number + 1
             for name in (f"{declaration.name}.{value.name}", f"{declaration.name}_{value.name}"):
                 found[name.casefold()] = str(number)
-    for table in project.tag_tables:
-        for constant in table.constants:
+    constants = [[*section.variables] for section in sections if section.constant]
+    for group in (*constants, *(table.constants for table in project.tag_tables)):
+        for constant in group:
             if isinstance(constant.initial, SimpleValue) and constant.initial.text is not None:
                 found[constant.name.casefold()] = constant.initial.text
     return found
 
 
-def _tell_instance(part: Part, instance: PouInstance) -> None:
-    name = instance.type_name or instance.name  # an instance without a program is named as its program
-    part.tell("type", Meaning.of(name.casefold(), name))
-    for data in instance.carried.data if instance.carried is not None else ():
-        place, text = unwrapped(data.content) or ("", "")
-        if place == "arguments":
-            part.tell("arguments", Meaning.of(" ".join(text.split()).casefold(), text))
+def _is_call(occurrence: Occurrence) -> bool:
+    """True for the name of a function or a block, where it is called."""
+    holder = occurrence.piece.holder
+    return occurrence.reference.role is Role.ACTION and not isinstance(holder, ActionAssociation | Step)

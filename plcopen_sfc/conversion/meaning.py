@@ -19,7 +19,7 @@ from plcopen_sfc.languages.st import parse_expression, parse_statements, print_n
 from plcopen_sfc.languages.st.literals import LiteralError, literal_value
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
-from plcopen_sfc.model.types import DataType, DerivedType, SimpleValue, StructValue, Value
+from plcopen_sfc.model.types import DataType
 
 __all__ = [
     "Meaning",
@@ -27,10 +27,11 @@ __all__ = [
     "code_meaning",
     "condition_meaning",
     "is_stronger",
+    "literal_form",
+    "literal_meaning",
     "plain",
     "same",
     "type_meaning",
-    "value_meaning",
 ]
 
 _NOT_EXECUTED = frozenset(
@@ -152,42 +153,20 @@ def _with_helpers(found: NetworkText, named: Renaming) -> Renaming:
     return rename
 
 
-def value_meaning(value: Value | None, type_: DataType | None) -> Meaning | None:
-    """The meaning of an initial value; None for the value that a variable of this type has anyway."""
-    if value is None or (isinstance(value, SimpleValue) and value.text is None):
-        return None
-    if not isinstance(value, SimpleValue):
-        return Meaning(lambda: "its initial values", plain(value), lambda: _value_form(value))
-    text = (value.text or "").strip()
-    literal = _literal(text)
-    if literal in _ZEROS and type_ is not None and not isinstance(type_, DerivedType):
-        return None
-    return Meaning(lambda: text, text, lambda: literal)
+def literal_meaning(text: str) -> Meaning:
+    """The meaning of a literal, or of an expression in its place."""
+    text = text.strip()
+    return Meaning(lambda: text, text, lambda: literal_form(text))
 
 
-def _value_form(value: Value) -> Hashable:
-    """An initial value by its literals: of an array one for each element, of a structure by its members."""
-    if isinstance(value, SimpleValue):
-        return _literal((value.text or "").strip())
-    if isinstance(value, StructValue):
-        return tuple(sorted((each.member.casefold(), repr(_value_form(each.value))) for each in value.members))
-    forms: list[Hashable] = []
-    for item in value.items:
-        count = item.repetitions or "1"
-        forms += [_value_form(item.value)] * int(count) if count.isdigit() else [(count, _value_form(item.value))]
-    return tuple(forms)
-
-
-def _literal(text: str) -> Hashable:
+def literal_form(text: str) -> Hashable:
+    """A literal as it is compared: its value, or the expression in its place."""
     try:
         found = literal_value(text)
     except LiteralError:
         parsed = parse_expression(text)
         return text.casefold() if parsed.problems else print_node(normal_form(parsed.tree)).casefold()
     return (found.value,)
-
-
-_ZEROS = ((False,), (0,), ("",))
 
 
 def type_meaning(type_: DataType | None, dialect: Dialect) -> Meaning | None:

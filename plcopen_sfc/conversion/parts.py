@@ -7,21 +7,22 @@ connect, actions by what they execute, variables by name.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from plcopen_sfc.conversion.meaning import (
-    Meaning,
-    value_meaning,
-)
-from plcopen_sfc.model.types import (
-    SimpleValue,
-)
+from plcopen_sfc.conversion.meaning import Meaning, literal_meaning
 
-__all__ = ["UNDECLARED", "Key", "Part", "duration_meaning", "plain_name"]
+__all__ = ["PROGRAM_CALL", "UNDECLARED", "UNDECLARED_TYPE", "Key", "Part", "duration_meaning", "plain_name"]
 
 UNDECLARED = "undeclared name"
 """The kind of parts that are names which nothing declares."""
+STORED = "stored value of "
+"""The beginning of the aspect that tells what the rows of a step store in an operand."""
+UNDECLARED_TYPE = "undeclared type"
+"""The kind of parts that are names of types which nothing declares."""
+PROGRAM_CALL = "call of a program"
+"""The kind of parts that are calls of programs, or uses of their variables from outside, as CODESYS has them."""
 
 
 class Key(NamedTuple):
@@ -38,7 +39,7 @@ class Part:
 
     Of a transition, `leaves` are the names of the steps that it leaves, as in their keys, and `waiting` is its
     condition together with their minimum times. Of a project, `lists` are the names of its lists of global variables,
-    and `boxes` those of what its networks draw.
+    and `boxes` those of what its networks draw. Of a name that nothing declares, `is_called`: it is that of a function.
     """
 
     path: str
@@ -48,6 +49,8 @@ class Part:
     waiting: Meaning | None = None
     lists: frozenset[str] = frozenset()
     boxes: frozenset[str] = frozenset()
+    is_called: bool = False
+    _counts: Counter[tuple[str, str]] = field(default_factory=Counter, repr=False, compare=False)
 
     def tell(self, aspect: str, meaning: Meaning | None) -> None:
         """Note an aspect; None is nothing to note."""
@@ -56,9 +59,9 @@ class Part:
 
     def add(self, kind: str, name: str, path: str) -> Part:
         """A new part inside this one; the name of a transition is made of plain names of steps."""
-        number, plain = 0, name if kind == "transition" else plain_name(name)
-        while Key(kind, plain, number) in self.parts:
-            number += 1
+        plain = name if kind == "transition" else plain_name(name)
+        number = self._counts[kind, plain]
+        self._counts[kind, plain] += 1
         part = self.parts[Key(kind, plain, number)] = Part(path)
         return part
 
@@ -73,4 +76,4 @@ _SIGNS = re.compile(r"(?:[^\w.]|_)+")
 
 def duration_meaning(text: str | None) -> Meaning | None:
     """A time as it is compared; None where there is none."""
-    return value_meaning(SimpleValue(text=text), None) if text and text.strip() else None
+    return literal_meaning(text) if text and text.strip() else None

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.conversion.comparison import Difference
-from plcopen_sfc.conversion.parts import UNDECLARED
+from plcopen_sfc.conversion.parts import PROGRAM_CALL, STORED, UNDECLARED, UNDECLARED_TYPE
 from plcopen_sfc.report import LOSSES, ConversionReport, Item, Outcome
 
 __all__ = ["UNSAID", "in_the_source", "report_execution"]
@@ -30,16 +30,25 @@ def report_execution(
     mistake of this package, and the item says so. `called` gives the paths in the source of what has another name in
     the target.
     """
-    found = list(_without_repetition(differences))
     settled = Counter(
         (in_the_source(item.path, called), item.what)
         for item in report.items
         if item.outcome in LOSSES or item.outcome is Outcome.TRANSLATED
     )
+    lost = {(in_the_source(item.path, called), item.what) for item in report.items if item.outcome in LOSSES}
+    found = list(_without_repetition(differences, {_last(path) for path, what in lost if what == "global variable"}))
     rewritten = _rewritten_steps(found, settled)
     changed = {(difference.path, difference.aspect) for difference in found}
     said = {name for item in report.items if item.outcome in LOSSES for name in _IN_PLACE.findall(item.why)}
+    replaced = {_bare(item.path) for item in report.items if item.outcome in LOSSES and _IN_PLACE.search(item.why)}
     noticed = {item.path for item in report.items if item.outcome is not Outcome.KEPT}
+    words = {
+        word.casefold()
+        for item in report.items
+        if item.outcome in LOSSES
+        for found in _LACKED.findall(item.why)
+        for word in found
+    }
     told = set()
     for difference in found:
         what = difference.aspect or difference.kind
@@ -49,25 +58,42 @@ def report_execution(
             names.add((place.rpartition(" / ")[0], "methods"))
         if difference.left is None and difference.kind in (UNDECLARED, "action") and difference.name in said:
             continue
+        if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.name.casefold() in words:
+            continue
+        if difference.aspect in _CONDITIONS and difference.right in said:
+            continue
+        if difference.kind == "action" and ((place, "action") in lost or _bare(place) in replaced):
+            continue
+        if (f"{place} / {difference.aspect}", "flag") in lost:
+            continue
         if names & settled.keys() or _is_rewritten(difference, rewritten, settled, changed):
             continue
         told |= names
         why = _why(difference, tool)
         is_box = difference.kind == UNDECLARED and difference.left is not None
-        if not (is_box or _is_noticed(difference, noticed) or _is_final_scan(difference)):
+        if not (is_box or _is_noticed(difference, noticed) or _is_final_scan(difference) or _is_later(difference)):
             why += UNSAID
         report.items.append(Item(_outcome(difference), what, place, why))
     report.items = [item for item in report.items if not _is_superseded(item, told)]
 
 
+_CONDITIONS = ("condition", "interlock", "supervision")
 _IN_PLACE = re.compile(r"undeclared name (\w+)")
 """How writers tell the name that they put in place of what the target cannot say."""
+_LACKED = re.compile(
+    r"(?:has no (?:counterpart of|function block|function|type) |declares `)([\w.]+)|(\w+) is no standard function"
+)
+"""How they tell the name of a function or a type that the target lacks."""
 
 
 def _rewritten_steps(differences: Iterable[Difference], settled: Counter[tuple[str, str]]) -> set[str]:
     """The steps whose actions a writer has rewritten: it accounts for each of them that is not found again."""
     missing: dict[str, set[str]] = {}
-    for difference in differences:
+    found = list(differences)
+    changed = {(difference.path, difference.aspect) for difference in found}
+    for difference in found:
+        if difference.kind == "action" and _is_at_other_times(difference, changed):
+            continue
         if difference.kind == "action" and difference.left is not None and len(difference.steps) == 1:
             missing.setdefault(difference.steps[0], set()).add(difference.path)
     told: Counter[str] = Counter()
@@ -93,8 +119,8 @@ def _is_rewritten(
 
     `changed` are the aspects that differ, by the paths of their parts.
     """
-    if difference.aspect in ("trigger", "final scan") and (difference.path, "code") not in changed:
-        return False  # the action is there, and executed at other times
+    if _is_at_other_times(difference, changed):
+        return False
     if difference.kind == "action" or difference.aspect == "interlock":
         return bool(difference.steps) and set(difference.steps) <= rewritten
     if difference.aspect == "condition" and difference.is_stronger:
@@ -102,7 +128,9 @@ def _is_rewritten(
     if difference.aspect == "type":
         owner = difference.path.partition(" / ")[0]
         return any(what == "length of a string" and path.partition(" / ")[0] == owner for path, what in settled)
-    if difference.kind in _OF_THE_PROJECT:
+    if difference.aspect in ("initial value", "start values", "retain"):
+        return False
+    if difference.kind in _OF_THE_PROJECT - _OF_THE_CONFIGURATION:
         name = difference.name.rpartition(".")[2]
         return any(path.replace(".", " ").split(" ")[-1] == name for path, _ in settled)
     if difference.aspect == "acknowledge errors required":
@@ -111,6 +139,11 @@ def _is_rewritten(
         chart = difference.path.rpartition(" / ")[0]
         return any(what == "exclude" and path.startswith(chart) for path, what in settled)
     return False
+
+
+def _is_at_other_times(difference: Difference, changed: set[tuple[str, str]]) -> bool:
+    """True if an action is there, and executed at other times."""
+    return difference.aspect in ("trigger", "final scan") and (difference.path, "code") not in changed
 
 
 def _is_superseded(item: Item, told: set[tuple[str, str]]) -> bool:
@@ -133,13 +166,19 @@ _ALSO_CALLED = {
     "initial value": ("data type", "initial"),
     "max time": ("maximum time",),
     "min time": ("minimum time",),
-    "code": ("body", "network"),
+    "code": ("body", "network", "IL body"),
+    "extends": ("type",),
+    "union": ("type",),
+    "macro-step": ("macro",),
 }
 """What writers call an aspect or a part too."""
 
 
-def _without_repetition(differences: Iterable[Difference]) -> Iterator[Difference]:
-    """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole."""
+def _without_repetition(differences: Iterable[Difference], said: set[str]) -> Iterator[Difference]:
+    """The differences, but of the interlock of a step only the actions that run without it, and lists as a whole.
+
+    `said`: the global variables of which a writer says already that they are lost.
+    """
     found = list(differences)
     without = {d.path.rpartition(" / ")[0] for d in found if d.kind == "action" and d.aspect == "interlock"}
     lists: dict[str, list[str]] = {}
@@ -152,6 +191,8 @@ def _without_repetition(differences: Iterable[Difference]) -> Iterator[Differenc
             continue
         if difference.kind == "global variable" and not difference.aspect and "." in difference.name:
             around, _, name = difference.name.partition(".")
+            if name.casefold() in said:
+                continue
             lists.setdefault(around, []).append(name)
             continue
         yield difference
@@ -162,6 +203,15 @@ def _without_repetition(differences: Iterable[Difference]) -> Iterator[Differenc
 
 def _last(name: str) -> str:
     return name.rpartition(".")[2].casefold()
+
+
+def _bare(path: str) -> str:
+    """The path of an action without what not all writers say of it: its kind, and the signs of S7."""
+    return path.replace(" / action ", " / ").replace("#", "").replace('"', "")
+
+
+def _a(noun: str) -> str:
+    return f"an {noun}" if noun[:1] in "aeiou" else f"a {noun}"
 
 
 def in_the_source(path: str, called: Mapping[str, str]) -> str:
@@ -179,8 +229,10 @@ def _is_noticed(difference: Difference, noticed: set[str]) -> bool:
     """True if a writer said something of the part, of something in it, or of what it is in."""
     path = difference.path
     if (
-        difference.kind in _OF_THE_PROJECT
+        difference.kind in _OF_THE_PROJECT | _KEPT_AS_TEXT
+        or (difference.kind == UNDECLARED and difference.right == "")
         or difference.aspect in _LEFT_TO_THE_READER
+        or difference.aspect.startswith(STORED)
         or any(other.startswith(f"{path} / ") for other in noticed)
     ):
         return True
@@ -191,16 +243,23 @@ def _is_noticed(difference: Difference, noticed: set[str]) -> bool:
     return False
 
 
-_LEFT_TO_THE_READER = frozenset({"static", "arguments", "edge"})
+_LEFT_TO_THE_READER = frozenset({"static", "arguments", "edge", "extends", "implements", "union"})
 """Aspects of which no writer speaks: what the target does not say is found when it is read back."""
 
-_OF_THE_PROJECT = frozenset({"global variable", "global variables", "task", "program instance", "instance", "type"})
+_OF_THE_CONFIGURATION = frozenset({"task", "program instance", "VAR_CONFIG", PROGRAM_CALL})
+_OF_THE_PROJECT = frozenset({"global variable", "global variables", "type"}) | _OF_THE_CONFIGURATION
 """Kinds of parts of which writers speak as a whole: "data blocks", "configurations"."""
+_KEPT_AS_TEXT = frozenset({"unit", "property", "data of the tool", UNDECLARED_TYPE})
+"""Kinds of parts that writers keep without looking into them."""
 
 
 def _outcome(difference: Difference) -> Outcome:
     """What is executed once more, or besides, is an approximation; anything else is not executed."""
-    if difference.kind != UNDECLARED and (
+    if difference.kind in (UNDECLARED, UNDECLARED_TYPE) and difference.left == "":
+        return Outcome.APPROXIMATED
+    if difference.aspect.startswith(STORED):  # the rows are executed, and another one counts
+        return Outcome.APPROXIMATED
+    if difference.kind not in (UNDECLARED, UNDECLARED_TYPE) and (
         difference.left is None or _is_later(difference) or _is_final_scan(difference)
     ):
         return Outcome.APPROXIMATED
@@ -220,21 +279,33 @@ def _is_final_scan(difference: Difference) -> bool:
 
 
 def _why(difference: Difference, tool: str) -> str:
-    short = replace(difference, left=_cut(difference.left), right=_cut(difference.right))
+    left, right = _apart(difference.left, difference.right)
+    short = replace(difference, left=_cut(left), right=_cut(right))
     if difference.aspect == "":
         return _whole(short, tool)
     if difference.kind == "action":
         return _action(short, tool)
     left, right, aspect = short.left, short.right, short.aspect
     template = _MISSING.get(aspect)
+    if aspect.startswith("code ") and right is None:
+        return f"the {aspect.removeprefix('code ')}. body of the POU, `{left}`, is NOT executed in {tool}"
     if template is not None and right is None:
         return template.format(left=left, tool=tool, name=short.name, kind=short.kind)
     if aspect == "kind" and left == "program":
         return f"the program is a {right} in {tool}, which nothing calls"
     if aspect == "address" and left == right:
         return f"{left} is another place in {tool}, which counts words where S7 counts bytes"
+    if aspect == "variables" and left == "its own":
+        return f"{short.name} has no variables of its own in {tool}: a program has one set of them for all its calls"
+    if aspect == "variables":
+        return f"{short.name} has variables of its own in {tool}: in the source all calls of the program share them"
+    if aspect.startswith(STORED):
+        why = "S7-GRAPH executes the rows S and R of an operand in their order; elsewhere R counts"
+        return f"{aspect.removeprefix(STORED)} is {right} in {tool} while the step is active, not {left}: {why}"
     if left is None:
         return f"{aspect} `{right}` in {tool}, none in the source"
+    if left == right:
+        return f"the {aspect} does something else in {tool}: `{left}`"
     if right is None:
         return f"{aspect} has no effect in {tool}" if left in (aspect, "on") else f"{aspect} `{left}` is not in {tool}"
     return f"{aspect} is `{right}` in {tool} instead of `{left}`"
@@ -242,17 +313,28 @@ def _why(difference: Difference, tool: str) -> str:
 
 def _whole(difference: Difference, tool: str) -> str:
     kind, name = difference.kind, difference.name
-    if kind == UNDECLARED:
+    if kind in (UNDECLARED, UNDECLARED_TYPE):
+        what = "type" if kind == UNDECLARED_TYPE else "name"
+        if difference.left == "":
+            return f"the {what} `{name}` is declared neither in the source nor in {tool}, which needs a library with it"
         origin = "" if difference.left is None else f": it is {difference.left} of the library of its tool"
-        return f"the name `{name}` is not declared in {tool}{origin}"
+        return f"the {what} `{name}` is not declared in {tool}{origin}"
+    if kind == "data of the tool":
+        return f"only the tool of the source reads this: it is NOT executed in {tool}"
+    if kind == "property":
+        return f"property `{name}` is not declared in {tool}"
     if difference.left is None:
-        return f"{tool} executes a {kind} `{name}` that the source does not"
+        return f"{tool} executes {_a(kind)} `{name}` that the source does not"
     if kind == "action":
         how = f" ({difference.left})" if difference.left else ""
         return f"{_called(name)}{how} is NOT executed in {tool}"
+    if kind == PROGRAM_CALL:
+        return f"`{name}` is a program: in {tool} others can neither call it nor read its variables"
     if kind == "global variables":
         return f"not declared in {tool}: {difference.left}"
-    if kind in ("global variable", "variable", "type", "instance"):
+    if kind == "start values":
+        return f"the data block does not start with the values of its file in {tool}, some of which are not read"
+    if kind in ("global variable", "variable", "type"):
         return f"{kind} `{name}` is not declared in {tool}"
     return f"{kind} `{name}` is NOT executed in {tool}" if name else f"the {kind} is NOT executed in {tool}"
 
@@ -290,15 +372,32 @@ _MISSING = {
     "supervision": "the supervision `{left}` does NOT hold the step in {tool}",
     "condition": "the transition has no condition in {tool} instead of `{left}`",
     "initial value": "`{name}` does not start as {left} in {tool}",
+    "start values": "`{name}` does not start with its own values in {tool}: {left}",
     "address": "`{name}` is not at {left} in {tool}",
     "retain": "`{name}` does not keep its value over a power failure in {tool}",
     "constant": "`{name}` is no constant in {tool}",
     "operating inputs": "no effect in {tool}: {left}",
     "code": "the {kind} has no program in {tool}",
+    "extends": "the {kind} does not extend `{left}` in {tool}: nothing of that is in it",
+    "implements": "the {kind} does not implement `{left}` in {tool}",
+    "union": "the members of the UNION do not share their memory in {tool}",
+    "negation": "the actions of the step do not act while it is NOT active in {tool}",
     "static": "each instance has a `{name}` of its own in {tool}: VAR_STAT is one for all",
     "arguments": "the program instance does not get its arguments in {tool}: {left}",
+    "interval": "{name} does not run every {left} in {tool}",
+    "trigger": "{name} does not start at a rising edge of {left} in {tool}",
+    "kind of task": "{name} is a task of the kind {left}: there is none in {tool}",
 }
 """What it means that an aspect is missing in the target."""
+
+
+def _apart(left: str | None, right: str | None) -> tuple[str | None, str | None]:
+    """Two long texts from a little before the place where they differ."""
+    if left is None or right is None or len(min(left, right, key=len)) <= _SHOWN or left[:_SHOWN] != right[:_SHOWN]:
+        return left, right
+    same = next((at for at, (a, b) in enumerate(zip(left, right, strict=False)) if a != b), min(len(left), len(right)))
+    start = max(left.rfind(" ", 0, max(same - _SHOWN // 4, 0)), 0)
+    return f"..{left[start:]}", f"..{right[start:]}"
 
 
 def _cut(text: str | None) -> str | None:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator, Mapping
 
 from plcopen_sfc.analysis.equivalence import equivalent
-from plcopen_sfc.analysis.verdict import Counterexample
+from plcopen_sfc.analysis.verdict import Counterexample, VerdictKind
 from plcopen_sfc.conversion.reporting import in_the_source
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.model.project import Chart, Project
@@ -45,7 +45,7 @@ def report_running(
     for there, here in list(_pairs(source, result, called, report)):
         left = end - time.monotonic()
         if left <= 0:
-            report.compared[there.report_path] = "not run: the time limit was reached"
+            _note_untested(report, there.report_path, "not run: the time limit was reached")
             continue
         try:
             verdict = equivalent(
@@ -60,11 +60,19 @@ def report_running(
                 limit=left,
             )
         except SfcError as error:
-            report.compared[there.report_path] = f"not run: {error.message}"
+            _note_untested(report, there.report_path, f"not run: {error.message}")
+            continue
+        if verdict.kind is VerdictKind.UNTESTED:
+            _note_untested(report, there.report_path, *str(verdict).splitlines())
             continue
         report.compared[there.report_path] = str(verdict).splitlines()[0]
         if verdict.counterexample is not None:
             report.add(Outcome.APPROXIMATED, "chart", there.report_path, _why(verdict.counterexample, tool))
+
+
+def _note_untested(report: ConversionReport, path: str, found: str, *unreached: str) -> None:
+    report.compared[path] = found
+    report.untested[path] = list(unreached)
 
 
 def _pairs(

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from plcopen_sfc.model.dialect import Dialect
 
 if TYPE_CHECKING:
-    from lxml import etree
-
     from plcopen_sfc.diagnostics import Diagnostic
     from plcopen_sfc.formats.text import Piece, Slice, SourceText
-    from plcopen_sfc.formats.xml.writing import XmlStyle
     from plcopen_sfc.model.project import Project
     from plcopen_sfc.report import ConversionReport
 
 
 TIA_PORTAL = "TIA Portal"
 """The product in the header of a project that was SimaticML: the markup that its objects carry is not of TC6."""
+
+
+Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
+"""What to keep beside objects that were rewritten, by their `id()`."""
 
 
 class Reading(NamedTuple):
@@ -53,6 +55,7 @@ class WriteOptions:
     `marks` are what to keep beside objects that were rewritten, by their `id()`.
     `of_graph`: the project says what S7-GRAPH executes: a transition without condition is TRUE, each row of a step
     writes its operand for itself, in the order of the rows.
+    `of_codesys`: it says what CODESYS executes, step actions and SFC flags too.
     `final_scan`: actions of the project are executed once more after their step was left (IEC 61131-3, 6.7.4.6).
     """
 
@@ -64,52 +67,67 @@ class WriteOptions:
     baseline: Project | None = None
     whole: Project | None = None
     added: bool = False
-    marks: Mapping[int, Mapping[str, Any]] = field(default_factory=dict)
+    marks: Marks = field(default_factory=dict)
     of_graph: bool = False
+    of_codesys: bool = False
     final_scan: bool = True
 
 
-class Codec(Protocol):
-    """The module of a format. One that does not write has no ``write``.
+class Codec(ABC):
+    """Reads and writes a format. What only some formats need has a default."""
 
-    One with ``adapt(project, options, report)`` changes a copy of the project, before it is written, into what the
-    format makes of it: numbers that its tool requires, names that it gives. One with ``rewrite(project, options,
-    report)`` gives a copy that says in terms of its tool what the project means, and marks for `WriteOptions`, from
-    which its reader makes the project again; its ``is_rewritten(project, content)`` tells if a file is such a copy. One
-    with ``normalize(data)`` takes out of a file what its tool does not look at. One with ``added_objects(project)``
-    writes objects for its tool that the project has otherwise, and that are no objects of it when the file is read
-    again. One with ``as_tool_sees(data,
-    file=..)`` takes out what only this package reads; without it a file holds nothing of the kind.
-    """
-
+    @abstractmethod
     def read(self, data: bytes, *, file: str | None = None) -> Reading:
         """Read a file. Raises `FormatError`."""
 
+    @abstractmethod
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a file anew."""
 
+    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
+        """The file without what only this package reads."""
+        return data
 
-class TextCodec(Codec, Protocol):
-    """The module of a text format, whose files can be patched: see `formats.text`."""
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        """The line of each object of `project` in the file `content`, by the path that the report gives it."""
+        return {}
 
+    def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
+        """What is wrong with a file by the schema of the format; empty for a valid one, or where there is no schema."""
+        return []
+
+    def normalize(self, data: bytes) -> bytes | None:
+        """The file without what its tool does not look at; None where the format has nothing of the kind."""
+        return None
+
+    def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Change `project`, a copy, into what the readers of `WriteOptions.flavour` execute."""
+
+    def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Change `project`, a copy, into what the format makes of it: numbers and names that its tool requires."""
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Replace in `project`, a copy, what the tool lacks by what does the same, and is read back as such."""
+
+    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+        """A copy that says in terms of the tool what the project means, and what the reader restores it from."""
+        return project, {}
+
+    def is_rewritten(self, project: Project, content: bytes) -> bool:
+        """True if the file `content` of `project` is such a copy, or an edit made that necessary."""
+        return False
+
+
+class TextCodec(Codec):
+    """Reads and writes a text format, whose files can be patched: see `formats.text`."""
+
+    @abstractmethod
     def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
         """The text of a project, object by object."""
 
+    @abstractmethod
     def slices(self, content: bytes) -> tuple[SourceText, Slice]:
         """The text of a file, and where the objects stand in it."""
-
-
-class XmlCodec(Codec, Protocol):
-    """The module of an XML format, whose files can be patched."""
-
-    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-        """The tree of the file."""
-
-    def lines(self, content: bytes, project: Project) -> dict[str, int]:
-        """The line of each object in the file, by the path that the report gives it."""
-
-    def style(self, project: Project, options: WriteOptions) -> XmlStyle:
-        """How the tool writes XML."""
 
 
 @dataclass(frozen=True)
@@ -119,10 +137,9 @@ class Format:
     `tool` is what reports call the tools that execute its files; empty: none does. `module` is imported when the format
     is used. `recognises` looks at the start of a file (see
     `formats.registry.Head`). `capabilities` are for people: what charts keep in this format in its own terms. `dialect`
-    is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`: the module is
-    an `XmlCodec`, a `TextCodec`. `folders`: a folder of its files is one project; the module has
-    ``standard_folder(thing)`` then, where an object belongs that has no folder yet, and ``new_document(version)``, a
-    project without objects. `ids`: its files keep the ids of steps, transitions and elements of networks.
+    is that of the structured text in its files; None: a file may hold any and says which. `xml`, `text`, `folders`: the
+    codec is an `XmlCodec`, a `TextCodec`, a `FolderCodec`. `ids`: its files keep the ids of steps, transitions and
+    elements of networks.
     """
 
     name: str
@@ -142,6 +159,7 @@ class Format:
     ids: bool = True
     folders: bool = False
 
-    def codec(self) -> Any:
-        """The module that reads and writes it."""
-        return import_module(self.module)
+    def codec(self) -> Codec:
+        """What reads and writes it: ``CODEC`` of its module."""
+        codec: Codec = import_module(self.module).CODEC
+        return codec

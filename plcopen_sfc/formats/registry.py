@@ -26,7 +26,8 @@ def _is_native(head: Head) -> bool:
 
 _TEXT_UNIT = re.compile(
     r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\{\{.*?\}\}|\{[^}]*+\})\s*+)*+"
-    r"(?:PROGRAM|FUNCTION_BLOCK|FUNCTION|TYPE|VAR_GLOBAL|CONFIGURATION)\b(?!\s*[\":=])",
+    r"(?:PROGRAM|FUNCTION_BLOCK|FUNCTION|TYPE|VAR_GLOBAL|CONFIGURATION|CLASS|INTERFACE|NAMESPACE|USING)\b"
+    r"(?!\s*[\":=])",
     re.DOTALL | re.IGNORECASE,
 )
 _TEXT_PART = re.compile(r"\b(?:END_[A-Z_]+|VAR|VAR_[A-Z_]+|INITIAL_STEP)\b", re.IGNORECASE)

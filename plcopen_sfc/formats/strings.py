@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator
 
-from plcopen_sfc.model.project import Configuration, Project, Resource
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import SimpleValue, StringType, StructType, Variable
 
 
 def variable_names(project: Project) -> Iterator[str]:
     """The names of all variables of a project, in lower case."""
-    owners: list[Configuration | Resource] = [*project.applications, *project.configurations]
-    owners += [resource for configuration in project.configurations for resource in configuration.resources]
-    sections = [*project.global_variables, *(section for owner in owners for section in owner.global_variables)]
-    for section in sections:
+    for section in project.global_sections():
         yield from (variable.name.casefold() for variable in section.variables)
     for pou in project.pous:
         yield from (variable.name.casefold() for variable in pou.variables())

@@ -8,13 +8,16 @@ list, an address and a value that never changes has no counterpart: S7 keeps dat
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import groupby
 
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names import Kind, Names
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.languages.translation.addresses import translated_address
+from plcopen_sfc.model.base import Carried, ForeignData
 from plcopen_sfc.model.pou import DataBlock
-from plcopen_sfc.model.project import Project, Tag, TagTable
+from plcopen_sfc.model.project import Project, Tag, TagTable, TreeNode
 from plcopen_sfc.model.types import DerivedType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
@@ -29,19 +32,32 @@ def data_blocks_of(project: Project) -> list[DataBlock]:
     things = [*project.pous, *project.data_blocks, *project.data_types]
     taken = {thing.name.casefold() for thing in things}
     blocks = {pou.name.casefold() for pou in project.pous}
-    found: dict[str, list[Variable]] = {}
+    found: dict[str, list[VariableSection]] = {}
     for name, section in _lists(project):
-        if name and name.casefold() not in taken:
-            variables = [v for v in section.variables if not _is_instance(v, blocks)]
-            found.setdefault(name, []).extend(v.model_copy(update={"address": None}) for v in variables)
-    return [
-        DataBlock(
-            name=name,
-            interface=Interface(sections=[VariableSection(kind=SectionKind.LOCAL, variables=variables)]),
-        )
-        for name, variables in found.items()
-        if variables
-    ]
+        variables = [v.model_copy(update={"address": None}) for v in section.variables if not _is_instance(v, blocks)]
+        if name and name.casefold() not in taken and variables:
+            sections = found.setdefault(name, [])
+            retain = section.retain or section.persistent
+            if not sections or sections[-1].retain is not retain:
+                sections.append(VariableSection(kind=SectionKind.LOCAL, retain=retain))
+            sections[-1].variables.extend(variables)
+    return [DataBlock(name=name, interface=Interface(sections=sections)) for name, sections in found.items()]
+
+
+def is_retained(section: VariableSection, variable: Variable) -> bool:
+    """True if a variable keeps its value when the power fails."""
+    is_remanent = variable.attributes.get("Remanence", "").casefold() == "retain"
+    return section.retain or section.persistent or is_remanent
+
+
+def by_retention(section: VariableSection) -> Iterator[VariableSection]:
+    """A section as sections with variables that are retained, and with others, in their order."""
+    kept = [is_retained(section, variable) for variable in section.variables]
+    if section.retain or section.persistent or True not in kept:
+        yield section
+        return
+    for retain, group in groupby(zip(kept, section.variables, strict=True), key=lambda each: each[0]):
+        yield section.model_copy(update={"retain": retain, "variables": [variable for _, variable in group]})
 
 
 def blocks_of_variables(project: Project) -> dict[str, str]:
@@ -99,20 +115,40 @@ def left_out(project: Project) -> Iterator[tuple[str, str]]:
 
 def uncalled(project: Project) -> Iterator[tuple[str, str, str]]:
     """What calls programs and connects variables in other tools, and is not written: kind, name, consequence."""
-    for resource in (*project.applications, *(r for c in project.configurations for r in c.resources)):
+    for resource in project.resources():
         for task in resource.tasks:
             every = f" every {task.interval}" if task.interval else ""
             called = ", ".join(instance.type_name or instance.name for instance in task.instances) or "nothing"
             yield "task", f"task {task.name}", f"it calls {called}{every}; no organization block is written that does"
         for instance in resource.instances:
-            why = f"it is an instance of {instance.type_name}; no organization block calls it"
-            yield "program instance", instance.name, why
+            why = f"it is an instance of {instance.type_name or instance.name}; no organization block calls it"
+            yield "program instance", f"program instance {instance.name}", why
     for configuration in project.configurations:
         why = "S7 has no such section: its variables have no addresses and values by it"
         if configuration.access_variables is not None and configuration.access_variables.variables:
             yield "access variables", configuration.name, why
         if configuration.config_variables is not None and configuration.config_variables.variables:
             yield "config variables", configuration.name, why
+
+
+def called_actions(project: Project) -> frozenset[int]:
+    """The ids (``id``) of the actions that a step has or a program calls, or may call."""
+    actions = [action for pou in project.pous for action in pou.actions]
+    found: set[int] = set()
+    for each in Names(project).occurrences(*(action.name for action in actions)) if actions else ():
+        declaration = each.meaning.declaration
+        if isinstance(each.piece.holder, Carried | ForeignData | TreeNode):
+            continue
+        if declaration is not None and declaration.kind is Kind.ACTION:
+            found.add(id(declaration.holder))
+        elif declaration is None:
+            name = each.reference.name.casefold()
+            found.update(id(action) for action in actions if action.name.casefold() == name)
+    return frozenset(found)
+
+
+UNCALLED = "no step has it and no program calls it: nothing executes it in the source either"
+"""Why an action that S7 does not have is no loss."""
 
 
 def _lists(project: Project) -> Iterator[tuple[str, VariableSection]]:

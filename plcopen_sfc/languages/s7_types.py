@@ -52,6 +52,7 @@ class S7Types:
 
     def __init__(self, declarations: Iterable[DataTypeDeclaration]) -> None:
         self._declared = {each.name.casefold(): each for each in declarations}
+        self.declared: dict[str, DataType] = {name: each.type for name, each in self._declared.items()}
         self.constants = [each for declaration in self._declared.values() for each in constants_of(declaration)]
         self._by_name = {each.name.casefold(): each for each in self.constants}
         self._by_value = {f"{each.type}.{each.value}".casefold(): each for each in self.constants}
@@ -93,7 +94,7 @@ class S7Types:
                 first = next((each for each in self.constants if each.type == declared.name), None)
                 return SimpleValue(text=str(first.number)) if first is not None and first.number else None
             return self._start_of(declared.type, depth + 1)
-        if isinstance(type_, SubrangeType) and _number(type_.bounds.lower) != 0:
+        if isinstance(type_, SubrangeType) and number_of(type_.bounds.lower) != 0:
             return SimpleValue(text=type_.bounds.lower)
         if isinstance(type_, ArrayType):
             element, count = self._start_of(type_.base, depth + 1), _elements(type_)
@@ -154,7 +155,7 @@ def constants_of(declaration: DataTypeDeclaration) -> list[Constant]:
     found: list[Constant] = []
     following = 0
     for each in declaration.type.values:
-        number = following if each.value is None else _number(each.value)
+        number = following if each.value is None else number_of(each.value)
         if number is None:
             return []
         found.append(Constant(declaration.name, each.name, f"{declaration.name}_{each.name}", number))
@@ -166,14 +167,15 @@ def _elements(type_: ArrayType) -> int | None:
     """How many elements an array has; None where its bounds are no numbers."""
     count = 1
     for dimension in type_.dimensions:
-        lower, upper = _number(dimension.lower), _number(dimension.upper)
+        lower, upper = number_of(dimension.lower), number_of(dimension.upper)
         if lower is None or upper is None:
             return None
         count *= upper - lower + 1
     return count
 
 
-def _number(text: str) -> int | None:
+def number_of(text: str) -> int | None:
+    """The number that a literal is; None for anything else."""
     found = _NUMBER.fullmatch(text.strip())
     if found is None:
         return None

@@ -145,7 +145,16 @@ def _conversion(name: str) -> StandardBlock | None:
     if matched is None or not {matched["source"] or "BOOL", matched["target"]} <= _TYPES:
         return None
     inputs, outputs = (Pin("IN", matched["source"] or "ANY"),), (Pin("OUT", matched["target"]),)
-    return StandardBlock(name, BlockKind.FUNCTION, inputs, outputs, extensible=False, operator=None, tools={})
+    is_convert = name == f"{matched['source']}_TO_{matched['target']}" and {*name.split("_TO_")} <= S7_CONVERTED.keys()
+    tools = {Tool.S7: ToolNames("Convert", {"IN": "in", "OUT": "out"})} if is_convert else {}
+    return StandardBlock(name, BlockKind.FUNCTION, inputs, outputs, extensible=False, operator=None, tools=tools)
+
+
+S7_CONVERTED = {
+    name.upper(): name
+    for name in "Byte Word DWord LWord SInt Int DInt LInt USInt UInt UDInt ULInt Real LReal Time LTime".split()
+}
+"""The types between which the box ``Convert`` of TIA Portal converts as conversions of IEC 61131-3 do."""
 
 
 _CONVERSION = re.compile(r"(?:(?P<source>\w+)_(?:TRUNC|BCD_TO|TO(?:_BCD)?)|TO|TRUNC)_(?P<target>\w+)")

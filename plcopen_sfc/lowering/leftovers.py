@@ -46,7 +46,7 @@ def _called(pou: Pou) -> dict[str, Body | None]:
     called: dict[str, Body | None] = {}
     bodies: list[Body | None] = [*pou.bodies]
     while bodies:
-        for name in _named(bodies.pop()) & by_name.keys() - called.keys():
+        for name in sorted(_named(bodies.pop()) & by_name.keys() - called.keys()):
             called[name] = by_name[name]
             bodies.append(by_name[name])
     return called

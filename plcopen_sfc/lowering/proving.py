@@ -117,7 +117,7 @@ def _renamed_inputs(chart: Subject, code: Subject, profile: Profile) -> dict[str
         {name.casefold(): name for name in Simulation(each, profile=profile).undeclared} for each in (chart, code)
     )
     found: dict[str, str] = {}
-    for old in mine.keys() - theirs.keys():
+    for old in (name for name in mine if name not in theirs):
         like = re.compile(r"\.".join(_renamed(part, target) for part in mine[old].split(".")), re.IGNORECASE)
         new = [name for key, name in theirs.items() if key not in mine and like.fullmatch(name)]
         if len(new) == 1:

@@ -55,11 +55,5 @@ class Element(Model):
     carried: Carried | None = None
 
 
-FINGERPRINT = "fingerprint"
-"""Serialisation context in which what was not edited counts as what it was read as."""
-
-OWN_FINGERPRINT = "fingerprint of one object"
-"""The same for what is inside of an object, but not for the object itself."""
-
 ElementId = Annotated[int, Field(ge=0)]
 """Identifies a step, a transition, an association or a drawn element within one network. Never shown to people."""

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
@@ -26,29 +27,35 @@ class PouKind(StrEnum):
     ORGANIZATION_BLOCK = "organizationBlock"
 
 
-class Action(Element):
+class Action(Owned, Element):
     """An action of a POU: code that steps execute by its name."""
 
     name: str
     body: Body | None = None
     object_id: str | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
-class NamedTransition(Element):
+
+class NamedTransition(Owned, Element):
     """A transition object of a POU: a condition with a name that charts refer to."""
 
     name: str
     body: Body | None = None
     object_id: str | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
-class Method(Element):
+
+class Method(Owned, Element):
     """A method of a function block."""
 
     name: str
     interface: Interface | None = None
     body: Body | None = None
     object_id: str | None = None
+
+    OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
 
 class Pou(ProjectObject):
@@ -61,6 +68,7 @@ class Pou(ProjectObject):
     """
 
     kind_in_reports: ClassVar[str] = "POU"
+    OWNS: ClassVar[tuple[str, ...]] = ("bodies", "actions", "transitions", "methods")
 
     number: int | None = None
     title: Text | None = None

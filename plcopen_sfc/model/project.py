@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from itertools import chain
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
-from weakref import WeakValueDictionary
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.errors import Location, ModelError, SfcError
+from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -83,13 +81,17 @@ class TaskWatchdog(Model):
 
 
 class TaskSettings(Model):
-    """How CODESYS runs a task: kind (``Cyclic``, ``Freewheeling`` ..), interval as typed and its unit."""
+    """How CODESYS runs a task: kind (``Cyclic``, ``Freewheeling`` ..), interval as typed and its unit.
+
+    `attributes` are others that its file has.
+    """
 
     kind: str | None = None
     interval: str | None = None
     interval_unit: str | None = None
     event: str | None = None
     watchdog: TaskWatchdog | None = None
+    attributes: dict[str, str] = Field(default_factory=dict)
 
 
 class Task(Element):
@@ -164,71 +166,32 @@ class Chart(NamedTuple):
         return self.pou.report_path_of(self.name)
 
 
-class Origin(NamedTuple):
-    """Where a project was read from; what saving needs to give the same file back. Belongs to `plcopen_sfc.api`."""
+class Source(Protocol):
+    """What a project was read from, as the model and the rules of tools need it; see `plcopen_sfc.documents`."""
 
     format: str
     version: str
-    content: bytes
-    fingerprint: bytes
-    path: str | None
-    diagnostics: list[Diagnostic]
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Origin:
-        """Itself: copies of a project come from the same file."""
-        return self
-
-
-class SourceDocument(NamedTuple):
-    """One document of a folder: a project with what is beside its objects, and how many objects it has."""
-
-    frame: Project
-    objects: int
+    errors_accepted: bool
 
     @property
-    def origin(self) -> Origin:
-        """What the document was read from."""
-        if not isinstance(self.frame._origin, Origin):
-            raise TypeError("a document is read from one file")
-        return self.frame._origin
-
-
-@dataclass
-class FolderOrigin:
-    """The folder that a project was read from; what saving needs to touch changed files only.
-
-    `path` is the folder, `documents` are by their path in it. `version` is the newest of theirs. `shared` is what the
-    project has beside its objects, as it was read. `unreadable` are documents that could not be read, and why; `others`
-    the files that are none of the project's. Belongs to `plcopen_sfc.folders`.
-    """
-
-    format: str
-    version: str
-    path: str
-    documents: dict[str, SourceDocument]
-    shared: dict[str, Any]
-    unreadable: dict[str, SfcError]
-    others: list[str]
-    own_diagnostics: list[Diagnostic]
+    def path(self) -> str | None:
+        """The file or folder; None for bytes without a name."""
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
-        """What there is to say about the folder, and about its documents."""
-        of_documents = (document.origin.diagnostics for document in self.documents.values())
-        return [*self.own_diagnostics, *chain.from_iterable(of_documents)]
+        """Findings of the reader."""
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> FolderOrigin:
-        """Copies of a project come from the same files, but each is saved by itself."""
-        return replace(self, documents=dict(self.documents))
+    def accept_errors(self) -> None:
+        """See `Project.accept_errors`."""
 
 
-class Project(Element):
+class Project(Owned, Element):
     """Everything a file holds.
 
     `applications` are resources that stand in the project without a configuration (CODESYS and TwinCAT application
-    exports). POUs and data types are in one list each, whatever their `place` is. `content_comment` and
-    `content_carried` belong to the description of the content (TC6 ``contentHeader``). `dialect` is that of all
-    structured text in it, expressions included.
+    exports). `config_variables` stand outside of a configuration, as in CODESYS. POUs and data types are in one list
+    each, whatever their `place` is. `content_comment` and `content_carried` belong to the description of the content
+    (TC6 ``contentHeader``). `dialect` is that of all structured text in it, expressions included.
     """
 
     name: str = ""
@@ -246,49 +209,41 @@ class Project(Element):
     pous: list[Pou] = Field(default_factory=list)
     data_blocks: list[DataBlock] = Field(default_factory=list)
     global_variables: list[VariableSection] = Field(default_factory=list)
+    config_variables: ConfigSection | None = None
     tag_tables: list[TagTable] = Field(default_factory=list)
     configurations: list[Configuration] = Field(default_factory=list)
     applications: list[Resource] = Field(default_factory=list)
     tree: list[TreeNode] | None = None
     dialect: Dialect = Dialect.IEC
 
-    _origin: Origin | FolderOrigin | None = PrivateAttr(default=None)
-    _errors_accepted: bool = PrivateAttr(default=False)
+    OBJECTS: ClassVar[tuple[str, ...]] = ("tag_tables", "data_types", "data_blocks", "pous")
+    """The fields with objects that have files of their own in some tools."""
 
-    def __eq__(self, other: Any) -> bool:
-        """Equal content; where the projects were read from does not matter."""
-        return isinstance(other, Project) and self.__dict__ == other.__dict__
+    OWNS: ClassVar[tuple[str, ...]] = ("pous",)
 
-    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+    _source: Source | None = PrivateAttr(default=None)
 
-    def model_post_init(self, context: Any, /) -> None:
-        """Remember that the project exists: see `projects_with`."""
-        super().model_post_init(context)
-        _remember(self)
+    @property
+    def project(self) -> Project:
+        """The project itself: what is in it asks what it is in."""
+        return self
 
-    def __copy__(self) -> Self:
-        """A copy that has the same POUs."""
-        copy = super().__copy__()
-        _remember(copy)
-        return copy
+    @property
+    def source(self) -> Source | None:
+        """The file or folder that the project was read from; None for one that was built by a script."""
+        return self._source
 
-    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        """A copy with POUs of its own."""
-        copy = super().__deepcopy__(memo)
-        _remember(copy)
-        return copy
-
-    def __setstate__(self, state: dict[Any, Any]) -> None:
-        super().__setstate__(state)
-        _remember(self)
+    @source.setter
+    def source(self, source: Source | None) -> None:
+        self._source = source
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """What the reader had to say about the file: charts that are wrong but could be loaded. Reads every chart."""
-        if self._origin is None:
+        if self.source is None:
             return ()
         self.read_all()
-        found = self._origin.diagnostics
+        found = self.source.diagnostics
         return tuple(sorted(found, key=lambda d: (d.location.file or "", d.location.line or 0)))
 
     def accept_errors(self) -> None:
@@ -297,18 +252,16 @@ class Project(Element):
         Else that raises `DamagedSourceError`: what could not be read is missing in the result. The report lists each
         error as approximated then.
         """
-        self._errors_accepted = True
-        if isinstance(self._origin, FolderOrigin):
-            for document in self._origin.documents.values():
-                document.frame._errors_accepted = True
+        if self.source is not None:
+            self.source.accept_errors()
 
     def read_all(self) -> None:
-        """Read every object and chart that nobody has looked at yet: quicker for all at once than one by one."""
+        """Read every object and chart that is unread: quicker for all at once than one by one."""
         with collector_paused():
             for thing in self.objects():
                 thing.read()
-            for _ in self.charts():
-                pass
+            for chart in self.charts():
+                chart.network.read()
 
     def pou(self, name: str) -> Pou:
         """The POU of this name; case does not matter. Raises `ModelError`."""
@@ -338,16 +291,24 @@ class Project(Element):
 
     def objects(self) -> Iterator[ProjectObject]:
         """The objects that have files of their own in some tools; what others need comes first."""
-        yield from self.tag_tables
-        yield from self.data_types
-        yield from self.data_blocks
-        yield from self.pous
+        for name in self.OBJECTS:
+            yield from getattr(self, name)
 
-    def bodies_read(self) -> Iterator[tuple[str, Body]]:
-        """Every body with its name, but for those of POUs that nobody has looked at."""
-        for pou in self.pous:
-            if not pou.is_unread:
-                yield from pou.named_bodies()
+    def resources(self) -> Iterator[Resource]:
+        """Every resource: those without a configuration, then those of each configuration."""
+        yield from self.applications
+        for configuration in self.configurations:
+            yield from configuration.resources
+
+    def global_sections(self) -> Iterator[VariableSection]:
+        """Every list of global variables: of the project, its resources and its configurations."""
+        yield from self.global_variables
+        for application in self.applications:
+            yield from application.global_variables
+        for configuration in self.configurations:
+            yield from configuration.global_variables
+            for resource in configuration.resources:
+                yield from resource.global_variables
 
     def bodies(self) -> Iterator[tuple[str, Pou, Body]]:
         """Every body in the project with its name (``Main.Fill``) and POU."""
@@ -360,25 +321,3 @@ class Project(Element):
         for name, pou, body in self.bodies():
             if isinstance(body, SfcBody):
                 yield Chart(name, pou, body.chart)
-
-
-_ALIVE: WeakValueDictionary[int, Project] = WeakValueDictionary()
-"""Every project in this process, by its `id()`."""
-
-
-def _remember(project: Project) -> None:
-    _ALIVE[id(project)] = project
-
-
-def projects_of(pou: Pou) -> Iterator[Project]:
-    """Find the projects that have this very POU."""
-    return (project for project in list(_ALIVE.values()) if any(each is pou for each in project.pous))
-
-
-def projects_with(chart: SfcNetwork) -> Iterator[Project]:
-    """The projects that have this very chart: in a body, or inside another chart. Charts stay unread."""
-    for project in list(_ALIVE.values()):
-        for _, body in project.bodies_read():
-            if isinstance(body, SfcBody) and any(found is chart for found in body.charts_read()):
-                yield project
-                break

@@ -7,9 +7,9 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
@@ -19,7 +19,9 @@ from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAcces
 from plcopen_sfc.model.base import Element, ElementId, Model
 from plcopen_sfc.model.conditions import Condition
 from plcopen_sfc.model.drawing import Drawing
+from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Node
+from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.text import Text
 
 if TYPE_CHECKING:
@@ -27,11 +29,13 @@ if TYPE_CHECKING:
     from plcopen_sfc.refactor.rename import RenameResult
 
 
-class Macro(Model):
+class Macro(Owned):
     """What a macro-step stands for: a body of its own (TC6), or a partial chart by name (IEC 60848, expansion)."""
 
     body: Body | None = None
     expansion: str | None = None
+
+    OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
 
 class Enclosure(Model):
@@ -41,7 +45,7 @@ class Enclosure(Model):
     activated_steps: list[str] = Field(default_factory=list)
 
 
-class Step(Element):
+class Step(Owned, Element):
     """A step.
 
     `name` is its identifier in programs, `number` its number where the tool has one. Times are literals or
@@ -78,6 +82,13 @@ class Step(Element):
     exclude: bool = False
     symbol: SymbolAccess = SymbolAccess.UNSPECIFIED
     duplicate: bool = False
+
+    OWNS: ClassVar[tuple[str, ...]] = ("macro",)
+
+    @property
+    def chart(self) -> SfcNetwork | None:
+        """The chart that the step is in."""
+        return self.owner if isinstance(self.owner, SfcNetwork) else None
 
 
 class Supervised(Model):
@@ -141,6 +152,19 @@ class SfcFlag(StrEnum):
     def variable(self) -> str:
         """The name of the variable in programs: ``SFCInit``."""
         return self.value if self.value.startswith("SFC") else f"SFC{self.value}"
+
+
+_NEED_ERROR = frozenset(
+    {
+        SfcFlag.ENABLE_LIMIT,
+        SfcFlag.ERROR_STEP,
+        SfcFlag.ERROR_POU,
+        SfcFlag.QUIT_ERROR,
+        SfcFlag.ERROR_ANALYZATION,
+        SfcFlag.ERROR_ANALYZATION_TABLE,
+    }
+)
+"""Flags that only work together with SFCError."""
 
 
 class FlagUse(Model):
@@ -234,7 +258,7 @@ class PartialChartKind(StrEnum):
     ENCLOSED = "enclosed"
 
 
-class PartialChart(Element):
+class PartialChart(Owned, Element):
     """A partial chart of a GRAFCET. An expansion names its entry and exit step."""
 
     name: str
@@ -243,8 +267,10 @@ class PartialChart(Element):
     entry_step: str | None = None
     exit_step: str | None = None
 
+    OWNS: ClassVar[tuple[str, ...]] = ("network",)
 
-class SfcNetwork(Element):
+
+class SfcNetwork(LateElement):
     """A chart.
 
     `logic` are FBD and LD elements drawn in the chart, which conditions are wired to. `drawing` is how the file draws
@@ -261,6 +287,8 @@ class SfcNetwork(Element):
     permanent_post: list[PermanentOperation] = Field(default_factory=list)
     partial_charts: list[PartialChart] = Field(default_factory=list)
     drawing: Drawing | None = None
+
+    OWNS: ClassVar[tuple[str, ...]] = ("steps", "partial_charts")
 
     def step(self, key: str | int) -> Step:
         """The step with this name (case does not matter, as in IEC 61131-3) or id. Raises `ModelError`."""
@@ -296,6 +324,23 @@ class SfcNetwork(Element):
         for step in self.steps:
             for association in step.actions:
                 yield step, association
+
+    def flags_in_use(self, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
+        """The flags that the chart obeys or sets in CODESYS.
+
+        A flag is used where the settings of the chart say so. Where they do not mention it, or leave it to the settings
+        of the project, it is used if `declared` tells that the POU or its project declare the variable.
+        """
+        settings = self.settings
+
+        def is_used(flag: SfcFlag) -> bool:
+            stated = settings.flags.get(flag) if settings is not None else None
+            if stated is not None and (stated.use or not (settings is not None and settings.use_defaults)):
+                return stated.use
+            return declared(flag.variable)
+
+        used = frozenset(flag for flag in SfcFlag if is_used(flag))
+        return used if SfcFlag.ERROR in used else used - _NEED_ERROR
 
     def label(self, transition: Transition) -> str:
         """What people call a transition: its name, or from where to where it leads."""

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
+from plcopen_sfc.languages.names.declarations import inside
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Site, pieces
 from plcopen_sfc.languages.s7_globals import blocks_of_variables
 from plcopen_sfc.languages.s7_types import S7Types, s7_types
@@ -21,8 +22,10 @@ from plcopen_sfc.languages.translation import (
     StepReferences,
     Translated,
     TranslationContext,
+    is_foreign,
     translate,
 )
+from plcopen_sfc.languages.translation.families import family
 from plcopen_sfc.languages.translation.kept import keep_names, kept_names
 from plcopen_sfc.model import (
     ActionAssociation,
@@ -91,18 +94,49 @@ def translate_project(project: Project, target: Dialect) -> list[TranslatedText]
     if Dialect.SCL in (source, target) and source is not target:
         keep_names(project, renames if source is Dialect.SCL else Renames())
     _rename_instances(project, source, target)
+    _say_lengths(project, source, target)
     project.dialect = target
     return found
 
 
-def translate_powers(project: Project) -> list[TranslatedText]:
-    """Put every text of `project`, in IEC 61131-3, that has ``**`` into that of CODESYS, which has EXPT instead."""
+def _say_lengths(project: Project, source: Dialect, target: Dialect) -> None:
+    """Write the length of strings that say none, where the tools of both dialects have others."""
+    length = STRING_LENGTHS.get(source)
+    if length is None or Dialect.SCL not in (source, target) or source is target:
+        return
+    sections = [section for interface in _all_interfaces(project) for section in interface.sections]
+    variables = [variable for section in (*sections, *project.global_sections()) for variable in section.variables]
+    types = [variable.type for variable in variables] + [each.type for each in project.data_types]
+    types += [interface.return_type for interface in _all_interfaces(project) if interface.return_type is not None]
+    while types:
+        for type_ in inside(types.pop()):
+            if isinstance(type_, StringType) and type_.length is None:
+                type_.length = length
+            elif isinstance(type_, StructType):
+                types += [member.type for member in type_.members]
+
+
+def _all_interfaces(project: Project) -> list[Interface]:
+    found = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
+    found += [method.interface for pou in project.pous for method in pou.methods]
+    return [interface for interface in found if interface is not None]
+
+
+def translate_foreign(project: Project, target: Dialect) -> list[TranslatedText]:
+    """Put every text of `project` that `target` does not read into it: CODESYS for IEC 61131-3, or the reverse.
+
+    The others stay as they are: tools of both read most of each other's text.
+    """
     known = _Globals(s7_types(project), frozenset(_global_names(project)), {}, {})
     found: list[TranslatedText] = []
-    for piece in [piece for piece in pieces(project) if piece.is_program_text and "**" in piece.text]:
-        result = _translated(piece, Dialect.CODESYS, Renames(), project, known)
-        found.append(TranslatedText(piece.report_path, result.text != piece.text, result.notes))
-        piece.put(result.text)
+    for piece in [piece for piece in pieces(project) if piece.is_program_text and not _names_a_step(piece)]:
+        if family(target) is Dialect.CODESYS and "**" not in piece.text:
+            continue  # all else that IEC 61131-3 has is left to CODESYS, whose files often are in TC6
+        result = _translated(piece, target, Renames(), project, known)
+        is_lost = any(note.severity is not Severity.INFO for note in result.notes)
+        if is_lost or is_foreign(piece.text, piece.reading is Reading.STATEMENTS, project.dialect, target):
+            found.append(TranslatedText(piece.report_path, result.text != piece.text, result.notes))
+            piece.put(result.text)
     return found
 
 
@@ -129,9 +163,7 @@ def _names_a_step(piece: Piece) -> bool:
 
 def _global_names(project: Project) -> set[str]:
     """What the project declares globally."""
-    sections = [*project.global_variables, *(s for c in project.configurations for s in c.global_variables)]
-    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
-    sections += [section for resource in resources for section in resource.global_variables]
+    sections = [*project.global_sections()]
     names = {variable.name for section in sections for variable in section.variables}
     names |= {section.name for section in sections if section.name}
     return names | {thing.name for thing in project.objects()}
@@ -273,9 +305,7 @@ def _rename_instances(project: Project, source: Dialect, target: Dialect) -> Non
     names = {name: other for name, other in names.items() if name not in declared}
     interfaces = [each for pou in project.pous for each in (pou.interface, *(m.interface for m in pou.methods))]
     sections = [section for interface in interfaces if interface is not None for section in interface.sections]
-    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
-    sections += [*project.global_variables, *(s for owner in project.configurations for s in owner.global_variables)]
-    sections += [section for resource in resources for section in resource.global_variables]
+    sections += project.global_sections()
     for variable in (variable for section in sections for variable in section.variables):
         if isinstance(variable.type, DerivedType) and variable.type.name.upper() in names:
             variable.type = DerivedType(name=names[variable.type.name.upper()])
@@ -307,7 +337,7 @@ def _rename_declarations(project: Project, renames: Renames, target: Dialect) ->
     for declaration in project.data_types:
         if isinstance(declaration.type, StructType):
             rename(declaration.type.members, NameScope.MEMBER)
-    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+    resources = [*project.resources()]
     globals_ = [project.global_variables, *(c.global_variables for c in project.configurations)]
     for sections in (*globals_, *(resource.global_variables for resource in resources)):
         rename_sections(sections, NameScope.GLOBAL)

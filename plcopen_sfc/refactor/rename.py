@@ -24,7 +24,7 @@ from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
-from plcopen_sfc.model.project import Project, projects_with
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.refactor.clashes import changed_meanings, visible_clashes
 
@@ -76,7 +76,7 @@ def rename(project: Project, what: Declaration | Model | str, new: str) -> Renam
 def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
     """Rename a step of `chart` in the project that the chart is in; in the chart alone if it is in none."""
     step = chart.step(old)
-    project = next(projects_with(chart), None)
+    project = chart.project
     if project is None:
         alone = Pou(name="", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=chart)])
         project = Project(pous=[alone])

@@ -411,10 +411,10 @@ def default_profile(project: Project) -> Profile:
     of `_is_of_beremiz`. What is left is ``iec``, but for projects whose charts have partial charts or actions of IEC
     60848: those are ``grafcet``.
     """
-    origin = project._origin
-    name = _BY_FORMAT.get(origin.format) if origin is not None else None
+    source = project.source
+    name = _BY_FORMAT.get(source.format) if source is not None else None
     name = name or _BY_DIALECT.get(project.dialect)
-    if name is None and origin is not None and origin.format.startswith("plcopen") and _is_of_beremiz(project):
+    if name is None and source is not None and source.format.startswith("plcopen") and _is_of_beremiz(project):
         name = "beremiz"
     if name is None:
         name = "grafcet" if _has_grafcet(project) else "iec"

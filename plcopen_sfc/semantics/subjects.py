@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
-from plcopen_sfc.model.project import Project, projects_of, projects_with
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 
 __all__ = ["Subject", "resolve"]
@@ -35,9 +35,9 @@ def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, proj
     if isinstance(subject, Project):
         return _named(subject, pou) if pou is not None else _only(subject)
     if isinstance(subject, Pou):
-        around = project or next(projects_of(subject), None) or Project(pous=[subject])
+        around = project or subject.project or Project(pous=[subject])
         return Subject(around, subject, subject.name)
-    home = project or next(iter(projects_with(subject)), None)
+    home = project or subject.project
     if home is None:
         alone = Pou(name=_ALONE, kind=PouKind.PROGRAM, bodies=[SfcBody(chart=subject)])
         return Subject(Project(pous=[alone]), alone, _ALONE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -13,22 +14,19 @@ from plcopen_sfc.model.types import EnumType
 from plcopen_sfc.semantics.charts.chart import ChartProgram
 from plcopen_sfc.semantics.charts.graph.program import GraphProgram
 from plcopen_sfc.semantics.programs.instances import Instance
-from plcopen_sfc.semantics.programs.layouts import Direction, Frame
+from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS, Direction, Frame, Layout
 from plcopen_sfc.semantics.programs.types import ArrayType, ElementaryType, Family, Type
 from plcopen_sfc.semantics.signals import Signal, SignalKind
 
 __all__ = ["MOST_ELEMENTS", "Watched", "is_written", "signal_of", "step_marking", "watched", "watched_members"]
 
 _NOT_SHOWN = frozenset({"constant", "temp"})
-MOST_ELEMENTS = 256
-"""Of an array: the time of a comparison grows with them."""
-
 _NOT_COMPARED = frozenset({Direction.CONSTANT, Direction.TEMP, Direction.IN_OUT})
 
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """A variable: ``input`` where it is one or nothing writes it, else its direction as declared."""
+    """A variable: ``input`` where it is one or nothing writes it, ``in_out``, else its direction as declared."""
 
     signal: Signal
     direction: str
@@ -36,7 +34,7 @@ class Watched:
     @property
     def is_input(self) -> bool:
         """Whether a user gives it its value."""
-        return self.direction == "input"
+        return self.direction in ("input", "in_out")
 
 
 def watched(instance: Instance) -> dict[str, Watched]:
@@ -51,11 +49,13 @@ def watched(instance: Instance) -> dict[str, Watched]:
         direction = str(variable.direction)
         if variable.is_member or direction in _NOT_SHOWN:
             continue
-        if inputs.pop(path.casefold(), None) is not None:
+        if inputs.pop(path.casefold(), None) is not None and direction != "in_out":
             direction = "input"
         _watch(found, instance, path, variable.type, direction)
     for path, type_ in inputs.values():
-        _watch(found, instance, path, type_, "input")
+        root = instance.unit.layout.find(re.split(r"[.\[]", path)[0])
+        in_out = root is not None and root.direction is Direction.IN_OUT
+        _watch(found, instance, path, type_, "in_out" if in_out else "input")
     return found
 
 
@@ -131,20 +131,25 @@ def _as_declared(signal: Signal, project: Project) -> Signal:
 def is_written(instance: Instance, path: str) -> bool:
     """True if a program may write a variable, or a part of it; of an element of an array: any element."""
     library = instance.controller.library
+    placed = library.frame.layout.find(path)  # what is at an address has its path as its name
+    if placed is not None:
+        return library.is_written_inside(f"g.{placed.slot}")
     names = [name.partition("[")[0] for name in path.split(".")]
-    for start, outer in ((library.linker.name(instance.frame.layout), instance.frame), ("g", library.frame)):
-        keys = [start]
+    own = instance.frame
+    starts: tuple[tuple[list[str], Layout | None, Frame], ...] = (([], own.layout, own), (["g"], None, library.frame))
+    for start, owner, outer in starts:
+        keys, pou = start, owner
         value: Any = outer
         for name in names:
             field = value.layout.find(name) if isinstance(value, Frame) else None
             if field is None:
                 break
             keys = [f"{key}.{field.slot}" for key in keys]
+            keys += [library.key(pou, field.slot)] if pou is not None else []
             value = value.v[field.slot]
             if isinstance(value, list):
                 return any(map(library.is_written_inside, keys))
-            if isinstance(value, Frame) and value.layout.is_instance:
-                keys.append(library.linker.name(value.layout))
+            pou = value.layout if isinstance(value, Frame) and value.layout.is_instance else None
         else:
             return any(map(library.is_written_inside, keys))
     return True  # at an address, or where a chart keeps it

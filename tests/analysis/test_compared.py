@@ -135,3 +135,17 @@ def test_steps_of_charts_that_are_actions_are_compared(profile: str, condition: 
     assert same.proven
     assert {"Fill.Rest.X", "Fill.Run.X"} <= set(same.compared)
     assert equivalent(one.pous[0], nested(condition).pous[0], profile).different
+
+
+def test_an_output_that_only_the_first_writes_is_not_called_equal() -> None:
+    one = project("q AT %QX0.0 : BOOL; r AT %QX0.1 : BOOL;", target="q(N); r(N)")
+    other = project("q AT %QX0.0 : BOOL;", target="q(N)")
+    verdict = compare(one, other)
+    assert (verdict.kind, verdict.gap, verdict.uncompared) == (
+        VerdictKind.UNTESTED,
+        "only the first has Main.r",
+        ("Main.r",),
+    )
+    assert compare(other, one).proven  # what is added
+    idle = project("q AT %QX0.0 : BOOL; r AT %QX0.1 : BOOL;", target="q(N)")
+    assert compare(idle, other).proven  # nothing writes it

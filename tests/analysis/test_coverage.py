@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis import Verdict, VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model import Project
+from plcopen_sfc.model import Project, conditions
 
 
 def project(declarations: str, transitions: str, steps: str = "INITIAL_STEP A: END_STEP STEP B: END_STEP") -> Project:
@@ -144,7 +144,9 @@ def test_assignments_that_nothing_executes_are_proven_so() -> None:
 def test_what_only_terms_have_reached_was_not_reached() -> None:
     """A search with terms in place of numbers looks behind every condition, whether or not numbers get there."""
     one, other = (
-        sfc.loads(COUNTING.format(condition="n > 100000000", value=v).replace("m / 3", "m").encode(), format="iec-text")
+        sfc.loads(
+            COUNTING.format(condition="n = 123456789", value=v).replace("m / 3", "m * 8").encode(), format="iec-text"
+        )
         for v in ("TRUE", "FALSE")
     )
     assert searched(one, one).proven
@@ -172,7 +174,7 @@ def test_the_search_makes_parts_of_conditions_decide_them(sides: tuple[str, str]
     assert decided(*sides).different
     same = decided("b OR n > 100000")
     assert same.kind is VerdictKind.TESTED, str(same)
-    assert same.coverage[0].counts["part of condition"] == (1, 1)
+    assert same.coverage[0].counts["part of condition"] == (3, 3)  # and b was TRUE and FALSE
 
 
 def test_a_part_of_a_condition_may_be_a_long_time() -> None:
@@ -208,36 +210,61 @@ def test_a_proof_counts_no_parts_of_conditions() -> None:
     assert "part of condition" not in found.coverage[0].counts
 
 
-ASSIGNED = """PROGRAM Main VAR_INPUT a : BOOL; n : INT; r : REAL; s : STRING; END_VAR
+ASSIGNED = """FUNCTION Change : BOOL VAR_IN_OUT x : INT; END_VAR x := 0; Change := TRUE; END_FUNCTION
+FUNCTION_BLOCK Changing VAR_OUTPUT k : INT; END_VAR k := 3; END_FUNCTION_BLOCK
+PROGRAM Main VAR_INPUT a : BOOL; n : INT; r : REAL; s : STRING; END_VAR
 VAR_OUTPUT q : BOOL; m : INT; END_VAR
+VAR t : TON; f : Changing; k : INT; u : STRING; END_VAR
 m := n + 1;
 {}
+k := n; u := s;
 END_PROGRAM"""
 
 
 def assigned(body: str, other: str) -> Verdict:
     one, two = (sfc.loads(ASSIGNED.format(each).encode(), format="iec-text") for each in (body, other))
-    return equivalent(one, two, "iec", cap=50, runs=10, scans=100)
+    return equivalent(one.pou("Main"), two.pou("Main"), "iec", cap=50, runs=10, scans=100)
+
+
+def test_a_comparison_that_is_assigned_must_have_both_outcomes() -> None:
+    verdict = assigned("q := n * n * n = 3 * n + 7;", "q := FALSE;")
+    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
+    told = "assignment `q := n * n * n = 3 * n + 7;` was never TRUE"
+    assert [str(each) for each in verdict.coverage[0].untested] == [told]
+    assert f"not reached: {told}" in str(verdict).splitlines()
+    assert verdict.coverage[0].counts["outcome of comparison"] == (1, 2)
 
 
 @pytest.mark.parametrize(
     ("value", "constant"),
     [
+        ("n * n = 1521", "FALSE"),
+        ("n * n - 3 * n = 18 AND a", "FALSE AND a"),
+        ("n MOD 7 = 3 AND n / 7 = 111", "FALSE"),
+        ("-n / 7 = 111 AND n MOD 7 = -3", "FALSE"),
+        ("ABS(n) = 777", "FALSE"),
+        ("INT_TO_REAL(n) * 0.5 = 1000.5", "FALSE"),
+        ("r * r = 2.25", "FALSE"),
+        ("REAL_TO_INT(r) = 77 AND r > 77.2", "FALSE"),
+        ("LEN(s) = 7", "FALSE"),
+        ("s = 'hello'", "FALSE"),
+        ("s = 'Füllen'", "FALSE"),
+        ("s > 'x' AND s <> 'y'", "FALSE"),
+        ("LEFT(s, 3) = 'abc' AND RIGHT(s, 2) = 'yz' AND MID(s, 2, 4) = 'de'", "FALSE"),
+        ("LEN(CONCAT(s, 'abc')) = 9 AND FIND(s, 'xx') = 4", "FALSE"),
+        ("k = 12345", "FALSE"),
+        ("u = 'copy'", "FALSE"),
         ("m > n", "TRUE"),
         ("a OR n + 1 > n", "TRUE OR a"),
-        ("n * n = 1521", "FALSE"),
-        ("LEN(s) = 7", "FALSE"),
-        ("r * r = 2.25", "FALSE"),
         ("a AND ABS(n) < 0", "FALSE AND a"),
     ],
 )
-def test_a_comparison_that_is_assigned_must_have_both_outcomes(value: str, constant: str) -> None:
-    verdict = assigned(f"q := {value};", f"q := {constant};")
-    missing = "TRUE" if constant.startswith("FALSE") else "FALSE"
-    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
-    assert [str(each) for each in verdict.coverage[0].untested] == [f"assignment `q := {value};` was never {missing}"]
-    assert f"not reached: assignment `q := {value};` was never {missing}" in str(verdict).splitlines()
-    assert verdict.coverage[0].counts["outcome of comparison"] == (1, 2)
+def test_the_search_finds_outcomes_of_comparisons(value: str, constant: str) -> None:
+    """By texts and lengths, also of copies, behind arithmetic and standard functions, and where integers overflow."""
+    same = assigned(f"q := {value}; m := m / 3;", f"q := {value}; m := m / 3;")
+    assert same.kind is VerdictKind.TESTED, str(same)
+    assert same.coverage[0].counts["outcome of comparison"] == (2, 2)
+    assert assigned(f"q := {value}; m := m / 3;", f"q := {constant}; m := m / 3;").different
 
 
 def test_outcomes_of_comparisons_are_searched_and_proven_impossible() -> None:
@@ -260,3 +287,175 @@ def test_outcomes_count_in_actions_of_charts() -> None:
     verdict = searched(one, other)
     assert verdict.kind is VerdictKind.UNTESTED
     assert [str(each) for each in verdict.coverage[0].untested] == ["assignment `q := n * n = 1000003;` was never TRUE"]
+
+
+@pytest.mark.parametrize(
+    ("body", "impossible"),
+    [
+        ("IF n > 5 THEN q := n > 3; END_IF;", ["q := n > 3; is never FALSE (proven)"]),
+        ("IF n > 5 THEN q := a; ELSE q := n > 7; END_IF;", ["q := n > 7; is never TRUE (proven)"]),
+        ("IF n <= 5 THEN RETURN; END_IF; q := n > 3;", ["q := n > 3; is never FALSE (proven)"]),
+        ("IF n > 5 THEN t(IN := a, PT := T#1s); q := n > 3; END_IF;", ["q := n > 3; is never FALSE (proven)"]),
+        (
+            "CASE n OF 1..3: q := n > 4; ELSE q := n = 2; END_CASE;",
+            ["q := n > 4; is never TRUE (proven)", "q := n = 2; is never TRUE (proven)"],
+        ),
+        (
+            "IF n > 5 THEN IF n < 3 THEN q := a; END_IF; END_IF;",
+            ["q := a; needs `n > 5` and `n < 3`, never TRUE (proven)"],
+        ),
+    ],
+)
+def test_what_a_branch_excludes_is_not_demanded(body: str, impossible: list[str]) -> None:
+    body = f"{body} m := m / 3;"
+    verdict = assigned(body, body)
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    for side in verdict.coverage:
+        assert [f"{each.name} {each.why}" for each in side.unreached] == impossible
+        assert all(each.impossible for each in side.unreached)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "IF n > 5 THEN m := 0; q := m > n; END_IF;",
+        "IF m > 5 THEN m := n; q := m > 3; END_IF;",
+        "IF m > 5 THEN WHILE m > 0 DO q := m > 3; m := m - 1; END_WHILE; END_IF;",
+        "IF m > 5 THEN Change(m); q := m > 3; END_IF;",
+        "IF m > 5 THEN f(); q := m > 3; END_IF;",
+    ],
+)
+def test_a_branch_excludes_nothing_of_what_is_written_in_it(body: str) -> None:
+    verdict = assigned(f"{body} m := m / 3;", f"{body} m := m / 3;")
+    outcomes = [each for each in verdict.coverage[0].unreached if "never FALSE" in each.why]
+    assert not any(each.impossible for each in outcomes), str(verdict)
+
+
+ACTING = """PROGRAM Main VAR_INPUT a, b, c : BOOL; m : DINT; END_VAR VAR_OUTPUT q, p : BOOL; END_VAR
+VAR sum : DINT; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: Add(N); {}; END_STEP
+STEP S3: p(N); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := {}; END_TRANSITION
+TRANSITION FROM S2 TO S3 := m > 5 AND m < 3; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION
+ACTION Add: sum := sum + m / 3; END_ACTION
+END_PROGRAM"""
+
+
+def acting(action: str, other: str = "", leaving: str = "b", **options: str) -> Verdict:
+    """What a comparison comes to that is no proof, of charts with an action each."""
+    texts = [ACTING.format(each, leaving).encode() for each in (action, other or action)]
+    sides = [sfc.loads(text, format="iec-text") for text in texts]
+    for side, condition in zip(sides, (options.get("condition", ""), options.get("condition", "")), strict=True):
+        if condition:
+            chart = side.pou("Main").sfc
+            assert chart is not None
+            chart.step("S2").actions[1].condition = conditions.Expression(text=condition)
+    return equivalent(*sides, "codesys" if options else "iec", cap=20, runs=50, scans=40, scan_time="100ms")
+
+
+def test_an_action_that_was_never_executed_is_not_called_equal() -> None:
+    kept, dropped = "q(DS, T#10s)", "q(R)"
+    leaving = "b OR S2.T > T#5s AND m * m <> 1000003"
+    verdict = acting(kept, dropped, leaving)
+    assert verdict.kind is VerdictKind.UNTESTED, str(verdict)
+    untested = [str(each) for each in verdict.coverage[0].untested]
+    assert untested[0] == "action q: step S2 never executed it, needs T#10s to pass (DS)"
+    assert f"not reached: {untested[0]}" in str(verdict).splitlines()
+
+
+@pytest.mark.parametrize("action", ["q(D, T#1h)", "q(SD, T#1h)", "q(L, T#10s)", "q(P1)", "q(P0)"])
+def test_the_search_has_actions_executed(action: str) -> None:
+    verdict = acting(action)
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert verdict.coverage[0].counts["action"] == (2, 3)
+    assert acting(action, "q(R)").different
+
+
+def test_the_search_makes_conditions_of_actions_true() -> None:
+    verdict = acting("q(N)", condition="m = 123457 AND c")
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert verdict.coverage[0].counts["action"] == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("action", "leaving", "why"),
+    [
+        ("q(R)", "b", "step S2 only resets it"),
+        ("q(D, T#10s)", "b OR S2.T > T#5s", "step S2 is left before T#10s has passed (proven)"),
+        ("q(DS, T#10s)", "S2.T >= T#10s", "step S2 is left before T#10s has passed (proven)"),
+    ],
+)
+def test_an_action_that_nothing_executes_is_not_demanded(action: str, leaving: str, why: str) -> None:
+    verdict = acting(action, leaving=leaving)
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert {each.name: each.why for each in verdict.coverage[0].unreached if each.kind == "action"} == {
+        "q": why,
+        "p": "needs step S3, unreachable (proven)",
+    }
+
+
+def test_a_condition_of_an_action_that_is_never_true_is_not_demanded() -> None:
+    verdict = acting("q(N)", condition="m < 3 AND m > 5")
+    assert verdict.kind is VerdictKind.TESTED, str(verdict)
+    assert [each.why for each in verdict.coverage[0].unreached if each.name == "q"] == [
+        "needs `m < 3 AND m > 5`, never TRUE (proven)"
+    ]
+
+
+FLAGGED = """PROGRAM Main VAR_INPUT a, b : BOOL; m : DINT; END_VAR VAR sum : DINT; flag, on : BOOL := {}; END_VAR
+INITIAL_STEP S1: END_STEP
+STEP S2: Add(N); END_STEP
+STEP S3: END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+TRANSITION FROM S2 TO S1 := b OR flag; END_TRANSITION
+TRANSITION FROM S2 TO S3 := flag AND on; END_TRANSITION
+TRANSITION FROM S3 TO S1 := a; END_TRANSITION
+ACTION Add: sum := sum + m / 3;
+{}
+END_ACTION
+END_PROGRAM"""
+
+
+def flagged(first: str, action: str) -> Verdict:
+    chart = sfc.loads(FLAGGED.format(first, action).encode(), format="iec-text")
+    return equivalent(chart, chart, "iec", cap=20, runs=20, scans=40)
+
+
+def test_a_variable_that_is_written_behind_a_line_break_is_written() -> None:
+    found = flagged("FALSE", "flag := sum = 123456789;\non := TRUE;")
+    step = next(each for each in found.coverage[0].unreached if each.kind == "step")
+    assert not step.impossible, step.why
+    assert found.kind is VerdictKind.UNTESTED
+
+
+def test_a_variable_that_only_gets_its_first_value_keeps_it() -> None:
+    found = flagged("FALSE", "flag := FALSE;")
+    assert found.kind is VerdictKind.TESTED
+    reasons = {each.name: each.why for each in found.coverage[0].unreached}
+    assert reasons["S3"] == "unreachable (proven)"
+    assert reasons["S2 -> S1: `flag`"] == "is never TRUE (proven)"
+
+
+@pytest.mark.parametrize(
+    ("condition", "missed"),
+    [
+        ("b AND S2.X", ["`S2.X` is never FALSE (proven)"]),
+        ("b OR S1.X", ["`S1.X` is never TRUE (proven)"]),
+        ("b AND (c XOR NOT d)", []),
+        ("b AND enable", ["`enable` was never FALSE, as enable kept its value (frozen)"]),
+        ("b AND (limit > 2)", ["`limit > 2` never decided it, as limit kept its value (frozen)"]),
+        ("b OR far", ["`far` was never TRUE"]),
+    ],
+)
+def test_booleans_must_have_been_true_and_false_where_they_were_tested(condition: str, missed: list[str]) -> None:
+    text = PARTS.format(condition).replace("n : DINT;", "n : DINT; c, d : BOOL;")
+    text = text.replace("VAR sum", "VAR enable : BOOL := TRUE; limit : DINT := 3; far : BOOL; sum")
+    text = text.replace("sum := sum", "far := sum * sum = 1000003; sum := sum")
+    chart = sfc.loads(text.encode(), format="iec-text")
+    found = equivalent(chart, chart, "iec", cap=20, runs=20, scans=40, scan_time="100ms")
+    parts = [each for each in found.coverage[0].unreached if each.kind == "part of condition"]
+    assert [str(each) for each in parts] == [f"transition S2 -> S1: {each}" for each in missed]
+    assert all(each.impossible is ("far" not in each.name) for each in parts)

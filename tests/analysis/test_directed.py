@@ -78,7 +78,7 @@ def test_a_chart_that_cannot_go_on_is_proven_to_be_stuck() -> None:
     """The timer of the homing is only called by steps behind it."""
     conveyor = sfc.load("fixtures/codesys/sorting_conveyor.xml")
     lowered = sfc.lower(conveyor, "bits", pou="PLC_PRG", verify=False)
-    verdict = equivalent(resolve(conveyor, "PLC_PRG"), lowered, cap=1, runs=5)
+    verdict = equivalent(resolve(conveyor, "PLC_PRG"), lowered, cap=1, runs=20)
     assert verdict.kind is VerdictKind.TESTED, str(verdict)
     assert verdict.coverage[0].counts["step"] == (5, 25)
     assert {each.impossible for each in verdict.coverage[0].unreached if each.kind == "step"} == {True}

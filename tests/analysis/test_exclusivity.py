@@ -204,6 +204,10 @@ def test_any_condition_gets_an_answer(a: str, b: str, knowledge: Any) -> None:
         ("day = D#2024-02-29", "day = D#2024-03-01"),
         ("Mode = E_Mode#Auto", "Mode = E_Mode#Hand"),
         ("Recipe = 'cake'", "Recipe = 'bread'"),
+        ("Recipe = 'A'", "Recipe = '\\u{41}'"),
+        ("LEN(Recipe) > 3", "Recipe = 'pie'"),
+        ("LEN(Recipe) > 3", "LEN(Recipe) < 4"),
+        ("LEN(Recipe) < 0", "TRUE"),
         ("a < b", "b < a"),
         ("a < b AND b < c", "c < a"),
         ("GT(a, b)", "LE(a, b)"),
@@ -231,6 +235,7 @@ def test_these_exclude_each_other(a: str, b: str) -> None:
         ("x >= 5", "x <= 5", {"x": "5"}),
         ("t >= T#5s", "t <= T#5s", {"t": "T#5s"}),
         ("c = Color#red", "c <> Color#blue", {"c": "red"}),
+        ("LEN(s) > 2", "s = 'Öl$$' OR s = 'a'", {"s": "'Öl$$'"}),
     ],
 )
 def test_these_do_not_and_here_is_when(a: str, b: str, witness: dict[str, str]) -> None:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import plcopen_sfc as sfc
+from tests.conversion.test_running import UNREACHED
 
 BELT = "codesys/sorting_conveyor.xml"
 
@@ -16,7 +19,7 @@ def test_to_json_and_back(cli, fixtures, tmp_path):
     model, back = tmp_path / "model.json", tmp_path / "back.xml"
     assert cli("convert", BELT, model, "--to", "json").code == 0
     assert sfc.load(model) == sfc.load(BELT)
-    assert cli("convert", model, back, "--to", "codesys").code == 0
+    assert cli("convert", model, back, "--to", "codesys", "--limit", "0").code == 0
     steps = [[step.name for step in chart.network.steps] for chart in sfc.load(back).charts()]
     assert steps == [[step.name for step in chart.network.steps] for chart in sfc.load(BELT).charts()]
 
@@ -29,7 +32,7 @@ def test_same_format_is_the_same_file(cli, fixtures, tmp_path):
 
 
 def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
-    outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh")
+    outcome = cli("convert", BELT, tmp_path / "fresh.xml", "--to", "codesys", "--fresh", "--limit", "0")
     assert outcome.code == 0
     assert "transition" in outcome.out
     assert len(list(sfc.load(tmp_path / "fresh.xml").charts())) == 3
@@ -39,7 +42,16 @@ def test_fresh_writes_from_the_model(cli, fixtures, tmp_path):
 def test_to_plcopen(cli, fixtures, tmp_path, version):
     target = tmp_path / "belt.xml"
     outcome = cli(
-        "convert", BELT, target, "--to", f"plcopen-{version}", "--partial", "--report", tmp_path / "report.json"
+        "convert",
+        BELT,
+        target,
+        "--to",
+        f"plcopen-{version}",
+        "--partial",
+        "--limit",
+        0,
+        "--report",
+        tmp_path / "report.json",
     )
     assert outcome.code == 0
     assert any(line.split()[:2] == ["what", "kept"] for line in outcome.out.splitlines())
@@ -55,7 +67,19 @@ def test_to_plcopen(cli, fixtures, tmp_path, version):
 
 
 def test_for_beremiz(cli, fixtures, tmp_path):
-    outcome = cli("convert", BELT, tmp_path / "beremiz.xml", "--to", "plcopen", "--partial", "--for", "beremiz", "-q")
+    outcome = cli(
+        "convert",
+        BELT,
+        tmp_path / "beremiz.xml",
+        "--to",
+        "plcopen",
+        "--partial",
+        "--for",
+        "beremiz",
+        "-q",
+        "--limit",
+        0,
+    )
     assert outcome.code == 0
     assert outcome.out == f"written: {tmp_path / 'beremiz.xml'}\n"
     unknown = cli("convert", BELT, tmp_path / "x.xml", "--to", "plcopen", "--for", "nobody")
@@ -64,7 +88,7 @@ def test_for_beremiz(cli, fixtures, tmp_path):
 
 
 def test_many_items_are_cut_off_with_their_number(cli, fixtures, tmp_path):
-    arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial"]
+    arguments = ["convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--limit", 0]
     short, long = cli(*arguments).out, cli(*arguments, "--verbose").out
     assert "--verbose shows all, --report writes all" in short
     assert "--verbose shows all" not in long
@@ -75,7 +99,7 @@ def test_usual_target_stands_beside_the_source(cli, fixtures, tmp_path):
     source = tmp_path / "belt.xml"
     shutil.copy(BELT, source)
     before = source.read_bytes()
-    assert cli("convert", source, "--to", "plcopen-2.01", "--partial").code == 0
+    assert cli("convert", source, "--to", "plcopen-2.01", "--partial", "--limit", 0).code == 0
     assert cli("convert", source, "--to", "json").code == 0
     assert cli("convert", source, "--to", "codesys").code == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == [
@@ -117,7 +141,7 @@ def test_standard_output_and_json_exclude_each_other(cli, fixtures):
 
 
 def test_json_report(cli, fixtures, tmp_path):
-    outcome = cli("convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--json")
+    outcome = cli("convert", BELT, tmp_path / "belt.xml", "--to", "plcopen-2.01", "--partial", "--limit", 0, "--json")
     report = json.loads(outcome.out)
     assert report["source_format"] == "codesys"
     assert report["items"]
@@ -142,7 +166,9 @@ class TestStrict:
         assert "written:" not in outcome.out
 
     def test_without_it_the_file_is_written(self, cli, fixtures, tmp_path):
-        outcome = cli("convert", self.SOURCE, tmp_path / "filling.xml", "--to", "codesys", "--partial", "--json")
+        outcome = cli(
+            "convert", self.SOURCE, tmp_path / "filling.xml", "--to", "codesys", "--partial", "--limit", 0, "--json"
+        )
         assert outcome.code == 0
         assert any(item["outcome"] == "approximated" for item in json.loads(outcome.out)["items"])
         assert (tmp_path / "filling.xml").exists()
@@ -199,11 +225,37 @@ def test_wrong_usage(cli, fixtures, arguments, message):
 
 def test_as_its_tool_reads_a_file(cli, fixtures, tmp_path):
     source = tmp_path / "conveyor.scl"
-    assert cli("convert", fixtures / "codesys" / "sorting_conveyor.xml", source, "--to", "scl", "--partial").code == 0
+    assert (
+        cli(
+            "convert", fixtures / "codesys" / "sorting_conveyor.xml", source, "--to", "scl", "--partial", "--limit", 0
+        ).code
+        == 0
+    )
     assert cli("convert", source, tmp_path / "whole.json", "--to", "json").code == 0
     assert cli("convert", source, tmp_path / "seen.json", "--to", "json", "--as-tool").code == 0
     actions = [len(sfc.load(tmp_path / name).pous[0].actions) for name in ("whole.json", "seen.json")]
     assert actions == [20, 0]
-    assert cli("convert", source, tmp_path / "plain.scl", "--to", "scl", "--as-tool").code == 0
+    assert cli("convert", source, tmp_path / "plain.scl", "--to", "scl", "--as-tool", "--limit", 0).code == 0
     assert b"{plcopen_sfc " in source.read_bytes()
     assert b"{plcopen_sfc " not in (tmp_path / "plain.scl").read_bytes()
+
+
+def test_a_chart_of_which_not_all_was_reached_is_a_finding(cli: Any, tmp_path: Path) -> None:
+    source, target = tmp_path / "main.st", tmp_path / "out.xml"
+    source.write_text(UNREACHED)
+    result = cli("convert", source, target, "--to", "codesys")
+    assert result.code == 1
+    assert "not all was reached" in result.out
+    assert "S1" in result.out
+    assert "--accept-untested" in result.err
+    assert target.exists()
+    assert cli("convert", source, target, "--to", "codesys", "--accept-untested").code == 0
+    assert cli("convert", source, target, "--to", "codesys", "--limit", "0").code == 0
+
+
+def test_a_place_does_not_say_twice_what_it_is(cli: Any, tmp_path: Path) -> None:
+    source = tmp_path / "block.scl"
+    source.write_text('DATA_BLOCK "Recipe"\n   STRUCT\n      n : Int;\n   END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n')
+    outcome = cli("convert", source, tmp_path / "out.xml", "--to", "codesys", "--verbose")
+    assert "translated: data block Recipe" in outcome.out
+    assert "data block data block" not in outcome.out

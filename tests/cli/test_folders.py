@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.folders.exports import block, changes, contents, export
+from tests.documents.folders.exports import block, changes, contents, export
 
 
 @pytest.fixture
@@ -72,9 +72,9 @@ def test_rename_tells_of_documents_that_it_cannot_look_into(cli: Any, folder: Pa
 
 
 def test_convert_from_and_to_folders(cli: Any, folder: Path) -> None:
-    assert cli("convert", "export", "--to", "iec-text", "--partial", "--quiet").code == 0
+    assert cli("convert", "export", "--to", "iec-text", "--partial", "--quiet", "--limit", "0").code == 0
     assert Path("export.iec-text.st").is_file()
-    outcome = cli("convert", "export.iec-text.st", "back/", "--to", "simaticml-V18", "--quiet")
+    outcome = cli("convert", "export.iec-text.st", "back/", "--to", "simaticml-V18", "--quiet", "--limit", "0")
     assert (outcome.code, outcome.err) == (0, "")
     assert "Program blocks/Station Süd/FB_Drill.xml" in contents(Path("back"))
     Path("back/notes.txt").write_text("x", encoding="utf-8")

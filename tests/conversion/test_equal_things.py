@@ -33,7 +33,9 @@ def losses(project: m.Project, target: str) -> list[Item]:
     return sfc.convert(project, target, partial=True)[1].losses
 
 
-@pytest.mark.parametrize(("said", "meant"), [("PT0S", "T#0ms"), ("PT0.05S", "T#50ms"), ("PT1M", "T#1m")])
+@pytest.mark.parametrize(
+    ("said", "meant"), [("PT0S", "T#0ms"), ("PT0.05S", "T#50ms"), ("PT1M", "T#1m"), ("10ms", "T#10ms")]
+)
 def test_intervals_are_equal_however_they_are_spelled(said: str, meant: str) -> None:
     project = ring(
         "PROGRAM Main\nEND_PROGRAM\nCONFIGURATION C RESOURCE R ON PLC TASK T(INTERVAL := T#9ms, PRIORITY := 1);"

@@ -59,3 +59,59 @@ def test_a_box_with_its_memory_at_a_pin_is_told(box: tuple[str, ...], target: st
     assert [(item.outcome, item.what, item.path) for item in report.losses] == [
         (Outcome.NOT_EXECUTED, "box", "POU Main")
     ]
+
+
+OTHER_TOOLS = [
+    ("plcopen-1.01", ""),
+    ("plcopen-2.01", ""),
+    ("plcopen-2.01", "beremiz"),
+    ("iec-text", "matiec"),
+    ("scl", ""),
+    ("simaticml", ""),
+]
+ONLY_CODESYS = {
+    "n := SIZEOF(n);": "SIZEOF",
+    "n := __NEW(INT);": "__NEW",
+    "p := ADR(n);": "ADR",
+    "t := TIME();": "TIME",
+    "r REF= n;": "REF=",
+    "{IF defined (variable:Foo)}\nn := 99;\n{END_IF}": "no pragmas that leave statements out",
+}
+
+
+@pytest.mark.parametrize(("target", "flavour"), OTHER_TOOLS)
+@pytest.mark.parametrize("text", ONLY_CODESYS)
+def test_what_only_codesys_has_is_not_executed_by_other_tools(text: str, target: str, flavour: str) -> None:
+    _, report = sfc.convert(codesys_text(text), target, flavour=flavour, partial=True)
+    told = [item.why for item in report.with_outcome(Outcome.NOT_EXECUTED)]
+    assert any(ONLY_CODESYS[text] in why for why in told), told
+
+
+@pytest.mark.parametrize(("target", "flavour"), OTHER_TOOLS)
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("q S= a;", ("S=",)),
+        ("q R= a;", ("R=",)),
+        ("q := a AND_THEN n > 3;", ("AND_THEN",)),
+        ("q := a OR_ELSE n > 3;", ("OR_ELSE",)),
+        ("q := b := a;", (":= b :=",)),
+        ("ton(IN := , PT := T#1s);", ("IN := ,",)),
+        ("n += 1;", ("+=",)),
+    ],
+)
+def test_what_codesys_writes_otherwise_is_translated(text: str, words: tuple[str], target: str, flavour: str) -> None:
+    project = codesys_text(text)
+    data, report = sfc.convert(project, target, flavour=flavour, partial=True)
+    about_text = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what in ("text", "code")]
+    assert about_text == []
+    result = sfc.loads(data, as_tool=True)
+    (written,) = [body.text for _, pou, body in result.bodies() if isinstance(body, m.StBody) and pou.name == "Body"]
+    assert not any(word in written for word in words)
+
+
+def codesys_text(text: str) -> m.Project:
+    declarations = "a, b, q : BOOL; n : INT; t : TIME; p : POINTER TO INT; r : REFERENCE TO INT; ton : TON;"
+    head = "{plcopen_sfc format := 1}\n{plcopen_sfc project.dialect := 'codesys'}\n"
+    block = f"FUNCTION_BLOCK Body\nVAR {declarations} END_VAR\n{text}\nEND_FUNCTION_BLOCK\n"
+    return sfc.loads((head + block).encode(), format="iec-text")

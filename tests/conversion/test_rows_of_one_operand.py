@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis.equivalence import equivalent
+from plcopen_sfc.errors import LossError
+from plcopen_sfc.report import Outcome
 from tests.conversion.features import Feature, Rig, feature_project
 
 Row = tuple[str, str, dict[str, str]]
@@ -24,6 +28,8 @@ CASES: dict[str, list[Row]] = {
     "two times": [("Work", "L", {"duration": "T#2s"}), ("Done", "L", {"duration": "T#3s"})],
     "two delays": [("Work", "D", {"duration": "T#2s"}), ("Done", "D", {"duration": "T#3s"})],
     "for a time, then driven": [("Work", "L", {"duration": "T#2s"}), ("Done", "N", {})],
+    "reset, then set by the same step": [("Work", "R", {}), ("Work", "S", {}), ("Idle", "R", {})],
+    "set, then reset by the same step": [("Idle", "S", {}), ("Work", "S", {}), ("Work", "R", {})],
     "reset when left, driven by the next step": [IN_WORK, ("Work", "R", {"event": "S0"}), ("Done", "N", {})],
 }
 DIFFERENT = {
@@ -62,3 +68,35 @@ def test_the_rows_come_back(name: str) -> None:
     back = sfc.loads(sfc.convert(project, "codesys")[0], format="codesys")
     rows = [(row.qualifier, row.event) for _, row in next(project.charts()).network.associations()]
     assert [(row.qualifier, row.event) for _, row in next(back.charts()).network.associations()] == rows
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_the_order_of_rows_is_found_without_running_them(target: str) -> None:
+    """A row between R and S reads the operand, and another row of the chart is lost anyway."""
+    rows: list[Row] = [
+        ("Work", "R", {}),
+        ("Work", "CALL", {"target": None, "body": m.StBody(text="#n := 1;")}),
+        ("Work", "S", {}),
+        ("Done", "S", {"target": "r", "event": "V1"}),
+    ]
+
+    def build(rig: Rig) -> None:
+        for step, qualifier, fields in rows:
+            rig.act(step, fields.pop("target", "q"), qualifier, **fields)
+
+    _, report = sfc.convert(feature_project(Feature("rows", ("simaticml",), build), "simaticml"), target, partial=True)
+    (item,) = [item for item in report.losses if item.what == "stored value of q"]
+    assert item.path == "POU Main / step Work"
+    assert "order" in item.why
+    assert "mistake" not in item.why
+
+
+def test_the_order_of_rows_is_found_on_the_way_to_tia_portal(tmp_path: Path) -> None:
+    project = feature_project(
+        Feature("rows", ("codesys",), lambda rig: [rig.act("Work", "q", each) for each in "RS"]), "codesys"
+    )
+    _, report = sfc.convert(project, "simaticml", partial=True)
+    (item,) = [item for item in report.losses if item.what == "stored value of q"]
+    assert item.outcome is Outcome.APPROXIMATED
+    with pytest.raises(LossError):
+        sfc.save(project, tmp_path / "chart.xml", format="simaticml", partial=True, strict=True)

@@ -40,13 +40,12 @@ def saved(project: sfc.Project, target: str, **options: bool) -> ConversionRepor
     ("project", "target"),
     [
         (chart("q(N); q(S);"), "simaticml"),
-        (chart("q(R); q(S);"), "simaticml"),
         (chart("q(D, t);"), "simaticml"),
         (chart("q(N);", "Set(P1);"), "codesys"),
         (chart("q(N);", initial=" := TRUE"), "codesys"),
         (chart("Zz(N); Aa(N);"), "codesys"),
     ],
-    ids=["N and S", "R and S", "a time that changes", "N and an assignment", "TRUE at the start", "order of actions"],
+    ids=["N and S", "a time that changes", "N and an assignment", "TRUE at the start", "order of actions"],
 )
 def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Project, target: str) -> None:
     report = saved(project, target)
@@ -62,6 +61,57 @@ def test_what_looks_the_same_and_acts_otherwise_is_approximated(project: sfc.Pro
 def test_what_acts_the_same_is_said_to(target: str) -> None:
     report = saved(chart("q(N);", "Aa(P1);"), target, strict=True)
     assert report.compared["POU Main"].startswith("equal")
+
+
+UNREACHED = """FUNCTION_BLOCK Main
+VAR_INPUT x : REAL; END_VAR
+VAR_OUTPUT q : BOOL; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := SIN(x) * 1.0E20 = 3.0; END_TRANSITION
+STEP S1: q(N); END_STEP
+TRANSITION FROM S1 TO S0 := TRUE; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+
+
+def test_what_was_not_reached_is_told() -> None:
+    report = saved(sfc.loads(UNREACHED.encode()), "codesys")
+    assert report.compared["POU Main"].startswith("not all was reached")
+    assert any("S1" in line for line in report.untested["POU Main"])
+
+
+PARALLEL = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR_OUTPUT n : INT; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO (P1, P2) := a; END_TRANSITION
+{steps}
+TRANSITION FROM (P1, P2) TO S0 := b; END_TRANSITION
+ACTION One: n := 1; END_ACTION
+ACTION Two: n := 2; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("steps", "outcome"),
+    [
+        ("STEP P1: One(N); END_STEP STEP P2: Two(N); END_STEP", "equal"),
+        ("STEP P2: Two(N); END_STEP STEP P1: One(N); END_STEP", "different"),
+    ],
+)
+@pytest.mark.parametrize("target", ["codesys", "plcopen"])
+def test_parallel_sequences_that_write_one_operand_are_told_apart_by_the_order_of_their_steps(
+    steps: str, outcome: str, target: str
+) -> None:
+    """The targets list the steps of parallel sequences from left to right, and execute them in this order."""
+    project = sfc.loads(PARALLEL.format(steps=steps).encode(), format="iec-text")
+    report = saved(project, target)
+    assert report.compared["POU Main"].startswith(outcome)
+    assert [item.what for item in report.losses] == (["chart"] if outcome == "different" else [])
+    if outcome == "equal":
+        graph = sfc.loads(sfc.dumps(project, format="simaticml"), as_tool=True)
+        assert saved(graph, target, partial=True).compared["POU Main"].startswith("equal")
 
 
 def test_a_chart_with_a_loss_is_not_run_again_and_none_without_a_limit() -> None:

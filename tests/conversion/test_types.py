@@ -6,6 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.api import convert
 from plcopen_sfc.report import Outcome
 
 TYPES = """TYPE
@@ -60,3 +61,35 @@ def test_start_values_that_functions_of_s7_do_not_have_are_told_and_not_written(
     result = sfc.loads(data, format=target, as_tool=True).pou("F")
     starts = {variable.name: variable.initial for variable in result.variables() if variable.initial is not None}
     assert starts == {"k": m.SimpleValue(text="2")}
+
+
+@pytest.mark.parametrize(("source", "target", "length"), [("scl", "codesys", "254"), ("codesys", "scl", "80")])
+def test_strings_keep_the_length_that_their_tool_gives_them(source: str, target: str, length: str) -> None:
+    section = m.VariableSection(variables=[m.Variable(name="s", type="STRING")])
+    pou = m.Pou(
+        name="Main",
+        kind=m.PouKind.FUNCTION_BLOCK,
+        interface=m.Interface(sections=[section]),
+        bodies=[m.StBody(text=";")],
+    )
+    data, report = convert(m.Project(pous=[pou], dialect=m.Dialect(source)), target)
+    assert not report.losses
+    found = sfc.loads(data, as_tool=True).pous[0].variables()[0].type
+    assert found == m.StringType(length=length)
+
+
+@pytest.mark.parametrize("call", ["REAL_TO_INT(r)", "INT_TO_STRING(i)"])
+@pytest.mark.parametrize(("source", "target"), [("scl", "codesys"), ("codesys", "scl"), ("codesys", "simaticml")])
+def test_conversions_with_other_results_are_approximated(source: str, target: str, call: str) -> None:
+    result = "INT" if call.endswith("(r)") else "STRING"
+    variables = [m.Variable(name=name, type=kind) for name, kind in (("r", "REAL"), ("i", "INT"), ("o", result))]
+    local = "#" if source == "scl" else ""
+    text = f"{local}o := {call.replace('(', '(' + local)};"
+    pou = m.Pou(
+        name="Main",
+        kind=m.PouKind.FUNCTION_BLOCK,
+        interface=m.Interface(sections=[m.VariableSection(variables=variables)]),
+        bodies=[m.StBody(text=text)],
+    )
+    report = convert(m.Project(pous=[pou], dialect=m.Dialect(source)), target)[1]
+    assert [item.outcome for item in report.losses] == [Outcome.APPROXIMATED]

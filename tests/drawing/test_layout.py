@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plcopen_sfc.drawing import DrawingStyle, draw, fits, has_positions, layout, limits
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import WiredCondition
-from plcopen_sfc.model.drawing import SymbolKind
+from plcopen_sfc.model.drawing import Symbol, SymbolKind
 from plcopen_sfc.model.network import Connection, Contact, InputPin, LeftPowerRail, OutputPin
 from plcopen_sfc.model.sfc import SfcNetwork
 from tests.drawing.nets import any_net, make, nested_net
@@ -49,6 +49,17 @@ def test_nothing_overlaps(style: DrawingStyle, chart: SfcNetwork, actions: int) 
     assert again == chart
 
 
+def leads_to(symbols: list[Symbol], start: int, end: int) -> bool:
+    """True if wires lead from one symbol to another."""
+    sources = {symbol.id: {c.source for pin in symbol.inputs for c in pin.connections} for symbol in symbols}
+    seen, pending = {end}, [end]
+    while pending:
+        found = sources[pending.pop()] - seen
+        seen |= found
+        pending += found
+    return start in seen
+
+
 @pytest.mark.parametrize("style", STYLES)
 @SLOW
 @given(chart=nested_net())
@@ -63,7 +74,10 @@ def test_the_flow_runs_down_and_rivals_stand_in_order(style: DrawingStyle, chart
             continue
         for pin in symbol.inputs:
             for connection in pin.connections:
-                if symbol.id not in loose:
+                # a circle of wires has one that leads up; only charts that cannot be nested have them
+                if symbol.id not in loose and not (
+                    waiting and leads_to(chart.drawing.symbols, symbol.id, connection.source)
+                ):
                     assert place[connection.source][3] < place[symbol.id][1]
                 assert connection.points
     for step in chart.steps:

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.documents import as_tool_sees
+from plcopen_sfc.documents.file import as_tool_sees
+from plcopen_sfc.documents.source import FileSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.compare import differences
-from plcopen_sfc.model.project import Origin
 from tests.strategies import projects
 
 TARGETS = ["plcopen-1.01", "plcopen-2.01", "codesys", "simaticml", "scl", "iec-text"]
@@ -45,8 +45,8 @@ def test_nothing_of_ours_is_left(name: str, target: str) -> None:
     assert left.count(b"\n") == content.count(b"\n"), "everything stays in its line"
     project = sfc.loads(content, format=target, as_tool=True)
     assert list(differences(project, sfc.loads(left, format=target))) == []
-    assert isinstance(project._origin, Origin)
-    assert project._origin.content == left
+    assert isinstance(project.source, FileSource)
+    assert project.source.content == left
 
 
 @settings(max_examples=25)

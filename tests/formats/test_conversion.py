@@ -26,7 +26,7 @@ TC6 = ("plcopen-1.01", "plcopen-2.0", "plcopen-2.01")
 
 def own_name(project: Project) -> str:
     """The format and version a project was read from, as `convert` wants it."""
-    origin = project._origin
+    origin = project.source
     assert origin is not None
     return origin.format if origin.format == "codesys" else f"plcopen-{origin.version}"
 
@@ -221,8 +221,8 @@ def test_codesys_gets_its_own_form_of_a_chart_from_elsewhere() -> None:
     assert data.startswith(b"\xef\xbb\xbf<?xml")
     assert b"\r\n" in data
     back = sfc.loads(data)
-    assert back._origin is not None
-    assert back._origin.format == "codesys"
+    assert back.source is not None
+    assert back.source.format == "codesys"
     for chart, original in zip(back.charts(), project.charts(), strict=True):
         assert [s.name for s in chart.network.steps] != []
         links = [

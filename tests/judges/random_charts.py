@@ -9,6 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from random import Random
 
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from tests.lowering.random_charts import random_chart as chart_of_every_shape
+
 _PLAIN = ("N", "N", "N", "S", "R", "P", "P1", "P0")
 _TIMED = ("L", "D", "SD", "DS", "SL")
 INPUTS = tuple(f"b{number}" for number in range(5))
@@ -78,8 +82,8 @@ def random_chart(seed: int, size: int) -> RandomChart:
     grown.link([last], [first])
     variables = [f"q{number}" for number in range(3 + size // 3)]
     actions = [f"A{number}" for number in range(2 + size // 4)]
-    lines = ["PROGRAM Chart", "VAR"]
-    lines.append(f"  {', '.join([*INPUTS, *variables])} : BOOL;")
+    lines = ["PROGRAM Chart", "VAR_INPUT", f"  {', '.join(INPUTS)} : BOOL;", "END_VAR", "VAR"]
+    lines.append(f"  {', '.join(variables)} : BOOL;")
     lines += [f"  n{number} : INT;" for number in range(len(actions))]
     lines += ["  order : DINT;", "  wait : TIME := T#30ms;", "END_VAR"]
     for index, step in enumerate(grown.steps):
@@ -133,3 +137,64 @@ def _condition(random: Random, steps: list[str], source: str) -> str:
 
 def _set(steps: list[str]) -> str:
     return steps[0] if len(steps) == 1 else f"({', '.join(steps)})"
+
+
+# -- as other tools have them -----------------------------------------------------------------------------------------
+
+
+def random_codesys_chart(seed: int, size: int) -> sfc.Project:
+    """The chart of `random_chart` as a file of CODESYS, with step actions in place and named, shared with others."""
+    project = sfc.loads(random_chart(seed, size).text.encode(), format="iec-text")
+    random = Random(seed)  # noqa: S311
+    pou = project.pou("Chart")
+    for number, step in enumerate(pou.sfc.steps if pou.sfc is not None else ()):
+        for kind in ("entry_action", "main_action", "exit_action"):
+            if random.random() < 0.3 or (step.initial and kind == "main_action"):
+                name = random.choice(pou.actions).name if pou.actions else ""
+                place = m.StBody(text=f"order := (order * 3 + {number + 5}) MOD 1000000;")
+                setattr(step, kind, name if name and random.random() < 0.6 else place)
+    return sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+
+
+def random_wired_chart(seed: int, size: int) -> sfc.Project:
+    """The chart of `random_chart` as TC6, with the conditions of inputs drawn as wired blocks."""
+    project = sfc.loads(random_chart(seed, size).text.encode(), format="iec-text")
+    chart = project.pou("Chart").sfc
+    for transition in chart.transitions if chart is not None else ():
+        text = transition.condition.text if isinstance(transition.condition, m.Expression) else ""
+        words = text.split()
+        if chart is not None and words and set(words) <= {*INPUTS, "NOT", "AND", "OR"}:
+            kind = "AND" if "AND" in words else "OR"
+            pins = []
+            for operand in text.split(f" {kind} "):
+                name = operand.removeprefix("NOT ")
+                source = m.InputVariable(id=chart.new_id(), expression=name, output=m.OutputPin())
+                source.negated = operand != name
+                chart.logic.append(source)
+                pin = m.InputPin(connections=[m.Connection(source=source.id)])
+                pins.append(m.BlockVariable(name=f"IN{len(pins) + 1}", input=pin))
+            transition.condition = m.WiredCondition(input=_joined(chart, kind, pins))
+    return sfc.loads(sfc.dumps(project, format="plcopen"), format="plcopen")
+
+
+def random_model_chart(seed: int, size: int) -> sfc.Project:
+    """A chart of every shape in memory: several initial steps, loops at a step, conditions of associations."""
+    return m.Project(pous=[chart_of_every_shape(seed, size=size + 2)])
+
+
+def random_codesys_model(seed: int, size: int) -> sfc.Project:
+    """The same with step actions and minimum times, under the rules of CODESYS."""
+    pou = chart_of_every_shape(seed, size=size + 2, codesys=True)
+    for step in pou.sfc.initial_steps if pou.sfc is not None else ():
+        step.main_action = step.main_action or m.StBody(text="e2 := c1;")
+    return m.Project(pous=[pou], dialect=m.Dialect.CODESYS)
+
+
+def _joined(chart: m.SfcNetwork, kind: str, pins: list[m.BlockVariable]) -> m.InputPin:
+    """What a condition is wired to: a block, or the only input."""
+    if len(pins) == 1 and pins[0].input is not None:
+        return pins[0].input
+    outputs = [m.BlockVariable(name="OUT", output=m.OutputPin())]
+    block = m.Block(id=chart.new_id(), type_name=kind, parameters=m.BlockParameters(inputs=pins, outputs=outputs))
+    chart.logic.append(block)
+    return m.InputPin(connections=[m.Connection(source=block.id, pin="OUT")])

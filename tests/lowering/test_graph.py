@@ -28,6 +28,7 @@ from tests.lowering.sequencers import (
     verdict,
 )
 from tests.semantics.charts.rig import chain
+from tests.sweeps import WHOLE
 
 
 def proven(chart: m.SfcNetwork, inputs: str = "", outputs: str = "Q", cap: int = 3_000) -> None:
@@ -509,7 +510,7 @@ def actions(draw: st.DrawFn, chart: m.SfcNetwork, *, switching: bool) -> m.Actio
     )
 
 
-@settings(deadline=None, max_examples=60, derandomize=True)
+@settings(deadline=None, max_examples=60 if WHOLE else 30, derandomize=True)
 @given(sequencers())
 def test_any_sequencer(drawn: tuple[m.SfcNetwork, str, str]) -> None:
     chart, inputs, outputs = drawn

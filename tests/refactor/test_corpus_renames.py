@@ -82,7 +82,7 @@ def test_renames_in_files_of_other_tools(path: Path) -> None:
         pytest.skip("no format that is read")
     if path.stat().st_size > 4 * SMALL:
         pytest.skip("smaller files are enough for this")
-    check_renames(path, 2, lines=made._origin is not None and made._origin.format == "scl")
+    check_renames(path, 2, lines=made.source is not None and made.source.format == "scl")
 
 
 def check_renames(path: Path, most: int, *, lines: bool = True) -> None:
@@ -173,7 +173,7 @@ def texts(thing: object) -> Iterator[tuple[object, str, str]]:
     """Every text in a model, with its object and field."""
     if isinstance(thing, Model):
         if isinstance(thing, m.SfcBody):
-            thing.read()
+            thing.chart.read()
         for key, value in thing.__dict__.items():
             if isinstance(value, str) and key not in ("kind", "language"):
                 yield thing, key, value

@@ -124,6 +124,11 @@ def test_real_projects_go_to_scl_and_back(path: Path) -> None:
     ]
     translate_project(project, dialect)
     after = [(piece.path, piece.text) for piece in pieces(project) if piece.is_program_text]
+    # a STRING without a length has 80 characters in CODESYS; SCL has to say so, and it stays said
+    said = len([text for path, text in after if path.endswith(" / length") and text == "80"])
+    after = [(path, text) for path, text in after if not (path.endswith(" / length") and text == "80")]
+    before = [(path, text) for path, text in before if not (path.endswith(" / length") and text == "80")]
+    assert said == 0 or dialect is Dialect.CODESYS
     pairs = list(zip(before, after, strict=True))
     assert unread == UNREADABLE.get(path.name, [])
     ends = re.compile(r"(?i)\b(END_(?:IF|CASE|FOR|WHILE|REPEAT))\s*;")

@@ -11,7 +11,6 @@ import pytest
 import plcopen_sfc
 import plcopen_sfc.model as m
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.model.project import projects_with
 from plcopen_sfc.refactor.rename import rename
 from tests.languages.names.projects import block, chart, enum, global_list, interface, pou, project, sfc, struct
 from tests.samples import FIXTURES
@@ -344,17 +343,17 @@ def test_projects_that_nobody_holds_are_forgotten() -> None:
     made = project(sfc("Main", "S1 S2"))
     own = made.pou("Main").sfc
     assert own is not None
-    assert [found is made for found in projects_with(own)] == [True]
+    assert own.project is made
     del made
     gc.collect()
-    assert list(projects_with(own)) == []
+    assert own.project is None
 
 
 def test_looking_for_the_project_reads_no_chart() -> None:
     made = plcopen_sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
-    assert list(projects_with(chart("S1"))) == []
     bodies = [body for _, _, body in made.bodies() if isinstance(body, m.SfcBody)]
-    assert all("chart" not in body.__dict__ for body in bodies)
+    assert all(body.chart.project is made for body in bodies)
+    assert all(body.chart.is_unread for body in bodies)
 
 
 def test_charts_inside_charts() -> None:

@@ -14,7 +14,7 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
-from plcopen_sfc.model.project import Project, projects_with
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.profile import Profile, default_profile
 from plcopen_sfc.semantics.profile import profile as profile_named
@@ -61,10 +61,8 @@ def _charts(subject: Project | Pou | SfcNetwork, around: Surroundings, profile: 
 
 def _home(subject: Pou | SfcNetwork) -> Project:
     """The project that a POU or chart is in; an empty one where it is in none."""
-    chart = subject.sfc if isinstance(subject, Pou) else subject
-    for project in projects_with(chart) if chart is not None else ():
-        if isinstance(subject, SfcNetwork) or any(pou is subject for pou in project.pous):
-            return project
+    if subject.project is not None:
+        return subject.project
     if isinstance(subject, SfcNetwork):
         subject = Pou(name="", kind=PouKind.PROGRAM, bodies=[SfcBody(chart=subject)])
     return Project(pous=[subject])

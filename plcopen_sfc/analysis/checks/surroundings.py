@@ -7,6 +7,7 @@ from functools import cached_property
 
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import instructions
+from plcopen_sfc.languages.names.scopes import charts_inside
 from plcopen_sfc.languages.names.uses import dialect_of
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.networks.effects import path_of
@@ -18,7 +19,6 @@ from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType
-from plcopen_sfc.model.variables import VariableSection
 
 _STORING = frozenset({"ST", "STN", "STQ", "S", "R"})
 
@@ -38,7 +38,7 @@ class Surroundings:
     def globals(self) -> dict[str, DataType]:
         """The types of global variables and tags by their names in lower case."""
         found: dict[str, DataType] = {}
-        for section in self._global_sections():
+        for section in self.project.global_sections():
             for variable in section.variables:
                 found[variable.name.casefold()] = variable.type
         for table in self.project.tag_tables:
@@ -50,9 +50,9 @@ class Surroundings:
     def names(self) -> frozenset[str]:
         """The names, in lower case, of everything global that has members: POUs, types, blocks, lists, instances."""
         project = self.project
-        resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
+        resources = [*project.resources()]
         found = [thing.name for thing in project.objects()]
-        found += [section.name or "" for section in self._global_sections()]
+        found += [section.name or "" for section in self.project.global_sections()]
         found += [configuration.name for configuration in project.configurations]
         found += [resource.name for resource in resources]
         found += [i.name for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
@@ -61,18 +61,7 @@ class Surroundings:
     def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
         """The charts of a POU, those of macro-steps and partial charts too."""
         for _, body in pou.named_bodies():
-            if isinstance(body, SfcBody):
-                body.read()
-                yield from body.charts_read()
-
-    def _global_sections(self) -> Iterator[VariableSection]:
-        yield from self.project.global_variables
-        for configuration in self.project.configurations:
-            yield from configuration.global_variables
-            for resource in configuration.resources:
-                yield from resource.global_variables
-        for resource in self.project.applications:
-            yield from resource.global_variables
+            yield from charts_inside(body)
 
     @cached_property
     def written(self) -> frozenset[str]:

@@ -54,9 +54,13 @@ def run(
     *,
     as_tool: bool,
     accept_errors: bool,
+    accept_untested: bool,
     report_to: Path | None,
 ) -> int:
-    """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`."""
+    """Convert `source` to `target` (None: next to it, ``-``: standard output). `as_tool`: as its tool sees `source`.
+
+    A chart of which not all was reached when it was run in both tools is a finding, unless `accept_untested`.
+    """
     extension = format_named(how.format)[0].extensions[0]
     to_stdout = target == "-"
     if to_stdout and screen.as_json:
@@ -80,6 +84,12 @@ def run(
     if not screen.as_json and not to_stdout:
         _show_written(screen, target, report)
     _write_report(report, report_to)
+    if report.untested and not accept_untested:
+        charts = "1 chart" if len(report.untested) == 1 else f"{len(report.untested)} charts"
+        screen.note(
+            f"not all of {charts} was run in both tools: a longer --limit, or --accept-untested if you have looked"
+        )
+        screen.exit_code = max(screen.exit_code, _FINDINGS)
     return exit_code_for(screen, project.diagnostics)
 
 
@@ -137,6 +147,8 @@ def _show(screen: Screen, report: ConversionReport) -> None:
     _show_items(screen, report)
     for path, found in report.compared.items():
         screen.line(f"run in both tools: {path}: {found}")
+        for line in report.untested.get(path, ()):
+            screen.line(f"  {line}")
     if report.compared:
         screen.line()
 
@@ -191,7 +203,7 @@ def _show_items(screen: Screen, report: ConversionReport) -> None:
     if shown:
         screen.line()
     for item in shown:
-        place = f"{item.what} {item.path}".strip() + _position(item)
+        place = item.place + _position(item)
         reason = f": {item.why}" if item.why else ""
         screen.line((item.outcome.value, _OUTCOME_STYLES.get(item.outcome, "")), f": {place}{reason}")
     left_out = Counter(item.outcome.value for item in changed[len(shown) :])

@@ -40,12 +40,11 @@ def run(screen: Screen) -> int:
 
 
 def _data(kind: Format) -> dict[str, Any]:
-    codec = kind.codec()
     return {
         "name": kind.name,
         "title": kind.title,
-        "reads": hasattr(codec, "read"),
-        "writes": hasattr(codec, "write"),
+        "reads": True,
+        "writes": True,
         "extensions": list(kind.extensions),
         "versions": list(kind.versions),
         "flavours": list(kind.flavours),

@@ -277,7 +277,7 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
             screen.line(line)
     losses = [*(item for each in lowered for item in each.losses), *report.losses]
     for item in losses if screen.verbose else losses[:_SHOWN]:
-        screen.line((item.outcome.value, "yellow"), f": {item.what} {item.path}: {item.why}")
+        screen.line((item.outcome.value, "yellow"), f": {item.place}: {item.why}")
     if len(losses) > _SHOWN and not screen.verbose:
         screen.line(f".. and {len(losses) - _SHOWN} more: --verbose shows all, --report writes all")
     screen.line("written: ", (target, "bold"))

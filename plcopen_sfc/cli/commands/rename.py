@@ -7,7 +7,7 @@ from typing import Any
 from plcopen_sfc.api import load, save
 from plcopen_sfc.cli.diff import difference
 from plcopen_sfc.cli.screen import Screen
-from plcopen_sfc.folders.saving import edited_files
+from plcopen_sfc.documents.folders.saving import edited_files
 from plcopen_sfc.languages.names import Use
 from plcopen_sfc.refactor.rename import RenameResult
 from plcopen_sfc.report import LOSSES, ConversionReport, Outcome
@@ -40,7 +40,7 @@ def run(screen: Screen, file: str, old: str, new: str, *, dry_run: bool) -> int:
         for name in report.written if report is not None else ():
             screen.line("written: ", (name, "bold"))
     for item in report.with_outcome(*LOSSES, Outcome.DROPPED) if report is not None else ():
-        screen.note(f"{item.what} {item.path}: {item.why}")
+        screen.note(f"{item.place}: {item.why}")
     if result.undecided and not screen.as_json:
         screen.note(f"these places have the name {result.old} too; look whether they mean {result.path}:")
         for undecided in result.undecided:
@@ -75,7 +75,7 @@ def _data(file: str, result: RenameResult, report: ConversionReport | None, diff
         return data | {"diff": diff}
     return data | {
         "written": report.written,
-        "losses": [f"{item.what} {item.path}: {item.why}" for item in report.losses],
+        "losses": [f"{item.place}: {item.why}" for item in report.losses],
     }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from importlib import import_module
 from typing import Any
 
 from plcopen_sfc.api import check_syntax
@@ -12,9 +11,9 @@ from plcopen_sfc.cli.paths import expand
 from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.folders.parts import documents_of
+from plcopen_sfc.documents.folders.parts import documents_of
+from plcopen_sfc.documents.source import FileSource
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.model.project import Origin
 
 
 def run(screen: Screen, patterns: Sequence[str]) -> int:
@@ -44,13 +43,11 @@ def _findings(loaded: LoadedFile) -> list[Diagnostic]:
         return found
     found += check_syntax(loaded.project)
     for document in documents_of(loaded.project):
-        origin = document._origin
-        if not isinstance(origin, Origin):
+        source = document.source
+        if not isinstance(source, FileSource):
             continue
-        kind = format_named(origin.format)[0]
-        if kind.xml:
-            package = kind.module.rpartition(".")[0]
-            found += import_module(f"{package}.schema").validate(origin.content, file=origin.path)
+        kind = format_named(source.format)[0]
+        found += kind.codec().validate(source.content, file=source.path)
     found.sort(key=lambda finding: (finding.location.file or "", finding.location.line is None, _line(finding)))
     return found
 

@@ -16,8 +16,16 @@ from plcopen_sfc.formats.plcopen.body_reader import defer, read_body, read_pou
 from plcopen_sfc.formats.plcopen.project_reader import read_resource
 from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext, attributes, carried, read_common
 from plcopen_sfc.formats.plcopen.rewritten import sources_of_section
-from plcopen_sfc.formats.plcopen.types_reader import read_data_type_declaration, read_interface, read_section
+from plcopen_sfc.formats.plcopen.types_reader import (
+    PARTS_FIELD,
+    parts_of_list,
+    read_data_type_declaration,
+    read_interface,
+    read_section,
+)
 from plcopen_sfc.formats.xml.carrying import markup
+from plcopen_sfc.languages.declarations.inheritance import Inheritance, kept_inheritance
+from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.network import BlockCall
 from plcopen_sfc.model.sfc import SfcFlag
 
@@ -242,10 +250,35 @@ def read_global_variables(ctx: ReadContext, data: etree._Element, fields: Fields
     element = _only(data, "globalVars")
     if element is None or owner != "project":
         return False
-    section = read_section(ctx, element, "global")
-    if sources_of_section(section) is None:
-        fields.setdefault("global_variables", []).append(section)
+    for section in parts_of_list(read_section(ctx, element, "global")):
+        if sources_of_section(section) is None:
+            fields.setdefault("global_variables", []).append(section)
     return True
+
+
+def read_mixed_list(ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``mixedattrsvarlist``: the sections of a list of global variables, which differ in RETAIN and CONSTANT.
+
+    It is carried where its variables are not those of the list.
+    """
+    element = _only(data, "MixedAttrsVarList")
+    if element is None or owner != "globalVars" or fields["kind"] != "global" or element.attrib:
+        return False
+    if len(element) < 2 or any(_local(child) != "globalVars" for child in element):
+        return False
+    parts = [read_section(ctx, child, "global") for child in element]
+    variables = [variable for part in parts for variable in part["variables"]]
+
+    def is_more(part: Fields) -> bool:
+        return bool(part.keys() - _OF_A_PART) or part.get("name") != fields.get("name")
+
+    if variables != fields["variables"] or any(map(is_more, parts)):
+        return False
+    fields[PARTS_FIELD] = parts
+    return True
+
+
+_OF_A_PART = frozenset({"kind", "name", "variables", "constant", "retain", "nonretain", "persistent", "nonpersistent"})
 
 
 def read_method(ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
@@ -275,6 +308,26 @@ def read_method(ctx: ReadContext, data: etree._Element, fields: Fields, owner: s
     return True
 
 
+def read_inheritance(_ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``pouinheritance`` of an interface, ``datatypeinheritance`` of a type: what it extends and implements."""
+    element = _only(data, "Inheritance")
+    if element is None or owner not in ("interface", "dataType") or element.attrib:
+        return False
+    names: dict[str, list[str]] = {"Extends": [], "Implements": []}
+    for child in element:
+        if _local(child) not in names or len(child) or child.attrib or not (child.text or "").strip():
+            return False
+        names[_local(child)].append((child.text or "").strip())
+    found = Inheritance(tuple(names["Extends"]), tuple(names["Implements"]))
+    kept = found.keep()
+    if kept is None or len(found.extends) > 1:
+        return False
+    said = fields.get("carried")
+    if kept_inheritance(Carried.model_validate(said) if said else None) != found:
+        carried(fields)["data"] += [each.model_dump(mode="json") for each in kept.data]
+    return True
+
+
 def read_project_structure(_ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
     """``projectstructure``: the tree of folders and objects."""
     root = _only(data, "ProjectStructure")
@@ -283,7 +336,8 @@ def read_project_structure(_ctx: ReadContext, data: etree._Element, fields: Fiel
     tree = [_tree_node(child) for child in root]
     if any(node is None for node in tree):
         return False
-    fields["tree"] = tree
+    if tree:  # an empty one only tells whose file it is
+        fields["tree"] = tree
     return True
 
 
@@ -305,9 +359,11 @@ def _tree_node(element: etree._Element) -> Fields | None:
 def read_task_settings(_ctx: ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
     """``tasksettings``."""
     element = _only(data, "TaskSettings")
-    if element is None or owner != "task" or set(element.attrib) - _TASK.keys() or len(element) > 1:
+    if element is None or owner != "task" or len(element) > 1:
         return False
-    settings: Fields = {_TASK[str(name)]: value for name, value in element.attrib.items()}
+    given = {str(name): str(value) for name, value in element.attrib.items()}
+    settings: Fields = {_TASK[name]: value for name, value in given.items() if name in _TASK}
+    settings["attributes"] = {name: value for name, value in given.items() if name not in _TASK}
     for child in element:
         if _local(child) != "Watchdog" or set(child.attrib) - _WATCHDOG.keys() or len(child):
             return False
@@ -374,7 +430,10 @@ DATA_READERS: dict[str, DataReader] = {
     names.DATA_TYPE: read_hidden_data_type,
     names.APPLICATION: read_application,
     names.GLOBAL_VARS: read_global_variables,
+    names.MIXED_LIST: read_mixed_list,
     names.METHOD: read_method,
+    names.POU_INHERITANCE: read_inheritance,
+    names.TYPE_INHERITANCE: read_inheritance,
     names.PROJECT_STRUCTURE: read_project_structure,
     names.TASK_SETTINGS: read_task_settings,
     names.CALL_TYPE: read_call_type,

@@ -13,10 +13,17 @@ from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import is_reformatted
 from plcopen_sfc.formats.plcopen.body_writer import write_body, write_pou
 from plcopen_sfc.formats.plcopen.project_writer import write_resource
-from plcopen_sfc.formats.plcopen.types_writer import write_data_type_declaration, write_interface, write_section
+from plcopen_sfc.formats.plcopen.types_writer import (
+    write_data_type_declaration,
+    write_interface,
+    write_lists,
+    write_section,
+)
 from plcopen_sfc.formats.plcopen.versions import XHTML
 from plcopen_sfc.formats.plcopen.writing import WriteContext, Written, finish
 from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.languages.declarations.inheritance import kept_inheritance
+from plcopen_sfc.languages.declarations.kept import KEPT_DATA
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
 from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
 from plcopen_sfc.model.body import SfcBody
@@ -28,6 +35,7 @@ from plcopen_sfc.model.project import Configuration, Project, Resource, Task, Tr
 from plcopen_sfc.model.sfc import SfcSettings, Step, Transition
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.model.variables import Interface, VariableSection
+from plcopen_sfc.report import ConversionReport
 
 _DISCARD = UnknownDataRule.DISCARD
 _IMPLEMENTATION = UnknownDataRule.IMPLEMENTATION
@@ -70,7 +78,13 @@ NATIVE_FIELDS = {
 }
 """The fields that this module writes, by the kind of their owner."""
 
+NATIVE_TEXTS = frozenset({"extends", "implements"})
+"""The texts kept of declarations that this module writes."""
+
 DATA_RANK = {
+    KEPT_DATA: 1,
+    names.POU_INHERITANCE: 5,
+    names.TYPE_INHERITANCE: 5,
     names.DATA_TYPE: 5,
     names.POU: 6,
     names.METHOD: 7,
@@ -106,6 +120,24 @@ def write_data(ctx: WriteContext, thing: Model, owner: str) -> Iterator[Written]
         if isinstance(thing, kind):
             yield from writer(ctx, thing, owner)
             return
+
+
+def mark_as_codesys(root: etree._Element) -> None:
+    """Add an empty project tree to a file that has no data of the tool, by which it is recognised.
+
+    Every export has some. The tools give the objects that a tree does not name a place themselves (guess).
+    """
+    namespace = f"{{{etree.QName(root).namespace}}}"
+    if any(data.get("name", "").startswith(names.PREFIX) for data in root.iter(f"{namespace}data")):
+        return
+    holder = root.find(f"{namespace}addData")
+    if holder is None:
+        holder = etree.Element(f"{namespace}addData")
+        documentation = root.find(f"{namespace}documentation")
+        root.insert(len(root) if documentation is None else root.index(documentation), holder)
+    attributes = {"name": names.PROJECT_STRUCTURE, "handleUnknown": _DISCARD.value}
+    data = etree.SubElement(holder, f"{namespace}data", attributes)
+    etree.SubElement(data, f"{namespace}ProjectStructure")
 
 
 def _text_element(ctx: WriteContext, name: str, text: str) -> etree._Element:
@@ -338,9 +370,42 @@ def _method_data(ctx: WriteContext, method: Method, _owner: str) -> Iterator[Wri
         yield from _declaration(ctx, method.interface)
 
 
+def _interface(ctx: WriteContext, interface: Interface, _owner: str) -> Iterator[Written]:
+    yield from _inheritance(ctx, names.POU_INHERITANCE, interface.carried)
+
+
+def _inheritance(ctx: WriteContext, name: str, carried: Carried | None) -> Iterator[Written]:
+    found = kept_inheritance(carried)
+    if any(found):
+        element = etree.Element(ctx.version_tag("Inheritance"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+        for tag, bases in (("Extends", found.extends), ("Implements", found.implements)):
+            for base in bases:
+                etree.SubElement(element, ctx.version_tag(tag)).text = legal(base)
+        yield name, _IMPLEMENTATION, element
+
+
+def _data_type(ctx: WriteContext, declaration: DataTypeDeclaration, owner: str) -> Iterator[Written]:
+    yield from _inheritance(ctx, names.TYPE_INHERITANCE, declaration.carried)
+    yield from _declared(ctx, declaration, owner)
+
+
 def _declared(ctx: WriteContext, thing: DataTypeDeclaration | VariableSection, _owner: str) -> Iterator[Written]:
     yield from _declaration(ctx, thing)
     yield from _object_id(ctx, thing.object_id)
+    if id(thing) in ctx.parts:
+        yield names.MIXED_LIST, _IMPLEMENTATION, _mixed_list(ctx, ctx.parts[id(thing)])
+
+
+def _mixed_list(ctx: WriteContext, parts: list[VariableSection]) -> etree._Element:
+    """The sections of a list of global variables, whose variables are in the report with the list."""
+    element = etree.Element(ctx.version_tag("MixedAttrsVarList"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
+    report, ctx.report = ctx.report, ConversionReport()
+    for part in parts:
+        write_section(
+            ctx, element, part.model_copy(update=dict.fromkeys(("comment", "carried", "declaration", "object_id")))
+        )
+    ctx.report = report
+    return element
 
 
 def _holder(ctx: WriteContext) -> etree._Element:
@@ -369,10 +434,10 @@ def _project(ctx: WriteContext, project: Project, owner: str) -> Iterator[Writte
         holder = _holder(ctx)
         write_resource(ctx, holder, application, f"application/{application.name}")
         yield names.APPLICATION, _IMPLEMENTATION, holder[0]
-    for section in project.global_variables:
-        holder = _holder(ctx)
-        write_section(ctx, holder, section)
-        yield names.GLOBAL_VARS, _IMPLEMENTATION, holder[0]
+    holder = _holder(ctx)
+    write_lists(ctx, holder, project.global_variables)
+    for element in list(holder):
+        yield names.GLOBAL_VARS, _IMPLEMENTATION, element
     if project.tree is not None:
         root = etree.Element(ctx.version_tag("ProjectStructure"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         for node in project.tree:
@@ -400,7 +465,7 @@ def _task(ctx: WriteContext, task: Task, _owner: str) -> Iterator[Written]:
             ("IntervalUnit", settings.interval_unit),
             ("Event", settings.event),
         )
-        attributes = {name: value for name, value in pairs if value is not None}
+        attributes = {name: value for name, value in pairs if value is not None} | settings.attributes
         element = etree.Element(ctx.version_tag("TaskSettings"), attributes, nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         if settings.watchdog is not None:
             dog = settings.watchdog
@@ -450,7 +515,8 @@ _WRITERS: tuple[tuple[type[Model], Callable[[WriteContext, Any, str], Iterator[W
     (Action, _part),
     (NamedTransition, _part),
     (Method, _method_data),
-    (DataTypeDeclaration, _declared),
+    (Interface, _interface),
+    (DataTypeDeclaration, _data_type),
     (VariableSection, _declared),
     (Resource, _resource),
     (Configuration, _configuration),

@@ -19,17 +19,25 @@ _Declared = Interface | DataTypeDeclaration | VariableSection
 
 def drop_stale(project: Project, baseline: Project, report: ConversionReport) -> frozenset[int]:
     """The objects (by `id()`) whose text was typed for what `baseline` declares; each is in the report."""
-    before = dict(_declared(baseline))
+    before, after = _by_path(baseline), _by_path(project)
     stale: set[int] = set()
-    for path, thing in _declared(project):
-        old = before.get(path)
-        if old is None or thing.declaration is None or thing.declaration != old.declaration:
+    for path, things in after.items():
+        thing, old = things[0], before.get(path)
+        if old is None or thing.declaration is None or thing.declaration != old[0].declaration:
             continue
-        if _content(thing) != _content(old):
+        if list(map(_content, things)) != list(map(_content, old)):
             stale.add(id(thing))
             why = "it no longer says what is declared; the tool builds it anew, without pragmas and comments between"
             report.add(Outcome.APPROXIMATED, "declaration text", path, why)
     return frozenset(stale)
+
+
+def _by_path(project: Project) -> dict[str, list[_Declared]]:
+    """What is declared by its path; a list of global variables may have several sections, and its text at the first."""
+    found: dict[str, list[_Declared]] = {}
+    for path, thing in _declared(project):
+        found.setdefault(path, []).append(thing)
+    return found
 
 
 def _content(thing: Element) -> dict[str, object]:
@@ -45,10 +53,5 @@ def _declared(project: Project) -> Iterator[tuple[str, _Declared]]:
                 yield f"POU {pou.name} / method {method.name}", method.interface
     for declaration in project.data_types:
         yield f"type {declaration.name}", declaration
-    lists = list(project.global_variables)
-    for configuration in project.configurations:
-        lists += configuration.global_variables
-    for resource in (*project.applications, *(r for c in project.configurations for r in c.resources)):
-        lists += resource.global_variables
-    for section in lists:
+    for section in project.global_sections():
         yield f"global variables {section.name}", section

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcopen_sfc.formats.codesys import names
-from plcopen_sfc.formats.codesys.data_writer import DATA_RANK, NATIVE_FIELDS, write_data
+from plcopen_sfc.formats.codesys.data_writer import DATA_RANK, NATIVE_FIELDS, NATIVE_TEXTS, write_data
 from plcopen_sfc.formats.plcopen.versions import V2_0
 from plcopen_sfc.formats.plcopen.writing import Dialect
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -31,6 +31,7 @@ CODESYS = Dialect(
     states_actions=True,
     tool=Tool.CODESYS,
     native_fields=NATIVE_FIELDS,
+    native_texts=NATIVE_TEXTS,
     data_writer=write_data,
     data_rank=DATA_RANK,
     lacks=LACKS,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.formats.iectext.chart_reader import change
 from plcopen_sfc.formats.iectext.declarations_reader import read_listing, read_section
 from plcopen_sfc.formats.iectext.layout import newlines
 from plcopen_sfc.formats.iectext.outline import Kind, Part
 from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
+from plcopen_sfc.formats.tasks import iec_form
 from plcopen_sfc.languages.pragmas import Fields
 from plcopen_sfc.languages.st.lexer import Token
+from plcopen_sfc.model.project import Task
 
 CONFIG_NAME = "Config"
 ON_PLACE = "on"
@@ -133,7 +136,14 @@ def _task(src: Source, tokens: list[Token], remark: Remark, place: str) -> Field
             keyword, value = value[0].value.upper() if value else "", []
         else:
             value = [*value, token]
-    return _with_remark(src, fields, remark, place)
+    said = {name: fields.get(name) for name in ("interval", "single")}
+    fields = _with_remark(src, fields, remark, place)
+    if "settings" in fields:
+        form = iec_form(Task.model_validate(fields | {"instances": []}))
+        if said != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
+            fields.update(said)  # edited since the settings of CODESYS were put beside it
+            del fields["settings"]
+    return fields
 
 
 def _add_instance(src: Source, tokens: list[Token], remark: Remark, fields: Fields, place: str) -> None:

@@ -11,6 +11,7 @@ from plcopen_sfc.formats.iectext.layout import INDENT, indented
 from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
 from plcopen_sfc.formats.iectext.printing import Printer, comment_lines, foreign_pragmas, label, pragmas, split
 from plcopen_sfc.formats.iectext.source import Source, unwrapped, wrapped
+from plcopen_sfc.formats.tasks import iec_form
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Named, Segment
@@ -138,7 +139,8 @@ class _Writer:
         name = self._name(task.name)
         said: Fields = {}
         arguments = []
-        for keyword, shown in (("SINGLE", task.single), ("INTERVAL", duration_literal(task.interval))):
+        form = iec_form(task)
+        for keyword, shown in (("SINGLE", form["single"]), ("INTERVAL", duration_literal(form["interval"]))):
             if shown is not None and self._is_argument(shown):
                 arguments.append(f"{keyword} := {shown}")
                 said[keyword.lower()] = shown

@@ -12,6 +12,7 @@ from plcopen_sfc.formats.iectext.printing import Printer
 from plcopen_sfc.formats.iectext.source import Source, unwrapped
 from plcopen_sfc.formats.strings import with_quotes
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type
+from plcopen_sfc.languages.declarations.inheritance import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, VariableSection
@@ -47,9 +48,14 @@ def _header(
     kept = [(unwrapped(data.get("content", "")), data) for data in meant.get("carried", {}).get("data", [])]
     words = [keyword, name]
     for found, data in kept:
-        if found is not None and found[0] in ("modifiers", "header"):
-            words.insert(1 if found[0] == "modifiers" else len(words), found[1])
+        if found is not None and found[0] == "modifiers":
+            words.insert(1, found[1])
             said.setdefault("carried", {}).setdefault("data", []).append(data)
+    bases = inheritance(interface)
+    carried = bases.keep()
+    if carried is not None:
+        words.append(bases.text())
+        said["interface"]["carried"] = plain_fields(carried)
     header = f"{indent}{' '.join(words)}"
     type_ = interface.return_type if interface is not None else None
     if type_ is None or keyword not in ("FUNCTION", "METHOD"):

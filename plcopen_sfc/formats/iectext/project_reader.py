@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from plcopen_sfc.errors import StructureError
 from plcopen_sfc.formats.iectext.chart_reader import change
 from plcopen_sfc.formats.iectext.config_reader import read_configuration, read_global_section
-from plcopen_sfc.formats.iectext.declarations_reader import read_types
+from plcopen_sfc.formats.iectext.declarations_reader import read_listing, read_types
 from plcopen_sfc.formats.iectext.layout import newlines
 from plcopen_sfc.formats.iectext.outline import POUS, Kind, Part, outline
 from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
@@ -60,7 +60,12 @@ def read_project(text: str, file: str | None) -> tuple[Project, Source]:
 def _read_unit(src: Source, part: Part, gap: tuple[int, int], fields: Fields) -> None:
     if part.kind is Kind.TYPE:
         fields.setdefault("data_types", []).extend(_read_types(src, part, gap))
-    elif part.kind is Kind.VAR:
+    elif part.kind is Kind.VAR and part.keyword == "VAR_CONFIG":
+        for section in read_listing(src, part, gap, ""):
+            known = fields.setdefault("config_variables", section)
+            if known is not section:
+                known.setdefault("variables", []).extend(section.get("variables", []))
+    elif part.kind is Kind.VAR and part.keyword == "VAR_GLOBAL":
         fields.setdefault("global_variables", []).extend(read_global_section(src, part, gap, ""))
     elif part.kind is Kind.CONFIGURATION:
         found, application = read_configuration(src, part, gap)

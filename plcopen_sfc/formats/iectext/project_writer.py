@@ -7,20 +7,22 @@ from collections import Counter
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.iectext.config_writer import write_application, write_configuration, write_global_section
 from plcopen_sfc.formats.iectext.declarations_writer import write_said_type
-from plcopen_sfc.formats.iectext.printing import Printer, numbered_pieces, pragmas, split
+from plcopen_sfc.formats.iectext.printing import Printer, comment_lines, numbered_pieces, pragmas, split
 from plcopen_sfc.formats.iectext.project_reader import read_project
 from plcopen_sfc.formats.iectext.source import unwrapped
 from plcopen_sfc.formats.iectext.unit_writer import write_pou
 from plcopen_sfc.formats.strings import variable_names
 from plcopen_sfc.formats.text import Piece
+from plcopen_sfc.languages.declarations import write_config_section
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Append, Named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DataTypeDeclaration
+from plcopen_sfc.model.variables import ConfigSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 VERSION = 1
-_UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", "applications"})
+_UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", "applications", "config_variables"})
 
 
 def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> Piece:
@@ -51,6 +53,9 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     for application in project.applications:
         text = write_application(printer, application)
         pieces.append(Piece(("configuration", application.name), text, apart=True))
+    if project.config_variables is not None:
+        text = _config_section(printer, project.config_variables, late)
+        pieces.append(Piece(("VAR_CONFIG", ""), text, apart=True))
     if late:
         pieces.append(Piece(("late", ""), pragmas(late, "").rstrip("\n"), apart=True))
     return Piece(("project", ""), pieces=numbered_pieces(pieces))
@@ -69,6 +74,19 @@ def _foreign_units(meant: Fields, said: Fields) -> list[str]:
             texts.append(kept[1])
             said["carried"] = {"data": [*known, data]}
     return texts
+
+
+def _config_section(printer: Printer, section: ConfigSection, late: list[Change]) -> str:
+    """``VAR_CONFIG`` outside of a configuration; empty where it does not come back from text."""
+    meant = plain_fields(section)
+    text = comment_lines(meant, {}, "") if str(meant.get("comment", "")).strip() else ""
+    text += write_config_section(section, printer.dialect)
+    back, src = read_project(f"{pragmas([Change(('project', 'dialect'), str(printer.dialect))], '')}{text}\n", None)
+    if back.config_variables is None or src.diagnostics:
+        late.append(Change(("project", "config_variables"), meant))
+        return ""
+    late += changes(plain_fields(back.config_variables), meant, ("project", "config_variables"))
+    return text
 
 
 def _type(printer: Printer, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,11 +25,11 @@ from plcopen_sfc.formats.iectext.drawn import put_drawing
 from plcopen_sfc.formats.iectext.layout import Block, newlines, taken
 from plcopen_sfc.formats.iectext.outline import Kind, Part
 from plcopen_sfc.formats.iectext.source import Remark, Source, is_own, wrapped
+from plcopen_sfc.languages.declarations.inheritance import Inheritance
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.model.pou import Pou
 
 _KINDS = {Kind.PROGRAM: "program", Kind.FUNCTION_BLOCK: "functionBlock", Kind.FUNCTION: "function"}
-_EXTENDED = re.compile(r"\b(?:EXTENDS|IMPLEMENTS)\b.*", re.IGNORECASE | re.DOTALL)
 
 
 @dataclass(slots=True)
@@ -162,17 +161,24 @@ def _is_as_typed(remark: Remark) -> bool:
 
 
 def _keep_header_rest(src: Source, part: Part, container: Container) -> None:
-    """EXTENDS and IMPLEMENTS have no place in the model."""
+    """What the model has no field for: EXTENDS and IMPLEMENTS, and what stands before the name."""
     tokens = src.outline.tokens(part.head)
-    header = src.text[tokens[0].span[0] : tokens[-1].span[1]]
-    words = [t.value.upper() for t in tokens]
-    if part.kind is not Kind.ACTION and ("EXTENDS" in words or "IMPLEMENTS" in words):
-        found = _EXTENDED.search(header)
-        if found is not None:
-            _carry(container.fields, "header", newlines(found.group()).rstrip("; "))
+    if part.kind is not Kind.ACTION:
+        extends, implements = _behind(tokens, "EXTENDS"), _behind(tokens, "IMPLEMENTS")
+        carried = Inheritance(extends, implements).keep()
+        if carried is not None:
+            container.fields["interface"]["carried"] = carried.model_dump()
     modifiers = [t.value for t in tokens[1:] if t.span[1] <= _name_start(tokens, part)]
     if modifiers:
         _carry(container.fields, "modifiers", " ".join(modifiers))
+
+
+def _behind(tokens: list[Any], word: str) -> tuple[str, ...]:
+    """The names behind EXTENDS or IMPLEMENTS in a header."""
+    values = [token.value for token in tokens]
+    start = next((index + 1 for index, value in enumerate(values) if value.upper() == word), len(values))
+    ends = (index for index in range(start, len(values)) if values[index].upper() in ("IMPLEMENTS", ";", ":"))
+    return tuple(filter(None, "".join(values[start : next(ends, len(values))]).split(",")))
 
 
 def _name_start(tokens: list[Any], part: Part) -> int:

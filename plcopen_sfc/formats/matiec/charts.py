@@ -8,11 +8,13 @@ and OpenPLC have it.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 
+from plcopen_sfc.formats.matiec.actions import STEP_ACTIONS, ActionFitter
 from plcopen_sfc.formats.matiec.drawn import is_taken, write_negations_out
 from plcopen_sfc.formats.matiec.flags import StepFlags
 from plcopen_sfc.formats.matiec.statements import compilable_comments
@@ -25,20 +27,14 @@ from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition, Expression, NamedCondition, WiredCondition
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.pou import Action
-from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
-from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step, Transition
+from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType
 from plcopen_sfc.report import Outcome
 
 _QUALIFIERS = frozenset(
     {Qualifier.N, Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.P0, Qualifier.P1}
     | {Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL}
 )
-_ALONE = frozenset({Qualifier.N, Qualifier.NONE, Qualifier.P, Qualifier.P0, Qualifier.P1, Qualifier.L, Qualifier.D})
-"""Those of which matiec takes the last of several that drive one thing, instead of one that is active."""
-_DELAYED = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
-_STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
-_RISING = frozenset({Qualifier.P, Qualifier.P1})
-_PULSES = _RISING | {Qualifier.P0}
 _WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
 
 
@@ -47,15 +43,17 @@ class ChartFitter:
     """Fits the chart of a POU.
 
     `final_scan`: the tool of the project executes an action once more after its end, as CODESYS does; False: IEC
-    61131-3 leaves that to the tool; None: its tool does not. `step_actions` are the ids of associations in the place of
-    entry, main and exit actions, which are never executed once more.
+    61131-3 leaves that to the tool; None: its tool does not. `calls` has the kinds of the associations in the place of
+    entry, main and exit actions, `in_place` the names of actions that have none in the source.
     """
 
     unit: Unit
     chart: SfcNetwork
     final_scan: bool | None = None
     logic: list[str] = field(default_factory=list)
-    step_actions: set[int] = field(default_factory=set)
+    calls: dict[int, str] = field(default_factory=dict)
+    in_place: set[str] = field(default_factory=set)
+    instances: dict[str, str] = field(default_factory=dict)
     ids: Iterator[int] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -67,6 +65,7 @@ class ChartFitter:
         chart = self.chart
         self._refuse_parts()
         keeps = self._keeps_drawn_logic()
+        places = {step.id: place for place, step in enumerate(chart.steps)}
         chart.steps.sort(key=lambda step: not step.initial)
         self._number_competing()
         # what feeds conditions only is told by the conditions, as long as they are drawn
@@ -75,7 +74,8 @@ class ChartFitter:
         for step in chart.steps:
             self._step(step)
         self._hold_initial_steps()
-        self._share()
+        ActionFitter(self.unit, chart, self.logic, self.final_scan, places, self.calls, self.in_place).fit()
+        self._order_actions(places)
         if drawn is not None:
             self._drawn_logic(drawn)
             chart.logic = []
@@ -130,13 +130,22 @@ class ChartFitter:
                 self.unit.note(Outcome.NOT_EXECUTED, what, path, why)
                 self.logic.append(self.unit.nothing_right(what))
         chart.partial_charts, chart.permanent_pre, chart.permanent_post = [], [], []
-        settings = chart.settings
-        for flag, use in settings.flags.items() if settings is not None else ():
-            if use.use:
-                self.unit.note(Outcome.NOT_EXECUTED, "flag", path, f"matiec has no {flag.variable}")
+        if self.final_scan:
+            self._refuse_flags()
         chart.settings = None
         chart.graph_settings = None
         chart.sequences = []
+
+    def _refuse_flags(self) -> None:
+        """Report what controls and watches a chart of CODESYS; a maximum time does nothing but set SFCError."""
+        declared = {variable.name.casefold() for variable in self.unit.pou.variables()} | self.unit.globals
+        used = self.chart.flags_in_use(lambda name: name.casefold() in declared)
+        for flag in sorted(used):
+            self.unit.note(Outcome.NOT_EXECUTED, "flag", self.unit.path, f"matiec has no {flag.variable}")
+        for step in self.chart.steps if SfcFlag.ERROR in used else ():
+            if step.max_time:
+                why = f"{step.max_time} is not watched: matiec has no SFCError"
+                self.unit.note(Outcome.NOT_EXECUTED, "maximum time", f"{self.unit.path} / step {step.name}", why)
 
     def _is_excluded(self, part: Step | Transition | ActionAssociation, path: str) -> bool:
         if part.exclude:
@@ -188,8 +197,23 @@ class ChartFitter:
             names.add(transition.name.casefold())
             if not transition.sources:
                 unit.note(Outcome.NOT_EXECUTED, "transition", path, "it leaves no step")
+        if self.final_scan:
+            self._note_loops(labels)
         for step in chart.steps:
             step.min_time = None
+
+    def _note_loops(self, labels: Mapping[int, str]) -> None:
+        """Report steps that are left and entered at once: in matiec their time starts anew, in CODESYS it goes on."""
+        chart, unit = self.chart, self.unit
+        texts = [t.condition.text for t in chart.transitions if isinstance(t.condition, Expression)]
+        texts += [action.body.text for action in unit.pou.actions if isinstance(action.body, StBody)]
+        for transition in chart.transitions:
+            for step in chart.steps:
+                loops = step.id in transition.sources and step.id in transition.targets
+                if loops and any(re.search(rf"\b{step.name}\.T\b", text, re.IGNORECASE) for text in texts):
+                    why = f"the time of {step.name} starts anew with it in matiec, and goes on in CODESYS"
+                    path = f"{unit.path} / transition {labels[transition.id]}"
+                    unit.note(Outcome.APPROXIMATED, "transition", path, why)
 
     def _condition(self, condition: Condition | None, read: Callable[[Condition], NetworkExpression], path: str) -> str:
         unit = self.unit
@@ -257,7 +281,7 @@ class ChartFitter:
         unit = self.unit
         path = f"{unit.path} / step {step.name}"
         lines: list[ActionAssociation] = []
-        for kind, qualifier in _STEP_ACTIONS:
+        for kind, qualifier in STEP_ACTIONS:
             value = getattr(step, f"{kind}_action")
             setattr(step, f"{kind}_action", None)
             if value is not None:
@@ -267,14 +291,13 @@ class ChartFitter:
                 else:
                     new.body = value
                 unit.note(Outcome.TRANSLATED, f"{kind} action", path, f"an association with {qualifier}")
-                lines += self._association(step, new, f"{step.name}_{kind}", path)
-                self.step_actions.update(line.id for line in lines)
+                made = self._association(step, new, f"{step.name}_{kind}", path)
+                self.calls.update((line.id, kind) for line in made)
+                lines += made
         for number, association in enumerate(step.actions, 1):
             lines += self._association(step, association, f"{step.name}_action_{number}", path)
         step.actions = lines
         gone = [
-            (step.max_time, "maximum time", False),
-            (step.warning_time, "warning time", False),
             (step.interlock is not None and step.interlock.condition, "interlock", False),
             (step.supervision is not None and step.supervision.condition, "supervision", True),
             (step.macro, "macro-step", True),
@@ -297,29 +320,26 @@ class ChartFitter:
         if wrong:
             unit.note(Outcome.NOT_EXECUTED, "association", place, "; ".join(wrong))
             return [self._line(Qualifier.N, self._action(wish, StBody(text=unit.nothing_right(wish)), place))]
-        if found.qualifier in _DELAYED and not unit.own:
-            why = "matiec starts SL again without R, lets R end no delay that runs, and sees no activation in the start"
-            unit.note(Outcome.APPROXIMATED, "association", place, f"{found.qualifier}: {why}")
         qualifier = Qualifier.R if found.qualifier is Qualifier.R0 else found.qualifier
+        condition = None
+        if found.condition is not None:
+            condition = Expression(text=self._text(found.condition, place))
         lines: list[ActionAssociation] = []
         for target, body in ((found.target, None), (None, found.body)):
             if target is None and body is None:
                 continue
             line = self._line(qualifier, target or "", duration=found.duration, indicator=found.indicator)
+            line.condition, line.negated = condition, found.negated is not step.negated
             lines.append(line)
-            condition = found.condition
             if body is not None:
-                line.target = self._action(wish, body, place, condition)
+                line.target = self._action(wish, body, place)
+            elif self._is_instance(target or ""):
+                key = (target or "").casefold()
+                if key not in self.instances:
+                    self.instances[key] = self._action(f"{target}_call", StBody(text=f"{target}();"), place)
+                line.target = self.instances[key]
             elif found.value is not None:
-                line.target = self._action(wish, StBody(text=f"{target} := {found.value};"), place, condition)
-            elif found.negated or step.negated:
-                lines.pop()
-                self._drive(f"NOT {step.name}.X", target or "")
-            elif condition is not None and (action := unit.pou.action(target or "")) is not None:
-                line.target = self._action(wish, action.body or StBody(), place, condition)
-            elif condition is not None:
-                lines.pop()
-                self._drive(f"{step.name}.X AND ({self._text(condition, place)})", target or "")
+                line.target = self._action(wish, StBody(text=f"{target} := {found.value};"), place)
         return lines
 
     def _wrong(self, step: Step, found: ActionAssociation) -> list[str]:
@@ -337,22 +357,28 @@ class ChartFitter:
             wrong.append("matiec has no actions of GRAFCET")
         if found.target is None and found.body is None:
             wrong.append("it has no action")
-        plainly = found.qualifier in _WHENEVER
-        if not plainly and (found.negated or step.negated):
-            wrong.append(f"the negation of a step with the qualifier {found.qualifier}")
-        if not plainly and (found.condition is not None or found.value is not None):
-            wrong.append(f"a condition or a value with the qualifier {found.qualifier}")
-        if (found.negated or step.negated) and (found.body is not None or self.unit.pou.action(found.target or "")):
-            wrong.append("the negation of a step with an action that has a body")
+        if found.value is not None and found.qualifier not in _WHENEVER:
+            wrong.append(f"a value with the qualifier {found.qualifier}")
         target = found.target or ""
+        if self.unit.pou.action(target) is None and found.value is None:
+            kind = self._type(target)
+            if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
+                wrong.append(f"{target} is of type {kind.name.value}: only a Boolean variable can be an action")
         if "." in target and self._is_action_of_instance(target):
             wrong.append("matiec has no actions of instances")
         return wrong
 
+    def _type(self, name: str) -> DataType | None:
+        kinds = [v.type for v in self.unit.pou.variables() if v.name.casefold() == name.casefold()]
+        return kinds[0] if kinds else None
+
+    def _is_instance(self, name: str) -> bool:
+        """True if this is an instance of a function block, which is called as an action."""
+        kind = self._type(name)
+        return isinstance(kind, DerivedType) and kind.name.casefold() not in self.unit.types
+
     def _is_action_of_instance(self, target: str) -> bool:
-        name = target.partition(".")[0].casefold()
-        kinds = [v.type for v in self.unit.pou.variables() if v.name.casefold() == name]
-        return any(isinstance(k, DerivedType) and k.name.casefold() not in self.unit.types for k in kinds)
+        return self._is_instance(target.partition(".")[0])
 
     def _line(
         self, qualifier: Qualifier, target: str, *, duration: str | None = None, indicator: str | None = None
@@ -361,92 +387,28 @@ class ChartFitter:
             id=next(self.ids), qualifier=qualifier, target=target, duration=duration, indicator=indicator or None
         )
 
-    def _action(self, wish: str, body: Body, path: str, condition: Condition | None = None) -> str:
+    def _action(self, wish: str, body: Body, path: str) -> str:
         """An action of the POU with this body; returns its name."""
-        unit = self.unit
-        if condition is not None:
-            text = unit.statements(body, path)
-            text = unit.nothing_right(wish) if text is None else text
-            body = StBody(text=f"IF {self._text(condition, path)} THEN\n{text}\nEND_IF;")
-        name = unit.new_name(wish)
-        unit.pou.actions.append(Action(name=name, body=unit.fitted(body, path, wish)))
+        name = self.unit.new_name(wish)
+        self.in_place.add(name.casefold())
+        self.unit.pou.actions.append(Action(name=name, body=self.unit.action(body, path, wish)))
         return name
 
     def _text(self, condition: Condition, path: str) -> str:
         read = condition_reader(self.chart, self.unit.dialect, transitions=self.unit.pou.transitions)
         return self._condition(condition, read, path)
 
-    def _drive(self, active: str, target: str) -> None:
-        """Write `target` while `active`, and once when that ends."""
-        was = self.unit.declare(f"{target}_was")
-        self.logic.append(f"IF {active} THEN\n    {target} := TRUE;\nELSIF {was} THEN\n    {target} := FALSE;\nEND_IF;")
-        self.logic.append(f"{was} := {active};")
-
-    # -- actions of several steps --------------------------------------------------------------------------------------
-
-    def _share(self) -> None:
-        """Drive in every scan what associations of matiec do not drive right.
-
-        Of several associations that drive one thing the last has its way, the start is no activation of the initial
-        steps, and only a variable with a simple name can be driven.
-        """
-        lines: dict[tuple[str, bool], list[tuple[Step, ActionAssociation]]] = {}
+    def _order_actions(self, places: Mapping[int, int]) -> None:
+        """Put the actions into the order of their first use, those of exit, entry and main actions first."""
+        kinds = ("exit", "entry", "main", None)
+        used: list[tuple[int, int, str]] = []
         for step in self.chart.steps:
-            for association in step.actions:
-                key = ((association.target or "").casefold(), association.id in self.step_actions)
-                lines.setdefault(key, []).append((step, association))
-        for (_, is_of_step), users in lines.items():
-            target = users[0][1].target or ""
-            action = self.unit.pou.action(target)
-            text = action.body.text if action is not None and isinstance(action.body, StBody) else None
-            shared = len(users) > 1 and any(association.qualifier in _ALONE for _, association in users)
-            started = any(step.initial and association.qualifier in _RISING for step, association in users)
-            if any(association.indicator for _, association in users):
-                continue
-            if action is None and (not is_plain(target) or ((shared or started) and not self.unit.own)):
-                self._drive(self._any_of(users), target)
-            elif text is not None and (shared or started or self.final_scan) and not self.unit.own:
-                self._execute(self._any_of(users), text, target, once_more=bool(self.final_scan) and not is_of_step)
-            if text is not None and self.final_scan is False and not is_of_step:
-                why = "matiec does not execute it once more after its end, which IEC 61131-3 leaves to the tool"
-                self.unit.note(Outcome.APPROXIMATED, "action", f"{self.unit.path} / action {target}", why)
-
-    def _execute(self, active: str, text: str, target: str, *, once_more: bool) -> None:
-        """Execute statements while `active`, and `once_more` after that."""
-        was = f" OR {self.unit.declare(f'{target}_was')}" if once_more else ""
-        self.logic.append(f"IF {active}{was} THEN\n{text}\nEND_IF;")
-        if was:
-            self.logic.append(f"{was.removeprefix(' OR ')} := {active};")
-
-    def _any_of(self, users: list[tuple[Step, ActionAssociation]]) -> str:
-        """An expression that is TRUE while one of the associations is active; they drive something else from now on."""
-        terms: list[str] = []
-        stored = ""
-        edges: dict[str, list[str]] = {}
-        for step, association in users:
-            flag = f"{step.name}.X"
-            if association.qualifier in _WHENEVER:
-                step.actions.remove(association)
-                terms.append(flag)
-            elif association.qualifier in _PULSES:
-                step.actions.remove(association)
-                edges.setdefault("falling" if association.qualifier is Qualifier.P0 else "rising", []).append(flag)
-            elif association.qualifier in _ALONE:
-                association.target = self.unit.declare(f"{step.name}_{association.target}")
-                terms.append(association.target)
-            else:
-                stored = stored or self.unit.declare(f"{association.target}_stored")
-                association.target = stored
-        terms += [self._edge(kind, " OR ".join(flags), users[0][1].target or "") for kind, flags in edges.items()]
-        return " OR ".join([*terms, stored] if stored else terms)
-
-    def _edge(self, kind: str, active: str, target: str) -> str:
-        """A variable that is TRUE in the scan in which an expression becomes TRUE, or FALSE."""
-        edge, before = self.unit.declare(f"{target}_{kind}"), self.unit.declare(f"{target}_before")
-        shown = f"({active})" if " " in active else active
-        value = f"{shown} AND NOT {before}" if kind == "rising" else f"{before} AND NOT {shown}"
-        self.logic += [f"{edge} := {value};", f"{before} := {active};"]
-        return edge
+            for line in step.actions:
+                used.append((kinds.index(self.calls.get(line.id)), places[step.id], (line.target or "").casefold()))
+        order = {
+            target: place for place, (_, _, target) in reversed(list(enumerate(sorted(used, key=lambda u: u[:2]))))
+        }
+        self.unit.pou.actions.sort(key=lambda action: order.get(action.name.casefold(), len(order)))
 
     # -- the action of every scan --------------------------------------------------------------------------------------
 
@@ -470,9 +432,7 @@ class ChartFitter:
         """
         actions = self.unit.pou.actions
         name = self._action("ChartLogic", StBody(text="\n".join(self.logic)), self.unit.path) if self.logic else ""
-        used = [(a.target or "").casefold() for _, a in self.chart.associations()]
-        order = {target: place for place, target in reversed(list(enumerate(used)))}
-        actions.sort(key=lambda action: -1 if action.name == name else order.get(action.name.casefold(), len(order)))
+        actions.sort(key=lambda action: action.name != name)
         first = {step.id for step in self.chart.initial_steps}
         if self.unit.own and name:
             first = {self.chart.initial_steps[0].id}

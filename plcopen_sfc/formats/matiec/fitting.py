@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from graphlib import CycleError, TopologicalSorter
 
-from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.durations import duration_literal, nanoseconds
 from plcopen_sfc.formats.matiec.charts import ChartFitter
 from plcopen_sfc.formats.matiec.drawn import give_iec_pins
 from plcopen_sfc.formats.matiec.globals import declare_globals
 from plcopen_sfc.formats.matiec.naming import give_plain_names, used_types
 from plcopen_sfc.formats.matiec.statements import compilable_instructions, compilable_statements, fit_expressions
 from plcopen_sfc.formats.matiec.structures import name_structures
+from plcopen_sfc.formats.matiec.types import TypeFitter
 from plcopen_sfc.formats.matiec.undeclared import note_undeclared
 from plcopen_sfc.formats.matiec.unit import Unit
 from plcopen_sfc.formats.strings import quote_strings
+from plcopen_sfc.formats.tasks import iec_form, schedule_of
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
@@ -23,48 +25,46 @@ from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
 from plcopen_sfc.model.types import (
-    ArrayType,
-    ArrayValue,
     DataType,
     DataTypeDeclaration,
     Elementary,
     ElementaryType,
-    EnumType,
-    StringType,
-    StructType,
-    StructValue,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
-_WITHOUT_FINAL_SCAN = ("simaticml", "scl")
 _OF_THESE_TOOLS = ("beremiz", "openplc")
 
 
-def fit_project(project: Project, report: ConversionReport, *, keeps_drawings: bool = False) -> None:
+def fit_project(
+    project: Project, options: WriteOptions, report: ConversionReport, *, keeps_drawings: bool = False
+) -> None:
     """Change `project`, a copy, into what matiec executes in the same way; `report` gets what it cannot execute.
 
+    `options` tell the tool of the project.
     `keeps_drawings`: for the converters of Beremiz and OpenPLC, which translate FBD, LD and drawn conditions for it.
     """
-    origin = project._origin
     own = _is_of_matiec_tools(project)
-    source = origin.format if origin is not None else ""
-    final_scan = None if own or source in _WITHOUT_FINAL_SCAN else source == "codesys"
+    final_scan = None if own or options.of_graph else options.of_codesys
     name_structures(project, report)
     give_plain_names(project, report)
+    types = TypeFitter(project.data_types, report)
+    constants = types.sections(project.global_sections(), "", {})
+    lists = frozenset(section.name.casefold() for section in project.global_sections() if section.name)
     declare_globals(project, report)
     for declaration in project.data_types:
-        _fit_type(declaration.type, f"data type {declaration.name}", report)
-        declaration.declaration = None
-        declaration.type = _known_type(declaration.type, f"type {declaration.name}", report)
+        types.declaration(declaration)
     project.data_types = _types_in_order(project)
     quote_strings(project)
     functions = _typed_functions(project)
-    types = frozenset(declaration.name.casefold() for declaration in project.data_types)
+    names = frozenset(declaration.name.casefold() for declaration in project.data_types)
+    globals_ = frozenset(v.name.casefold() for section in project.global_sections() for v in section.variables)
     for pou in project.pous:
-        _fit_pou(Unit(pou, project.dialect, report, own, types, functions, keeps_drawings), final_scan)
-    _configure(project, report)
+        if pou.interface is not None:
+            types.sections(pou.interface.sections, pou.report_path, constants)
+        _fit_pou(Unit(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings), final_scan)
+    _configure(project, report, lists)
     fit_expressions(project, report)
     if not keeps_drawings:
         note_undeclared(project, report)
@@ -107,12 +107,6 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
     if pou.interface is not None:
         pou.interface.declaration = None
         _check_addresses(unit)
-        for variable in pou.variables():
-            place = f"{unit.path} / variable {variable.name}"
-            variable.type = _known_type(variable.type, place, unit.report)
-            if isinstance(variable.type, ElementaryType) and isinstance(variable.initial, ArrayValue | StructValue):
-                unit.note(Outcome.NOT_EXECUTED, "initial value", place, "a list is no value of an elementary type")
-                variable.initial = None
         for section in pou.interface.sections:
             if kept(section.carried).get("keyword") == "VAR_STAT":
                 unit.note(Outcome.NOT_EXECUTED, "section", unit.path, "matiec has no VAR_STAT, one for all instances")
@@ -124,7 +118,7 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
         give_iec_pins(nodes)
     body = _one_body(unit)
     for action in pou.actions:
-        action.body = unit.fitted(action.body or StBody(), f"{unit.path} / action {action.name}", action.name)
+        action.body = unit.action(action.body or StBody(), f"{unit.path} / action {action.name}", action.name)
     if isinstance(body, SfcBody) and not body.chart.initial_steps:
         unit.note(Outcome.NOT_EXECUTED, "chart", unit.path, "it has no initial step; the text does not compile there")
         body = StBody(text=unit.nothing_right("chart"))
@@ -205,40 +199,6 @@ def _one_body(unit: Unit) -> Body:
 # -- types ------------------------------------------------------------------------------------------------------------
 
 
-def _fit_type(kind: DataType, path: str, report: ConversionReport) -> None:
-    if isinstance(kind, EnumType):
-        numbers = [value.value for value in kind.values]
-        if any(number is not None and number.strip() != str(index) for index, number in enumerate(numbers)):
-            report.add(Outcome.NOT_EXECUTED, "enumeration", path, "matiec numbers enumerations from 0")
-        for value in kind.values:
-            value.value = None
-        kind.base = None
-
-
-_UNKNOWN = frozenset({"LTIME", "LDATE", "LTOD", "LDT", "CHAR", "WCHAR"})
-
-
-def _known_type(kind: DataType, path: str, report: ConversionReport) -> DataType:
-    """A type without strings of a length, whose variables matiec does not find; what it has not is reported."""
-    if isinstance(kind, ArrayType):
-        if isinstance(kind.base, ArrayType):
-            report.add(
-                Outcome.NOT_EXECUTED, "type", path, "matiec has no arrays of arrays; write one of two dimensions"
-            )
-        kind.base = _known_type(kind.base, path, report)
-    elif isinstance(kind, ElementaryType) and kind.name.value in _UNKNOWN:
-        report.add(Outcome.NOT_EXECUTED, "type", path, f"matiec has no {kind.name.value}")
-    elif isinstance(kind, StringType) and kind.wide:
-        report.add(Outcome.NOT_EXECUTED, "type", path, "matiec has no WSTRING")
-    elif isinstance(kind, StructType):
-        for member in kind.members:
-            member.type = _known_type(member.type, f"{path} / {member.name}", report)
-    elif isinstance(kind, StringType) and kind.length is not None:
-        report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length")
-        return StringType(wide=kind.wide)
-    return kind
-
-
 def _types_in_order(project: Project) -> list[DataTypeDeclaration]:
     """The data types, each behind those that it uses: matiec knows what it has read."""
     types = {one.name.casefold(): one for one in project.data_types}
@@ -278,11 +238,15 @@ def _called(pou: Pou, functions: set[str], dialect: Dialect) -> set[str]:
 # -- configurations ---------------------------------------------------------------------------------------------------
 
 
-def _configure(project: Project, report: ConversionReport) -> None:
-    """One configuration for all: programs that nothing runs get a task of 20 ms."""
+def _configure(project: Project, report: ConversionReport, lists: frozenset[str]) -> None:
+    """One configuration for all: programs that nothing runs get a task of 20 ms.
+
+    `lists` are the names of the lists of global variables, which matiec does not know.
+    """
     for application in project.applications:
         project.configurations.append(Configuration(name=application.name, resources=[application]))
     project.applications = []
+    _leave_out_config_variables(project, report)
     programs = [pou.name for pou in project.pous if pou.kind is PouKind.PROGRAM]
     if programs and not any(_instances(one) for one in project.configurations):
         tasks = [Task(name="Task0", interval="T#20ms", instances=[])]
@@ -302,7 +266,7 @@ def _configure(project: Project, report: ConversionReport) -> None:
         for resource in configuration.resources:
             resource.name = _free(resource.name, used, f"resource {resource.name}", report)
             for task in resource.tasks:
-                _fit_task(task, report)
+                _fit_task(task, report, lists)
                 task.name = _free(task.name, used, f"task {task.name}", report)
             for instance in (*resource.instances, *(i for task in resource.tasks for i in task.instances)):
                 if not instance.type_name:
@@ -310,22 +274,29 @@ def _configure(project: Project, report: ConversionReport) -> None:
                 instance.name = _free(instance.name, used, f"instance {instance.name}", report)
 
 
-def _fit_task(task: Task, report: ConversionReport) -> None:
-    """Give a task without a period one: matiec computes the time of a scan from those of the tasks."""
-    task.interval = duration_literal(task.interval)
-    if task.single or (task.interval is not None and not _IS_ZERO.fullmatch(task.interval)):
+def _leave_out_config_variables(project: Project, report: ConversionReport) -> None:
+    """Leave out VAR_CONFIG, which matiec reads, and of which nothing is in the C code that it writes."""
+    owners: list[Project | Configuration] = [project, *project.configurations]
+    for owner in owners:
+        for variable in owner.config_variables.variables if owner.config_variables is not None else ():
+            why = "matiec gives variables no values and addresses by VAR_CONFIG"
+            report.add(Outcome.NOT_EXECUTED, "VAR_CONFIG", f"VAR_CONFIG {variable.path}", why)
+        owner.config_variables = None
+
+
+def _fit_task(task: Task, report: ConversionReport, lists: frozenset[str]) -> None:
+    """Give a task the terms of IEC 61131-3, and one without a period some: matiec computes the time of a scan of it."""
+    form, schedule = iec_form(task, lists), schedule_of(task)
+    task.interval, task.single, task.settings = duration_literal(form["interval"]), form["single"], None
+    if schedule.interval is not None and nanoseconds(schedule.interval) is None:
+        why = f"the cycle is that of the variable {schedule.interval}, which matiec does not take: 20 ms"
+        report.add(Outcome.NOT_EXECUTED, "interval", f"task {task.name}", why)
+    elif schedule.event is not None or schedule.interval is not None:
         return
-    own = task.settings
-    period = (own.interval or "") if own is not None else ""
-    if own is not None and period.isdigit():
-        milliseconds = int(period) / (1000 if own.interval_unit in ("us", "µs") else 1)
-        period = f"T#{milliseconds:g}ms"
-    task.interval = period or "T#20ms"
-    why = "that of the settings of CODESYS" if period else "none is set, and matiec wants one: 20 ms"
-    report.add(Outcome.TRANSLATED, "interval", f"task {task.name}", why)
-
-
-_IS_ZERO = re.compile(r"T(?:IME)?#0+[a-z]+", re.IGNORECASE)
+    else:
+        why = "none is set, and matiec wants one: 20 ms"
+        report.add(Outcome.APPROXIMATED, "interval", f"task {task.name}", why)
+    task.interval = "T#20ms"
 
 
 def _instances(configuration: Configuration) -> list[PouInstance]:

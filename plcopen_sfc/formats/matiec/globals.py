@@ -39,6 +39,9 @@ def declare_globals(project: Project, report: ConversionReport) -> None:
             _declare(pou, [globals_.by_name[name] for name in added])
             report.add(Outcome.TRANSLATED, "global variables", pou.report_path, f"{len(added)} declared as external")
     for section in sections:
+        if section.persistent:
+            section.persistent, section.retain = False, True
+            report.add(Outcome.TRANSLATED, "section", "global variables", "PERSISTENT is RETAIN in matiec")
         section.declaration = None
         section.name = None
         section.carried = None

@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
+from plcopen_sfc.formats.matiec.conversions import REAL_LITERAL, Converter
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits, without
 from plcopen_sfc.languages.il import CALLS
@@ -162,17 +163,37 @@ class _ExpressionFitter:
         self.piece = piece
         self.resolver = resolver
         self.missing: list[tuple[str, str]] = []
+        self.converter = Converter(self._type, self.missing)
 
     def __call__(self, node: n.Node) -> n.Node:
         if isinstance(node, n.Literal):
-            if _LONG.match(node.text) and not isinstance(self.piece.holder, SimpleValue):  # its type is reported
-                self.missing.append(("literal", f"matiec has no {node.text}"))
-            return replace(node, text=_POINTLESS.sub(r"\g<0>.0", node.text)) if _POINTLESS.match(node.text) else node
+            return self._literal(node)
+        if isinstance(node, n.Address):
+            self.missing.append(("address", f"matiec takes {node.text} in declarations only"))
+        if isinstance(node, n.Operation):
+            return self.converter.operation(node)
+        if isinstance(node, n.Assignment):
+            return self.converter.assignment(node)
         if isinstance(node, n.Member) and _BIT.fullmatch(node.name.identifier):
             self.missing.append(("bit access", f"matiec has no bits of variables, here .{node.name.identifier}"))
         if isinstance(node, n.Call) and isinstance(node.callee, n.Name):
             return self._conversion(node, node.callee)
         return node
+
+    def _literal(self, node: n.Literal) -> n.Node:
+        text = node.text
+        if _LONG.match(text) and not isinstance(self.piece.holder, SimpleValue):  # its type is reported
+            self.missing.append(("literal", f"matiec has no {text}"))
+        if text.startswith("'"):
+            text = _LINE_FEED.sub(lambda found: "$0A" if found[1] in "Ll" else found[0], text)  # its C code is wrong
+        if text.startswith("'") and not text.isascii():
+            if any(ord(character) > _LATIN_1 for character in text):
+                self.missing.append(("literal", f"matiec has no {text}"))
+            else:
+                text = "".join(c if c.isascii() else f"${ord(c):02X}" for c in text)
+        elif not text.startswith("'"):
+            text = _POINTLESS.sub(r"\g<0>.0", text)
+        return node if text == node.text else replace(node, text=text)
 
     def _conversion(self, call: n.Call, callee: n.Name) -> n.Node:
         """``TO_INT(x)`` as ``REAL_TO_INT(x)``: matiec has the type of the argument in the name."""
@@ -189,13 +210,14 @@ class _ExpressionFitter:
 
     def _type(self, value: n.Expression) -> str:
         if isinstance(value, n.Literal):
-            return "REAL" if _REAL.fullmatch(value.text) else "DINT" if value.text.isdigit() else ""
+            return "REAL" if REAL_LITERAL.fullmatch(value.text) else "DINT" if value.text.isdigit() else ""
         found = self.resolver.type_of(value, self.piece.site)
         return found.name.value if isinstance(found, ElementaryType) else ""
 
 
-_POINTLESS = re.compile(r"(?:L?REAL#)?[+-]?\d[\d_]*(?=[eE][+-]?\d)", re.IGNORECASE)
-_REAL = re.compile(r"[\d_]+\.[\d_]+(?:[eE][+-]?\d+)?")
+_POINTLESS = re.compile(r"^(?:L?REAL#)?[+-]?\d[\d_]*(?=[eE][+-]?\d)|^L?REAL#[+-]?\d[\d_]*$", re.IGNORECASE)
+_LINE_FEED = re.compile(r"\$(.)")
+_LATIN_1 = 255
 _LONG = re.compile(r"(?:LTIME|LT|LD|LDATE|LTOD|LDT|LTIME_OF_DAY|LDATE_AND_TIME|W?CHAR|WSTRING)#|\"", re.IGNORECASE)
 _BIT = re.compile(r"%?[XBWDL]?\d+", re.IGNORECASE)
 _CONVERSION = re.compile(r"TO_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD|TIME|STRING)")

@@ -28,8 +28,14 @@ def name_structures(project: Project, report: ConversionReport) -> None:
             declaration.type.base = namer.named(declaration.type.base, f"{declaration.name}_element")
     for pou in project.pous:
         namer.fit(pou.variables(), pou.name)
+    for section in project.global_sections():
+        for variable in section.variables:
+            wish = f"{section.name or 'global'}_{variable.name}"
+            variable.type = namer.named(variable.type, wish)
+            if isinstance(variable.type, ArrayType):  # VAR_EXTERNAL must name the same type
+                variable.type = namer.declared(variable.type, wish)
     for name in namer.given:
-        report.add(Outcome.TRANSLATED, "data type", f"type {name}", "a structure without a name got one")
+        report.add(Outcome.TRANSLATED, "data type", f"type {name}", "a type without a name got one")
 
 
 class _Namer:
@@ -50,13 +56,17 @@ class _Namer:
             return kind
         if not isinstance(kind, StructType | EnumType):
             return kind
+        if isinstance(kind, StructType):
+            self.fit(kind.members, wish)
+        return self.declared(kind, wish)
+
+    def declared(self, kind: DataType, wish: str) -> DerivedType:
+        """A new data type for `kind`."""
         name, number = matiec_name(f"T_{wish}"), 1
         while name.casefold() in self.used:
             number += 1
             name = matiec_name(f"T_{wish}_{number}")
         self.used.add(name.casefold())
         self.given.append(name)
-        if isinstance(kind, StructType):
-            self.fit(kind.members, wish)
         self.project.data_types.append(DataTypeDeclaration(name=name, type=kind))
         return DerivedType(name=name)

@@ -9,6 +9,7 @@ from plcopen_sfc.formats.matiec.unit import NOTHING_RIGHT
 from plcopen_sfc.languages.names import Names
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import Elementary
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
@@ -44,5 +45,6 @@ def _programs(project: Project) -> Iterator[tuple[str, str]]:
 
 def _names(project: Project) -> Iterator[tuple[str, str]]:
     for occurrence in Names(project).undeclared():
-        if not is_of_library(occurrence.reference.name):
-            yield occurrence.reference.name, occurrence.piece.report_path
+        name = occurrence.reference.name
+        if not is_of_library(name) and name.upper() not in Elementary.__members__:  # BOOL#TRUE
+            yield name, occurrence.piece.report_path

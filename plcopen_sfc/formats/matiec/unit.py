@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from plcopen_sfc.formats.matiec.drawn import is_taken, write_negations_out
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
-from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, print_node, render, transform
 from plcopen_sfc.languages.words import IEC_KEYWORDS
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Block
@@ -26,9 +27,9 @@ NOTHING_RIGHT = "NOT_EXECUTED"
 class Unit:
     """A POU of the copy that is fitted. `own`: the project is of a tool that compiles with matiec.
 
-    `types` are the names of the data types of the project, in lower case, `functions` the types of
-    the results of its functions. `keeps_drawings`: what the converters before
-    matiec translate rightly stays drawn.
+    `types` are the names of the data types of the project, `globals` those of its global variables, in lower case;
+    `functions` are the types of the results of its functions. `keeps_drawings`: what the converters before matiec
+    translate rightly stays drawn.
     """
 
     pou: Pou
@@ -36,6 +37,7 @@ class Unit:
     report: ConversionReport
     own: bool
     types: frozenset[str] = frozenset()
+    globals: frozenset[str] = frozenset()
     functions: Mapping[str, DataType] = field(default_factory=dict)
     keeps_drawings: bool = False
     used: set[str] = field(init=False)
@@ -123,6 +125,19 @@ class Unit:
                 return body
         text = self.statements(body, path)
         return StBody(text=self.nothing_right(wish) if text is None else text)
+
+    def action(self, body: Body, path: str, wish: str) -> Body:
+        """The body of an action: RETURN in it would end the whole POU, which matiec compiles without a word."""
+        fitted = self.fitted(body, path, wish)
+        if isinstance(fitted, StBody):
+            parsed = parse_statements(fitted.text, self.dialect)
+            refused = n.Assignment(n.Name(self.missing("RETURN")), n.Literal("TRUE"))
+            tree = transform(parsed.tree, lambda node: refused if isinstance(node, n.Return) else node)
+            if not parsed.problems and tree is not parsed.tree:
+                why = "RETURN ends the whole POU in matiec; the text does not compile there"
+                self.note(Outcome.NOT_EXECUTED, "RETURN", path, why)
+                fitted.text = render(parsed, tree)
+        return fitted
 
     def note_negations(self, number: int, path: str) -> None:
         """Report negated variables that were written out."""

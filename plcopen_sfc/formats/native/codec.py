@@ -7,45 +7,50 @@ import json
 from pydantic import ValidationError
 
 from plcopen_sfc.errors import EncodingError, FormatError, Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.base import Codec, Reading, WriteOptions
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _VERSION = 1
 
 
-def read(data: bytes, *, file: str | None = None) -> Reading:
-    """Read a saved model. Raises `FormatError`."""
-    try:
-        content = json.loads(data.decode("utf-8-sig"))
-    except UnicodeDecodeError as error:
-        raise EncodingError(f"not UTF-8: {error.reason}", location=Location(file)) from error
-    except RecursionError as error:
-        raise FormatError("this JSON is nested too deeply", location=Location(file)) from error
-    except json.JSONDecodeError as error:
-        place = Location(file, error.lineno, error.colno)
-        raise FormatError(f"not JSON: {error.msg}", location=place) from error
-    if not isinstance(content, dict) or content.get("format") != "plcopen_sfc" or "project" not in content:
-        raise StructureError("this JSON is no model that plcopen_sfc has saved", location=Location(file))
-    if content.get("version") != _VERSION:
-        raise UnknownVersionError(
-            f"version {content.get('version')!r} of the model is not known", location=Location(file)
-        )
-    try:
-        project = Project.model_validate(content["project"])
-    except ValidationError as error:
-        first = error.errors()[0]
-        path = ".".join(map(str, first["loc"]))
-        raise StructureError(f"{path}: {first['msg']}", location=Location(file, path=path)) from error
-    return Reading(project, [])
+class NativeCodec(Codec):
+    """The model as JSON."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+        """Read a saved model. Raises `FormatError`."""
+        try:
+            content = json.loads(data.decode("utf-8-sig"))
+        except UnicodeDecodeError as error:
+            raise EncodingError(f"not UTF-8: {error.reason}", location=Location(file)) from error
+        except RecursionError as error:
+            raise FormatError("this JSON is nested too deeply", location=Location(file)) from error
+        except json.JSONDecodeError as error:
+            place = Location(file, error.lineno, error.colno)
+            raise FormatError(f"not JSON: {error.msg}", location=place) from error
+        if not isinstance(content, dict) or content.get("format") != "plcopen_sfc" or "project" not in content:
+            raise StructureError("this JSON is no model that plcopen_sfc has saved", location=Location(file))
+        if content.get("version") != _VERSION:
+            raise UnknownVersionError(
+                f"version {content.get('version')!r} of the model is not known", location=Location(file)
+            )
+        try:
+            project = Project.model_validate(content["project"])
+        except ValidationError as error:
+            first = error.errors()[0]
+            path = ".".join(map(str, first["loc"]))
+            raise StructureError(f"{path}: {first['msg']}", location=Location(file, path=path)) from error
+        return Reading(project, [])
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write the model."""
+        content = {
+            "format": "plcopen_sfc",
+            "version": _VERSION,
+            "project": project.model_dump(mode="json", exclude_none=True),
+        }
+        report.add(Outcome.KEPT, "project", project.name)
+        return (json.dumps(content, ensure_ascii=False, indent=1) + "\n").encode()
 
 
-def write(project: Project, _options: WriteOptions, report: ConversionReport) -> bytes:
-    """Write the model."""
-    content = {
-        "format": "plcopen_sfc",
-        "version": _VERSION,
-        "project": project.model_dump(mode="json", exclude_none=True),
-    }
-    report.add(Outcome.KEPT, "project", project.name)
-    return (json.dumps(content, ensure_ascii=False, indent=1) + "\n").encode()
+CODEC = NativeCodec()

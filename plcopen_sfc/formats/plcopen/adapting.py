@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, is_void, report_types
+from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, report_types
 from plcopen_sfc.formats.plcopen.global_lists import declare_lists, has_lists
 from plcopen_sfc.formats.plcopen.host import Host
 from plcopen_sfc.formats.plcopen.rewriting import needs_rewriting, rewrite_charts
 from plcopen_sfc.formats.plcopen.rewritten import NO_RESULT_FIELD, REWRITTEN_FIELD, Marks
-from plcopen_sfc.languages.networks.graph import is_memory_pin
-from plcopen_sfc.model.body import FbdBody, LdBody, SfcBody
+from plcopen_sfc.formats.provenance import is_untouched
+from plcopen_sfc.languages.networks.graph import Graph, is_memory_pin
+from plcopen_sfc.languages.s7_results import is_void
+from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.conditions import BodyCondition
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.variables import Interface
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -26,9 +30,13 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
     """
     if not options.same:
         _adapt_coils(project, report)
+        if host.is_codesys:
+            _order_elements(project, report)
         report_types(project, host, report)
     if options.of_graph:
         _report_memories(project, host, report)
+    if host.is_codesys and not options.of_codesys and not options.same:
+        _report_flags(project, report)
     lists = has_lists(project) and not host.is_codesys
     if (
         not lists
@@ -50,6 +58,27 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
     return copy, marks
 
 
+def _report_flags(project: Project, report: ConversionReport) -> None:
+    """Report variables of a source without SFC flags that are flags in CODESYS, as they have their names."""
+    known = {variable.name.casefold() for section in project.global_sections() for variable in section.variables}
+    for chart in project.charts():
+        declared = known | {variable.name.casefold() for variable in chart.pou.variables()}
+        for flag in sorted(chart.network.flags_in_use(partial(_is_among, declared))):
+            does = "is set by the chart" if flag in _SET_BY_CHARTS else "controls the chart"
+            why = f"a variable of this name {does} in CODESYS, and has no such effect in the source"
+            report.add(Outcome.APPROXIMATED, flag.variable, chart.report_path, why)
+
+
+def _is_among(names: set[str], name: str) -> bool:
+    return name.casefold() in names
+
+
+_SET_BY_CHARTS = frozenset(
+    {SfcFlag.ERROR, SfcFlag.TRANS, SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.CURRENT_STEP}
+    | {SfcFlag.ERROR_ANALYZATION, SfcFlag.ERROR_ANALYZATION_TABLE}
+)
+
+
 def _without_result(project: Project) -> Iterator[Interface]:
     """The interfaces of functions of S7 whose result is of the type Void: others have no result then."""
     for pou in project.pous:
@@ -63,8 +92,8 @@ def is_rewritten(project: Project, content: bytes, host: Host) -> bool:
         return True
     if any(_without_result(project)) or (not host.is_codesys and project.global_variables):
         return True
-    bodies = (body for _, body in project.bodies_read() if isinstance(body, SfcBody) and not body.is_untouched)
-    return any(needs_rewriting(body.chart, host, WriteOptions()) for body in bodies)
+    charts = (chart.network for chart in project.charts() if not is_untouched(chart.network))
+    return any(needs_rewriting(chart, host, WriteOptions()) for chart in charts)
 
 
 def _drawn(project: Project) -> Iterator[tuple[str, str, FbdBody | LdBody]]:
@@ -103,6 +132,26 @@ def _adapt_coils(project: Project, report: ConversionReport) -> None:
             if coils:
                 network.nodes = [_output(node) for node in network.nodes]
                 report.add(Outcome.TRANSLATED, "coil", place, "an output variable: FBD of TC6 has no coils")
+
+
+def _order_elements(project: Project, report: ConversionReport) -> None:
+    """Put elements into the order in which the source executes them, and number them so: CODESYS knows no places.
+
+    The elements of its exports all stand at (0, 0), in the order of the file and without numbers.
+    """
+    for around, place, body in _drawn(project):
+        if around != place:
+            continue
+        for network in body.networks:
+            graph = Graph([network.nodes])
+            roots = list(graph.roots())
+            turns = {node.id: turn for turn, node in enumerate(roots)}
+            if [node.id for node in network.nodes if node.id in turns] == list(turns):
+                continue
+            network.nodes = list(graph.execution())
+            for number, node in enumerate(roots, start=1):
+                node.execution_order = number
+            report.add(Outcome.TRANSLATED, "order of execution", place, "numbers instead of places")
 
 
 def _output(node: Node) -> Node:

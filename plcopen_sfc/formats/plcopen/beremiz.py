@@ -10,4 +10,4 @@ from __future__ import annotations
 from plcopen_sfc.formats.plcopen.versions import V2_01
 from plcopen_sfc.formats.plcopen.writing import Dialect
 
-BEREMIZ = Dialect(version=V2_01, names_instances=True)
+BEREMIZ = Dialect(version=V2_01)

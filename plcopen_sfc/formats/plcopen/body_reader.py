@@ -21,8 +21,9 @@ from plcopen_sfc.formats.plcopen.reading import (
     take_choice,
     take_required,
 )
-from plcopen_sfc.formats.plcopen.rewritten import drop_added, restore_chart, restore_texts, take_marks
+from plcopen_sfc.formats.plcopen.rewritten import added_parts, restore_chart, restore_texts, take_marks
 from plcopen_sfc.formats.plcopen.types_reader import read_interface
+from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
 
@@ -44,15 +45,18 @@ def defer(fields: Fields) -> Fields | SfcBody:
     if not isinstance(chart, UnreadChart):
         return fields
     rest = {name: value for name, value in fields.items() if name != "chart"}
-    return SfcBody.deferred(rest, lambda: _read_chart(chart))
+    return SfcBody.model_validate({**rest, "chart": read_later(SfcNetwork, {}, lambda: _read_chart(chart))})
 
 
 def _read_chart(unread: UnreadChart) -> SfcNetwork:
+    if unread.ahead is not None:
+        chart, unread.ahead = unread.ahead, None
+        return chart
     fields = _chart_fields(unread)
     marks = take_marks(fields)
     try:
         chart = SfcNetwork.model_validate(fields)
-        restore_chart(chart, marks, unread.edited)
+        unread.executed = restore_chart(chart, marks, unread.edited, unread.warn_of_edit)
         return chart
     except ValidationError as error:
         raise misfit(error, unread.ctx.file) from error
@@ -128,6 +132,22 @@ def read_part(ctx: ReadContext, element: etree._Element, owner: str) -> Fields:
     return fields
 
 
+def _drop_added(fields: Fields) -> None:
+    """Leave out the parts of a POU that were added to it, but for those that were edited or are still executed.
+
+    What an element executes that was edited itself, or that executes an edited part, is known when its chart is read.
+    """
+    charts = [body["chart"] for body in fields["bodies"] if isinstance(body.get("chart"), UnreadChart)]
+    parts = [*fields["actions"], *fields["transitions"]]
+    added, edited = added_parts(parts)
+    for chart in charts:
+        chart.edited |= edited
+        if added:
+            added -= chart.read_ahead(_read_chart)
+    for name in ("actions", "transitions"):
+        fields[name] = [part for part in fields[name] if str(part["name"]).casefold() not in added]
+
+
 def read_pou(ctx: ReadContext, element: etree._Element, place: str) -> Fields:
     """Read ``pou``, wherever it stands."""
     left = attributes(element)
@@ -157,10 +177,6 @@ def read_pou(ctx: ReadContext, element: etree._Element, place: str) -> Fields:
             read_common(ctx, fields, child, local, "pou")
     carry_attributes(fields, left)
     ctx.place.pop()
-    for name in ("actions", "transitions"):
-        fields[name], edited = drop_added(fields[name])
-        for chart in (body.get("chart") for body in fields["bodies"]):
-            if isinstance(chart, UnreadChart):
-                chart.edited |= edited
+    _drop_added(fields)
     fields["bodies"] = [defer(body) for body in fields["bodies"]]
     return fields

@@ -12,12 +12,24 @@ from lxml import etree
 
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, merge
 from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.drawing import StepActionKind
 
 FIELDS_DATA = "urn:plcopen-sfc:fields"
 STEP_ACTION_FIELD = "step_action"
 """At an association: the step action that it stands for."""
+STEP_ACTION_QUALIFIERS = {
+    StepActionKind.ENTRY: Qualifier.P1,
+    StepActionKind.MAIN: Qualifier.N,
+    StepActionKind.EXIT: Qualifier.P0,
+}
+"""The qualifier that does what a step action does (IEC 61131-3 ed. 3, table 59)."""
 APPLICATION_FIELD = "application"
 """At a configuration: it only holds an application."""
+SCHEDULE_FIELD = "schedule"
+"""At a task: when it runs as the source says it, and what was written for that."""
+INSTANCE_FIELD = "instance"
+"""At a program instance: its name and type in the source, and what was written for them."""
 SHARED_FIELD = "shared_ids"
 """At a transition below a convergence of steps: the ids of the transitions that it stands for."""
 

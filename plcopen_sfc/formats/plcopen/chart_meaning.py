@@ -10,16 +10,16 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD
+from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
 from plcopen_sfc.formats.plcopen.logic_reader import IdKeeper
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, neutral
 from plcopen_sfc.formats.xml.carrying import markup
-from plcopen_sfc.model.drawing import Places, SymbolKind
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
 from plcopen_sfc.model.wiring import trace
 
 Line = tuple[Fields, Fields, str | None]
 """A line of an action block: the association, where it is drawn, and its ``localId``."""
-
 
 _NOTHING: Fields = {}
 
@@ -129,7 +129,7 @@ class DrawnChart:
             carried_entries = symbol.pop("entries", None)
             symbol["entries"] = []
             for association, entry, local_id in entries:
-                if self._is_step_action(step, association, entry):
+                if self._is_step_action(step, association, entry, symbol):
                     if carried_entries is None:
                         entry["association"] = self._entry_id(entry, local_id)
                         symbol["entries"].append(entry)
@@ -155,10 +155,16 @@ class DrawnChart:
         self.ids.used.add(number)
         return number
 
-    def _is_step_action(self, step: Fields, association: Fields, entry: Fields) -> bool:
+    def _is_step_action(self, step: Fields, association: Fields, entry: Fields, symbol: Fields) -> bool:
         """Make a marked association the step action again that it stands for."""
         kind = association.pop(STEP_ACTION_FIELD, None)
-        if kind not in ("entry", "main", "exit"):
+        if kind not in tuple(StepActionKind):
+            return False
+        qualifier = association.get("qualifier", Qualifier.N)
+        is_other = qualifier != STEP_ACTION_QUALIFIERS[StepActionKind(kind)]
+        if is_other or any(association.get(name) for name in ("duration", "indicator", "negated")):
+            what = f"a row of the step {step['name']} is no longer its {kind} action: it was edited in this file"
+            self._say("XML214", Severity.WARNING, f"{what}; the edit counts", symbol)
             return False
         entry["step_action"] = kind
         step[f"{kind}_action"] = association.get("target", association.get("body"))

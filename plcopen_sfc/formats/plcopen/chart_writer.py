@@ -11,7 +11,7 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.formats.plcopen.carrying import SHARED_FIELD, STEP_ACTION_FIELD
+from plcopen_sfc.formats.plcopen.carrying import SHARED_FIELD, STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
 from plcopen_sfc.formats.plcopen.logic_writer import (
     geometry,
     is_known,
@@ -39,12 +39,6 @@ _SYMBOL = frozenset(
     | {"target", "entries", "execution_order", "local_id"}
 )
 _ASSOCIATION = frozenset({"id", "target", "body", "duration", "indicator", "negated"})
-STEP_ACTION_QUALIFIERS = {
-    StepActionKind.ENTRY: Qualifier.P1,
-    StepActionKind.MAIN: Qualifier.N,
-    StepActionKind.EXIT: Qualifier.P0,
-}
-"""The qualifier that does what a step action does (IEC 61131-3 ed. 3, table 59)."""
 _TC6_QUALIFIERS = frozenset({"P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL"})
 
 

@@ -2,64 +2,73 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from lxml import etree
 
-from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.formats.base import Marks, Reading, WriteOptions
 from plcopen_sfc.formats.matiec.fitting import fit_project
 from plcopen_sfc.formats.plcopen import adapting, host
 from plcopen_sfc.formats.plcopen.beremiz import BEREMIZ
+from plcopen_sfc.formats.plcopen.host import Host
 from plcopen_sfc.formats.plcopen.lines import source_lines
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
-from plcopen_sfc.formats.plcopen.rewritten import Marks
 from plcopen_sfc.formats.plcopen.versions import V2_01, version_named
 from plcopen_sfc.formats.plcopen.writing import Dialect
-from plcopen_sfc.formats.xml import tool_view, writing
+from plcopen_sfc.formats.xml.codec import XmlCodec
 from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.languages.s7_flip_flops import put_logic
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
-as_tool_sees = tool_view.as_tool_sees
+
+class Tc6Codec(XmlCodec):
+    """PLCopen TC6 XML, and what its dialects share; `host` tells what the charts of the tool can say."""
+
+    host: ClassVar[Host] = host.TC6
+
+    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+        """Read a file of any TC6 version. Raises `FormatError`."""
+        return load(data, file=file)
+
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        """The line of each object of `project` in the file `content`, by the path that the report gives it."""
+        return source_lines(content, project)
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Replace flip-flop boxes with an operand, which only TIA Portal has, by logic."""
+        put_logic(project, report)
+
+    def rewrite(self, project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
+        """A copy of `project` in terms of the tool, and what the reader restores the source from."""
+        return adapting.rewrite(project, self.host, options, report)
+
+    def is_rewritten(self, project: Project, content: bytes) -> bool:
+        """True if the file `content` of `project` holds what was rewritten, or an edit made that necessary."""
+        return adapting.is_rewritten(project, content, self.host)
+
+    def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Change `project`, a copy, into what Beremiz and OpenPLC execute."""
+        fit_project(project, options, report, keeps_drawings=True)
+
+    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+        """The tree of the file for `project`."""
+        if options.flavour == "beremiz":
+            return write_project(project, BEREMIZ, report, options)
+        version = version_named(options.version) or V2_01
+        return write_project(project, Dialect(version), report, options)
+
+    def style(self) -> XmlStyle:
+        """As Beremiz and OpenPLC write: UTF-8 without a mark, LF, two blanks, ``<a/>``."""
+        return XmlStyle(encoding="utf-8", newline="\n", self_closing="/>", final_newline=True)
+
+    def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
+        """What is wrong with a file by the schema of the format."""
+        from plcopen_sfc.formats.plcopen.schema import validate  # noqa: PLC0415  # brings xmlschema
+
+        return validate(content, file=file)
 
 
-def read(data: bytes, *, file: str | None = None) -> Reading:
-    """Read a file of any TC6 version. Raises `FormatError`."""
-    return load(data, file=file)
-
-
-def lines(content: bytes, project: Project) -> dict[str, int]:
-    """The line of each object of `project` in the file `content`, by the path that the report gives it."""
-    return source_lines(content, project)
-
-
-def rewrite(project: Project, options: WriteOptions, report: ConversionReport) -> tuple[Project, Marks]:
-    """A copy of `project` that says what the tool is to execute in its terms, and what to keep of the source where."""
-    return adapting.rewrite(project, host.TC6, options, report)
-
-
-def is_rewritten(project: Project, content: bytes) -> bool:
-    """True if the file `content` of `project` holds what was rewritten, or an edit made that necessary."""
-    return adapting.is_rewritten(project, content, host.TC6)
-
-
-def fit(project: Project, _flavour: str, report: ConversionReport) -> None:
-    """Change `project`, a copy, into what Beremiz and OpenPLC execute."""
-    fit_project(project, report, keeps_drawings=True)
-
-
-def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-    """The tree of the file for `project`."""
-    if options.flavour == "beremiz":
-        return write_project(project, BEREMIZ, report, options)
-    version = version_named(options.version) or V2_01
-    return write_project(project, Dialect(version), report, options)
-
-
-def style(_project: Project, _options: WriteOptions) -> XmlStyle:
-    """As Beremiz and OpenPLC write: UTF-8 without a mark, LF, two blanks, ``<a/>``."""
-    return XmlStyle(encoding="utf-8", newline="\n", self_closing="/>", final_newline=True)
-
-
-def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-    """Write a file anew."""
-    return writing.write(to_tree(project, options, report), style(project, options))
+CODEC = Tc6Codec()

@@ -15,7 +15,10 @@ from plcopen_sfc.formats.plcopen.host import Host
 from plcopen_sfc.formats.plcopen.rewritten import ADDED_FIELD, Marks, added_section
 from plcopen_sfc.languages.declarations import read_declarations
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.s7_globals import is_retained
+from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES
+from plcopen_sfc.languages.start_values import filled
 from plcopen_sfc.languages.translation import NameScope, Renames
 from plcopen_sfc.languages.translation.addresses import translated_address
 from plcopen_sfc.languages.translation.kept import kept_names
@@ -103,12 +106,6 @@ def report_types(project: Project, host: Host, report: ConversionReport) -> None
             look_at(declaration.type.members, declaration.report_path)
 
 
-def is_void(section: VariableSection) -> bool:
-    """True if S7 says in a section that a function has no result."""
-    kinds = [variable.type for variable in section.variables if section.kind is SectionKind.RETURN]
-    return len(kinds) == 1 and isinstance(kinds[0], DerivedType) and kinds[0].name.casefold() == "void"
-
-
 def is_foreign_type(kind: DataType) -> str | None:
     """The name of a data type of S7 in `kind` that no other tool has; None where there is none."""
     match kind:
@@ -134,6 +131,7 @@ class _Globals:
         self.names = kept_names(self.project)
         things = [*self.project.pous, *self.project.data_types]
         self.declared = {thing.name.casefold() for thing in things}
+        self.types = {each.name.casefold(): each.type for each in self.project.data_types}
 
     def sections(self) -> list[VariableSection]:
         """The lists of variables."""
@@ -141,10 +139,13 @@ class _Globals:
         for table in self.project.tag_tables:
             found += self._table(table)
         instances: list[Variable] = []
+        retained: list[Variable] = []
         for block in self.project.data_blocks:
-            found += self._block(block, instances)
-        if instances:
-            found.append(self._list("Instances", instances))
+            found += self._block(block, retained if _is_all_retained(block) else instances)
+        for variables in (instances, retained):
+            if variables:
+                found.append(self._list("Instances", variables))
+                found[-1].retain = variables is retained
         taken: set[str] = set()
         for section in found:
             section.name = _new_name(section.name or "", taken)
@@ -205,16 +206,15 @@ class _Globals:
                 why = f"{self.host.title} does not know what it is an instance of: {type_name or 'its type'} is missing"
                 self._note(Outcome.NOT_EXECUTED, "data block", path, why)
                 return []
-            instances.append(Variable(name=name, type=DerivedType(name=self._named(type_name)), comment=block.comment))
+            instances.append(self._instance(name, type_name, block))
             self._note(Outcome.TRANSLATED, "data block", path, f"a global instance of {type_name}")
-            self._report_start_values(block, type_name)
             return []
         variables = block.interface.variables() if block.interface is not None else []
         if not variables or block.kind is not DataBlockKind.GLOBAL:
             self._note(Outcome.NOT_EXECUTED, "data block", path, f"{self.host.title} has no such block")
             return []
         members = [self._member(variable, path) for variable in variables]
-        retained = [_is_retained(variable) for variable in variables]
+        retained = _retained(block)
         if self.host.is_codesys:
             section = self._list(name, members)
             self._note(Outcome.TRANSLATED, "data block", path, f"the list of global variables {name}")
@@ -228,26 +228,24 @@ class _Globals:
         section.retain = all(retained)
         for variable in variables if section.retain else ():
             place = f"global variable {name}.{variable.name}"
-            self._note(Outcome.TRANSLATED, "retain", place, "as its attribute Remanence says")
+            self._note(Outcome.TRANSLATED, "retain", place, "as in its data block")
         if any(retained) and not all(retained):
             kept = ", ".join(v.name for v, is_kept in zip(variables, retained, strict=True) if is_kept)
             why = f"{kept} would be retained, other variables of the block not: none is"
             self._note(Outcome.NOT_EXECUTED, "retain", path, why)
         return [section]
 
-    def _report_start_values(self, block: DataBlock, type_name: str) -> None:
-        own = {pou.name.casefold(): pou for pou in self.project.pous}.get(type_name.casefold())
-        if own is None or block.interface is None:
-            return
-        usual = {v.name.casefold(): v.initial for v in own.variables()}
-        different = [
-            v.name
-            for v in block.interface.variables()
-            if v.initial is not None and v.initial != usual.get(v.name.casefold(), v.initial)
+    def _instance(self, name: str, type_name: str, block: DataBlock) -> Variable:
+        """The variable for an instance, with the start values that it has and its type has not."""
+        own = next((pou for pou in self.project.pous if pou.name.casefold() == type_name.casefold()), None)
+        usual = {v.name.casefold(): v.initial for v in own.variables()} if own is not None else {}
+        given = [
+            self._member(variable, block.report_path)
+            for variable in (block.interface.variables() if block.interface is not None else ())
+            if variable.initial is not None and variable.initial != usual.get(variable.name.casefold())
         ]
-        if different:
-            why = f"start values of this instance that its type does not have: {', '.join(different)}"
-            self._note(Outcome.NOT_EXECUTED, "start value", block.report_path, why)
+        type_ = DerivedType(name=self._named(type_name))
+        return Variable(name=name, type=type_, initial=_struct_value(given), comment=block.comment)
 
     def _member(self, variable: Variable, path: str) -> Variable:
         foreign = is_foreign_type(variable.type)
@@ -258,7 +256,8 @@ class _Globals:
         kind = variable.type
         if isinstance(kind, StructType):
             kind = StructType(members=[self._member(member, path) for member in kind.members])
-        return Variable(name=name, type=kind, initial=variable.initial, comment=variable.comment)
+        initial = None if variable.initial is None else filled(variable.initial, variable.type, self.types)
+        return Variable(name=name, type=kind, initial=initial, comment=variable.comment)
 
 
 def _type_of(text: str) -> DataType | None:
@@ -272,8 +271,15 @@ def _struct_value(members: Iterable[Variable]) -> StructValue | None:
     return StructValue(members=values) if values else None
 
 
-def _is_retained(variable: Variable) -> bool:
-    return variable.attributes.get("Remanence", "").casefold() == "retain"
+def _retained(block: DataBlock) -> list[bool]:
+    """For each variable of a data block, whether it is retained."""
+    sections = block.interface.sections if block.interface is not None else []
+    return [is_retained(section, variable) for section in sections for variable in section.variables]
+
+
+def _is_all_retained(block: DataBlock) -> bool:
+    retained = _retained(block)
+    return bool(retained) and all(retained)
 
 
 def _new_name(wish: str, taken: set[str]) -> str:

@@ -38,12 +38,17 @@ def _lists(project: Project) -> Iterator[VariableSection]:
             yield section
 
 
+def list_names(project: Project) -> frozenset[str]:
+    """The names of all lists of global variables, in lower case."""
+    return frozenset(section.name.casefold() for section in project.global_sections() if section.name)
+
+
 def declare_lists(project: Project, report: ConversionReport, marks: Marks) -> None:
     """Move the lists of `project`, a copy, into a configuration, and take their names out of its texts."""
     counts = Counter(v.name.casefold() for section in _lists(project) for v in section.variables)
-    members = {
-        (section.name or "").casefold(): {v.name.casefold() for v in section.variables} for section in _lists(project)
-    }
+    members: dict[str, set[str]] = {}
+    for section in _lists(project):
+        members.setdefault((section.name or "").casefold(), set()).update(v.name.casefold() for v in section.variables)
     shared = {name for name, count in counts.items() if count > 1}
     for name in sorted(shared):
         why = "several lists have a variable of this name, and TC6 knows no lists: what names it does not compile"
@@ -62,7 +67,8 @@ def declare_lists(project: Project, report: ConversionReport, marks: Marks) -> N
         plain = section.model_copy(update={"declaration": None, "object_id": None, "carried": None})
         marks[id(plain)] = added_section(plain) | {"list": source}
         moved.append(plain)
-        report.add(Outcome.TRANSLATED, "global variables", f"global variables {section.name}", "of the configuration")
+    for listed in dict.fromkeys(section.name for section in moved):  # a list may have several sections
+        report.add(Outcome.TRANSLATED, "global variables", f"global variables {listed}", "of the configuration")
     project.global_variables = []
     if moved:
         if not project.configurations and not project.applications:

@@ -7,9 +7,15 @@ from collections.abc import Callable
 from lxml import etree
 
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.durations import clock_time
 from plcopen_sfc.formats.plcopen.body_reader import read_pou
-from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD, FIELDS_DATA, read_comment, read_fields
+from plcopen_sfc.formats.plcopen.carrying import (
+    APPLICATION_FIELD,
+    FIELDS_DATA,
+    INSTANCE_FIELD,
+    SCHEDULE_FIELD,
+    read_comment,
+    read_fields,
+)
 from plcopen_sfc.formats.plcopen.reading import (
     DataReader,
     Fields,
@@ -24,15 +30,18 @@ from plcopen_sfc.formats.plcopen.reading import (
     take_integer,
     take_required,
 )
-from plcopen_sfc.formats.plcopen.rewritten import is_added_configuration, sources_of_section
+from plcopen_sfc.formats.plcopen.rewritten import is_added_configuration, marked, sources_of_section
 from plcopen_sfc.formats.plcopen.types_reader import (
+    parts_of_list,
     read_access_section,
     read_config_section,
     read_data_type_declaration,
     read_section,
 )
 from plcopen_sfc.formats.plcopen.versions import NO_TIME, PREFIX, VERSIONS, Tc6Version, version_of
+from plcopen_sfc.formats.tasks import SCHEDULE_FIELDS, said_schedule
 from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.model.project import Task
 
 
 def find_version(root: etree._Element, *, file: str | None = None) -> Tc6Version:
@@ -217,12 +226,12 @@ _PARTS = {
 
 
 def _global_variables(ctx: ReadContext, element: etree._Element, fields: Fields) -> None:
-    section = read_section(ctx, element, "global")
-    sources = sources_of_section(section)
-    if sources is None:
-        fields["global_variables"].append(section)
-    else:
-        ctx.global_variables += sources
+    for section in parts_of_list(read_section(ctx, element, "global")):
+        sources = sources_of_section(section)
+        if sources is None:
+            fields["global_variables"].append(section)
+        else:
+            ctx.global_variables += sources
 
 
 def read_configuration(ctx: ReadContext, element: etree._Element) -> Fields:
@@ -291,8 +300,10 @@ def _task(ctx: ReadContext, element: etree._Element) -> Fields:
             fields["instances"].append(_instance(ctx, child))
         else:
             read_common(ctx, fields, child, local, "task")
-    if interval is not None and clock_time(fields["interval"]) != clock_time(interval):
-        fields["interval"] = interval  # edited since this package put another spelling beside it
+    said = Task.model_validate({"name": "", **{name: fields.get(name) for name in SCHEDULE_FIELDS}})
+    source = marked(fields, SCHEDULE_FIELD, said_schedule(said))
+    if source is not None:
+        fields.update(dict.fromkeys(SCHEDULE_FIELDS) | source)
     carry_attributes(fields, left)
     return fields
 
@@ -305,5 +316,6 @@ def _instance(ctx: ReadContext, element: etree._Element) -> Fields:
     fields["type_name"] = type_name or ""
     for child in element:
         read_common(ctx, fields, child, ctx.tags.get(child.tag), "pouInstance")
+    fields.update(marked(fields, INSTANCE_FIELD, {name: fields[name] for name in ("name", "type_name")}) or {})
     carry_attributes(fields, left)
     return fields

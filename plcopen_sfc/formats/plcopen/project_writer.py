@@ -5,22 +5,25 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from datetime import datetime
-from typing import Any
 
 from lxml import etree
 
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.durations import clock_time
 from plcopen_sfc.formats.plcopen.body_writer import write_pou
-from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD
+from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD, INSTANCE_FIELD, SCHEDULE_FIELD
+from plcopen_sfc.formats.plcopen.global_lists import list_names
+from plcopen_sfc.formats.plcopen.rewritten import mark
 from plcopen_sfc.formats.plcopen.types_writer import (
     write_access_section,
     write_config_section,
     write_data_type_declaration,
-    write_section,
+    write_lists,
 )
 from plcopen_sfc.formats.plcopen.versions import NO_TIME, XHTML
 from plcopen_sfc.formats.plcopen.writing import Dialect, WriteContext, decimal, finish, sub, write_text
+from plcopen_sfc.formats.tasks import SCHEDULE_FIELDS, codesys_form, iec_form, said_schedule
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Scaling, Task
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -169,8 +172,7 @@ def write_configuration(
     ctx.place.append(f"configuration {configuration.name}")
     for resource in configuration.resources:
         write_resource(ctx, element, resource, f"configuration/{configuration.name}/resource/{resource.name}")
-    for section in configuration.global_variables:
-        write_section(ctx, element, section)
+    write_lists(ctx, element, configuration.global_variables)
     native = {"name", "resources", "global_variables"}
     if not ctx.version.first_generation:
         native |= {"access_variables", "config_variables"}
@@ -193,8 +195,7 @@ def write_resource(ctx: WriteContext, parent: etree._Element, resource: Resource
     ctx.place.append(f"resource {resource.name}")
     for task in resource.tasks:
         _task(ctx, element, task)
-    for section in resource.global_variables:
-        write_section(ctx, element, section)
+    write_lists(ctx, element, resource.global_variables)
     for instance in resource.instances:
         _instance(ctx, element, instance)
     ctx.keep("resource")
@@ -204,23 +205,29 @@ def write_resource(ctx: WriteContext, parent: etree._Element, resource: Resource
 
 
 def _task(ctx: WriteContext, parent: etree._Element, task: Task) -> None:
-    native = {"name", "priority", "interval", "single", "instances"}
-    interval = task.interval
-    if interval is not None and ctx.version.first_generation and not _is_time(interval):
-        interval = clock_time(interval)
-        native.discard("interval")  # its spelling stands beside the element
+    """Write ``task``. What the source says otherwise of when it runs is kept beside what is written for it."""
+    form = codesys_form(task) if ctx.dialect.tool is Tool.CODESYS else iec_form(task, list_names(ctx.project))
+    if ctx.version.first_generation and form["interval"] is not None and not _is_time(form["interval"]):
+        form["interval"] = clock_time(form["interval"])
+    shown = task.model_copy(update=form)
+    also = mark(SCHEDULE_FIELD, said_schedule(task), said_schedule(shown))
     element = sub(
         ctx,
         parent,
         "task",
         _attributes(
-            (("name", task.name), ("single", task.single), ("interval", interval), ("priority", str(task.priority)))
+            (
+                ("name", task.name),
+                ("single", shown.single),
+                ("interval", shown.interval),
+                ("priority", str(task.priority)),
+            )
         ),
     )
     for instance in task.instances:
         _instance(ctx, element, instance)
     ctx.keep("task", task.name)
-    finish(ctx, element, task, "task", frozenset(native))
+    finish(ctx, element, shown, "task", frozenset({"name", "priority", "instances", *SCHEDULE_FIELDS}), also=also)
 
 
 def _is_time(text: str) -> bool:
@@ -230,13 +237,16 @@ def _is_time(text: str) -> bool:
 
 
 def _instance(ctx: WriteContext, parent: etree._Element, instance: PouInstance) -> None:
+    """Write ``pouInstance``. CODESYS and TwinCAT name the program only: it is its only instance."""
     type_attribute = "type" if ctx.version.first_generation else "typeName"
     name, type_name = instance.name, instance.type_name
-    also: dict[str, Any] = {}
-    if not type_name and ctx.dialect.names_instances:
-        # CODESYS and TwinCAT name the program only
-        also = {"name": name, "type_name": ""}
+    if ctx.dialect.tool is Tool.CODESYS:
+        name, type_name = type_name or name, ""
+    elif not type_name and not (instance.carried is not None and "type" in instance.carried.attributes):
+        # but a file of TC6 2.x may have the attribute of 1.01 (iec-checker), which stays
         name, type_name = f"{name}_instance", name
+    source = {"name": instance.name, "type_name": instance.type_name}
+    also = mark(INSTANCE_FIELD, source, {"name": name, "type_name": type_name})
     element = sub(ctx, parent, "pouInstance", {"name": name, type_attribute: type_name})
     ctx.keep("POU instance", instance.name)
     finish(ctx, element, instance, "pouInstance", frozenset({"name", "type_name"}), also=also)

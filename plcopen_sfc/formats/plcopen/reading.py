@@ -18,6 +18,7 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.carrying import inner_markup, markup
 from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.model.sfc import SfcNetwork
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""
@@ -35,7 +36,8 @@ class UnreadChart:
     """An ``SFC`` element that nobody has looked at yet.
 
     `late` are fields that other elements say of the chart, `edited` the added actions and transition objects of its POU
-    that somebody has changed (`plcopen_sfc.formats.plcopen.rewritten`).
+    that somebody has changed, `executed` those that the chart executes all the same
+    (`plcopen_sfc.formats.plcopen.rewritten`). `ahead` is the chart where it had to be read at once.
     """
 
     def __init__(self, ctx: ReadContext, element: etree._Element) -> None:
@@ -44,6 +46,20 @@ class UnreadChart:
         self.place = list(ctx.place)
         self.late: Fields = {}
         self.edited: set[str] = set()
+        self.executed: set[str] = set()
+        self.ahead: SfcNetwork | None = None
+
+    def read_ahead(self, read: Callable[[UnreadChart], SfcNetwork]) -> set[str]:
+        """Read the chart now; returns the added parts that it executes."""
+        self.ahead = read(self)
+        return self.executed
+
+    def warn_of_edit(self, what: str) -> None:
+        """Warn that extension data keep something of the source which counts no more."""
+        outer, self.ctx.place = self.ctx.place, self.place
+        message = f"what extension data keep of {what} is outdated: it was edited in this file; the edit counts"
+        self.ctx.warn("XML214", message, self.element)
+        self.ctx.place = outer
 
     def update(self, fields: Fields) -> None:
         """Add what was found outside of the chart's own element."""

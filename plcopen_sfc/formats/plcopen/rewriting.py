@@ -17,7 +17,13 @@ from plcopen_sfc.formats.plcopen.host import (
     term,
 )
 from plcopen_sfc.formats.plcopen.rewritten import Marks, rewritten_transition
-from plcopen_sfc.formats.plcopen.step_rewriter import StepRewriter, has_special_rows, mixed_operands, timed_operands
+from plcopen_sfc.formats.plcopen.step_rewriter import (
+    StepRewriter,
+    has_special_rows,
+    mixed_operands,
+    overwritten_rows,
+    timed_operands,
+)
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.conditions import Condition, Expression, WiredCondition
@@ -43,7 +49,9 @@ def needs_rewriting(chart: SfcNetwork, host: Host, options: WriteOptions) -> boo
         return True
     if any(row.qualifier is Qualifier.R0 for _, row in chart.associations()):
         return True
-    if options.of_graph and (mixed_operands(chart) or timed_operands(chart)):
+    if options.of_graph and (
+        mixed_operands(chart) or timed_operands(chart) or any(overwritten_rows(step) for step in chart.steps)
+    ):
         return True
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
@@ -94,11 +102,12 @@ class _ChartRewriter:
 
     def _transition(self, transition: Transition, sources: list[Step]) -> None:
         source = self._rewriting.source_transitions[transition.id]
-        self._rewrite_condition(transition, sources)
+        held = self._rewrite_condition(transition, sources)
         if transition.condition != source.condition:
-            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source)
+            self._rewriting.marks[id(transition)] = rewritten_transition(transition, source, held)
 
-    def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> None:
+    def _rewrite_condition(self, transition: Transition, sources: list[Step]) -> list[tuple[int, str]]:
+        """Change a condition; the ids of steps and the fields of them that it executes now."""
         condition = transition.condition
         if not self._host.is_codesys and (transition.exclude or any(step.exclude for step in sources)):
             transition.condition = Expression(text="FALSE")
@@ -106,12 +115,12 @@ class _ChartRewriter:
             self._note(
                 Outcome.TRANSLATED, "exclude", place, "the condition is FALSE: CODESYS leaves the transition out"
             )
-            return
+            return []
         supervised = [step for step in sources if is_supervised(step)]
         timed = [step for step in sources if step.min_time] if not self._host.is_codesys else []
         foreign = self._host.is_codesys and _is_foreign(condition)
         if condition is None or not (supervised or timed or foreign):
-            return
+            return []
         label = f"transition {self._chart.label(transition)}"
         text = self._rewriting.text(condition)
         if text is None:
@@ -135,6 +144,7 @@ class _ChartRewriter:
         if supervised or timed:
             self._note(Outcome.TRANSLATED, "condition", label, f"with what holds the step: {text}")
         transition.condition = Expression(text=text)
+        return [*((step.id, "supervision") for step in supervised), *((step.id, "min_time") for step in timed)]
 
     def _held(self, step: Step, text: str) -> str:
         """The condition of a transition with the supervision of a step that it leaves."""
@@ -174,15 +184,10 @@ class _ChartRewriter:
         """Report what controls and watches a chart of CODESYS and has no counterpart in TC6."""
         chart = self._chart
         declared = {v.name.casefold() for v in self._rewriting.chart.pou.variables()}
-        settings = chart.settings.flags if chart.settings is not None else {}
-        used = [
-            flag
-            for flag in SfcFlag
-            if (flag in settings and settings[flag].use) or flag.variable.casefold() in declared
-        ]
-        for flag in used:
+        used = chart.flags_in_use(lambda name: name.casefold() in declared)
+        for flag in sorted(used):
             self._note(Outcome.NOT_EXECUTED, flag.variable, "", f"the flag has no effect in {self._host.title}")
-        if any(flag in used for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT)):
+        if SfcFlag.ERROR in used:
             for step in (step for step in chart.steps if step.max_time):
                 why = f"{step.max_time} is not watched in {self._host.title}: SFCError is never set"
                 self._note(Outcome.NOT_EXECUTED, "max time", f"step {step.name}", why)

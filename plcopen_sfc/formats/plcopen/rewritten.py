@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from typing import Any
 
 from plcopen_sfc.formats.plcopen.reading import Fields
@@ -43,11 +43,16 @@ def rewritten_step(step: Step, source: Step, uses: Iterable[str] = ()) -> dict[s
     return {REWRITTEN_FIELD: {"source": fields, "digest": _of_step(step), "uses": names}}
 
 
-def rewritten_transition(transition: Transition, source: Transition, uses: Iterable[str] = ()) -> dict[str, Any]:
-    """The mark of `transition`, which is written in place of `source`."""
+def rewritten_transition(
+    transition: Transition, source: Transition, held: Iterable[tuple[int, str]] = ()
+) -> dict[str, Any]:
+    """The mark of `transition`, which is written in place of `source`.
+
+    `held`: the ids of steps and the fields of them that the condition executes, such as the minimum time.
+    """
     fields = source.model_dump(mode="json", include={"condition"}, exclude_none=True)
-    names = sorted({name.casefold() for name in uses})
-    return {REWRITTEN_FIELD: {"source": fields, "digest": _of_condition(transition.condition), "uses": names}}
+    mark = {"source": fields, "digest": _of_condition(transition.condition), "uses": []}
+    return {REWRITTEN_FIELD: mark | {"held": [[*each] for each in held]}}
 
 
 def added_part(body: StBody) -> dict[str, Any]:
@@ -60,6 +65,25 @@ def added_section(section: VariableSection) -> dict[str, Any]:
     return {ADDED_FIELD: _of_section(section)}
 
 
+def mark(name: str, source: Fields, written: Fields) -> dict[str, Any]:
+    """The mark of an element of which the source says `source`, and the file `written`; none where that is the same."""
+    return {name: {"source": source, "digest": _of_fields(written)}} if source != written else {}
+
+
+def marked(fields: Fields, name: str, said: Fields) -> Fields | None:
+    """What the source says of an element of which the file says `said`: None without a mark, or after an edit.
+
+    Takes the mark `name` out of the fields of the element.
+    """
+    found = fields.pop(name, None)
+    source = found.get("source") if isinstance(found, dict) and found.get("digest") == _of_fields(said) else None
+    return source if isinstance(source, dict) else None
+
+
+def _of_fields(fields: Fields) -> str:
+    return digest(json.dumps(fields, sort_keys=True))
+
+
 def take_marks(chart: Fields) -> dict[int, dict[str, Any]]:
     """Take the marks out of a chart that is being read, by the ids of steps and transitions."""
     found: dict[int, dict[str, Any]] = {}
@@ -70,21 +94,55 @@ def take_marks(chart: Fields) -> dict[int, dict[str, Any]]:
     return found
 
 
-def restore_chart(chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Container[str]) -> None:
+def restore_chart(
+    chart: SfcNetwork, marks: Mapping[int, dict[str, Any]], edited: Container[str], warn: Callable[[str], None]
+) -> set[str]:
     """Put the source back into the elements of `chart` that are as they were written.
 
+    Returns the names, in lower case, of the added parts that the other elements execute.
+
     `edited`: added actions and transition objects that somebody has changed since, by their names in lower case.
+    `warn` is told of elements for which the source counts no more.
     """
+    executed: set[str] = set()
     for step in chart.steps if marks else ():
         mark = _fitting(marks.get(step.id), edited)
-        if mark is not None and mark.get("digest") == _of_step(step):
+        if mark is None or mark.get("digest") != _of_step(step):
+            executed |= _uses(marks.get(step.id))
+            if step.id in marks:
+                warn(f"the actions of the step {step.name}")
+        else:
             written = [row.id for row in step.actions]
             _put(step, mark, STEP_FIELDS)
             _draw_source(chart, dict(zip(written, [row.id for row in step.actions], strict=False)))
     for transition in chart.transitions if marks else ():
         mark = _fitting(marks.get(transition.id), edited)
-        if mark is not None and mark.get("digest") == _of_condition(transition.condition):
+        if mark is None or mark.get("digest") != _of_condition(transition.condition):
+            executed |= _uses(marks.get(transition.id))
+            _forget_held(chart, marks.get(transition.id))
+            if transition.id in marks:
+                warn(f"the condition of the transition {chart.label(transition)}")
+        else:
             _put(transition, mark, ("condition",))
+    return executed
+
+
+def _forget_held(chart: SfcNetwork, mark: dict[str, Any] | None) -> None:
+    """Take out what an edited condition executes of steps: it counts as it is now."""
+    held = mark.get("held") if mark is not None else None
+    for each in held if isinstance(held, list) else ():
+        for step in chart.steps:
+            if isinstance(each, list) and len(each) == 2 and each[0] == step.id and each[1] in _HELD_FIELDS:
+                setattr(step, each[1], None)
+
+
+_HELD_FIELDS = ("min_time", "supervision")
+
+
+def _uses(mark: dict[str, Any] | None) -> set[str]:
+    """The added parts that an element executes as it was written."""
+    names = mark.get("uses") if mark is not None else None
+    return set(names) if isinstance(names, list) else set()
 
 
 def _draw_source(chart: SfcNetwork, rows: Mapping[int, int]) -> None:
@@ -108,18 +166,22 @@ def _put(thing: Step | Transition, mark: dict[str, Any], names: Iterable[str]) -
         setattr(thing, name, getattr(source, name))
 
 
-def drop_added(parts: list[Fields]) -> tuple[list[Fields], set[str]]:
-    """The actions or transition objects of a POU without those that were added, and the names of edited ones."""
-    kept, edited = [], set()
+def added_parts(parts: list[Fields]) -> tuple[set[str], set[str]]:
+    """The names, in lower case, of actions or transition objects that were added, and of those edited since.
+
+    Takes their marks.
+    """
+    added: set[str] = set()
+    edited: set[str] = set()
     for part in parts:
         mark = part.pop(ADDED_FIELD, None)
         body = part.get("body")
         if mark is None:
-            kept.append(part)
-        elif not isinstance(body, dict) or mark != digest(str(body.get("text", ""))):
-            kept.append(part)
-            edited.add(str(part["name"]).casefold())
-    return kept, edited
+            continue
+        name = str(part["name"]).casefold()
+        fits = isinstance(body, dict) and mark == digest(str(body.get("text", "")))
+        (added if fits else edited).add(name)
+    return added, edited
 
 
 def sources_of_section(section: Fields) -> list[Fields] | None:
@@ -169,7 +231,8 @@ def _of_step(step: Step) -> str:
 
 
 def _of_row(row: ActionAssociation) -> list[str | None]:
-    return [row.qualifier.value, row.target, _plain(row.body), row.duration or None, row.indicator or None]
+    said = [row.qualifier.value, row.target, _plain(row.body), row.duration or None, row.indicator or None]
+    return [*said, "negated"] if row.negated else said
 
 
 def _plain(body: object) -> str | None:

@@ -59,6 +59,25 @@ def timed_operands(chart: SfcNetwork) -> set[str]:
     return {_key(row) for row in coils if row.duration is not None and counts[_key(row)] > 1}
 
 
+def overwritten_rows(step: Step) -> list[ActionAssociation]:
+    """The rows R of a step whose operand a later row S of it sets: S7-GRAPH executes rows in their order.
+
+    Rows that stand before one that calls or assigns something are left alone: it may read the operand in between.
+    """
+    found: list[ActionAssociation] = []
+    set_later: set[str] = set()
+    for row in reversed(step.actions):
+        if row.body is not None or row.value is not None or row.condition is not None:
+            break
+        if _is_special(row) or row.exclude or row.negated or row.duration is not None:
+            continue
+        if row.qualifier is Qualifier.S:
+            set_later.add(_key(row))
+        elif row.qualifier in (Qualifier.R, Qualifier.R0) and _key(row) in set_later:
+            found.append(row)
+    return found
+
+
 def _is_special(row: ActionAssociation) -> bool:
     if row.event is not None or row.interlock or row.value is not None or row.condition is not None:
         return True
@@ -118,7 +137,12 @@ class StepRewriter:
             why = "nothing is executed in it and nothing leaves it: CODESYS leaves the step out"
             self._note(Outcome.TRANSLATED, "exclude", step, why)
         rows = _Rows()
+        overwritten = overwritten_rows(step) if self._rewriting.options.of_graph else []
         for row in step.actions:
+            if any(row is each for each in overwritten):
+                why = f"`{_called(row)}` is left out: a later row of the step sets {row.target}"
+                self._note_action(Outcome.TRANSLATED, step, row.target, why)
+                continue
             self._row(step, row, rows)
         step.actions = rows.kept
         is_active = self._host.active(step)
@@ -225,7 +249,13 @@ class StepRewriter:
         return None
 
     def _runs_no_final_scan(self, step: Step, row: ActionAssociation) -> bool:
-        """True for a row of a source without final scans whose program only this step executes."""
+        """True for a row of a source without final scans whose program only this step executes.
+
+        Blocks of S7 have no actions: a row with an action of a POU comes from a tool that has final scans, and goes
+        back there.
+        """
+        if self._rewriting.options.of_graph and self._pou.action(row.target or "") is not None:
+            return False
         if self._rewriting.options.final_scan or row not in self._rewriting.source_steps[step.id].actions:
             return False
         return row.target is None or sum(_key(other) == _key(row) for _, other in self._rows) == 1

@@ -19,6 +19,8 @@ from plcopen_sfc.formats.plcopen.reading import (
 from plcopen_sfc.formats.plcopen.rewritten import restore_no_result
 from plcopen_sfc.model.types import Elementary
 
+PARTS_FIELD = "parts"
+"""At a list of global variables that is being read: its sections, where they have different attributes."""
 SECTIONS = {
     "localVars": "local",
     "tempVars": "temp",
@@ -207,6 +209,15 @@ def read_section(ctx: ReadContext, element: etree._Element, kind: str) -> Fields
             read_common(ctx, fields, child, local, "globalVars")
     carry_attributes(fields, left)
     return fields
+
+
+def parts_of_list(section: Fields) -> list[Fields]:
+    """A list of global variables as the sections that it is made of (`PARTS_FIELD`); alone where it is one."""
+    parts = section.pop(PARTS_FIELD, None)
+    if parts is None:
+        return [section]
+    shared = {name: section[name] for name in ("object_id",) if name in section}
+    return [section | parts[0], *(part | shared for part in parts[1:])]
 
 
 def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:

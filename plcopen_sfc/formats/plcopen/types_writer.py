@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
+from itertools import groupby
 
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.types_reader import SECTIONS
 from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub
 from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
+from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.types import (
     ArrayType,
     ArrayValue,
@@ -84,10 +87,7 @@ def _string(ctx: WriteContext, element: etree._Element, kind: StringType) -> Non
 def _constant(ctx: WriteContext, name: str) -> str | None:
     """The number that a global constant has as a decimal; None where there is no such one."""
     wanted = name.rpartition(".")[2].casefold()
-    project = ctx.project
-    resources = [*project.applications, *(r for c in project.configurations for r in c.resources)]
-    lists = [*project.global_variables, *(s for c in project.configurations for s in c.global_variables)]
-    for section in (*lists, *(s for resource in resources for s in resource.global_variables)):
+    for section in ctx.project.global_sections():
         for variable in section.variables if section.constant else ():
             value = variable.initial
             if variable.name.casefold() == wanted and isinstance(value, SimpleValue) and (value.text or "").isdecimal():
@@ -149,6 +149,25 @@ def write_variable(ctx: WriteContext, parent: etree._Element, variable: Variable
 
 
 _FLAGS = ("constant", "retain", "nonretain", "persistent", "nonpersistent")
+
+
+def write_lists(ctx: WriteContext, parent: etree._Element, sections: Iterable[VariableSection]) -> None:
+    """Write lists of global variables. CODESYS has one list of what are sections of one name, side by side."""
+    for _, group in groupby(enumerate(sections), lambda each: each[1].name or each[0]):
+        found = [section for _, section in group]
+        is_one = ctx.dialect.tool is not Tool.CODESYS or any(id(section) in ctx.marks for section in found)
+        if is_one or len(found) == 1:
+            for section in found:
+                write_section(ctx, parent, section)
+            continue
+        plain: dict[str, object] = dict.fromkeys(_FLAGS, False)
+        if id(found[0]) in ctx.stale:
+            plain["declaration"] = None
+        variables = [variable for section in found for variable in section.variables]
+        whole = found[0].model_copy(update={**plain, "variables": variables})
+        ctx.parts[id(whole)] = found
+        write_section(ctx, parent, whole)
+        del ctx.parts[id(whole)]
 
 
 def write_section(ctx: WriteContext, parent: etree._Element, section: VariableSection) -> None:

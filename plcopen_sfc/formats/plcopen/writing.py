@@ -21,10 +21,12 @@ from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
 from plcopen_sfc.formats.xml.foreign import Markup, markup_of
+from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, is_direct
+from plcopen_sfc.model.variables import VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 Written = tuple[str, UnknownDataRule, etree._Element]
@@ -38,11 +40,11 @@ _IDS = re.compile(rb"<!--" + COMMENT_MARK.encode() + rb' ?\{"(?:id|entries)"')
 class Dialect:
     """How one tool or family of tools writes TC6 XML.
 
-    `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then),
-    `data_rank` its place among the others. `text_element` is the XHTML element of texts. `states_actions`: qualifier,
-    duration and indicator are always written. `names_instances`: an instance always names its type. `lacks` names what
-    is written but not understood by the tools that the file is for, each with the reason: it is in the report as
-    approximated.
+    `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then, nor do
+    texts of its declaration that are kept under one of `native_texts`), `data_rank` its place among the others.
+    `text_element` is the XHTML element of texts. `states_actions`: qualifier, duration and indicator are always
+    written. `lacks` names what is written but not understood by the tools that the file is for, each with the reason:
+    it is in the report as approximated.
     """
 
     version: Tc6Version
@@ -50,9 +52,9 @@ class Dialect:
     declares_xhtml: bool = True
     states_actions: bool = False
     tool: Tool | None = None
-    names_instances: bool = False
     lacks: dict[str, str] = field(default_factory=dict)
     native_fields: dict[str, frozenset[str]] = field(default_factory=dict)
+    native_texts: frozenset[str] = frozenset()
     data_writer: Callable[[WriteContext, Model, str], Iterable[Written]] | None = None
     data_rank: dict[str, int] = field(default_factory=dict)
 
@@ -70,6 +72,8 @@ class WriteContext:
     ) -> None:
         self.dialect = dialect
         self.version = dialect.version
+        self.parts: dict[int, list[VariableSection]] = {}
+        """The sections of lists of global variables that are written as one, by the `id()` of that."""
         self.names = dialect.version.qualified
         self.report = report
         self.untouched = options.untouched
@@ -223,7 +227,7 @@ def finish(
         element.append(etree.Comment(COMMENT_MARK + json.dumps(left, ensure_ascii=True).replace("--", "-\\u002d")))
     own_name = str(getattr(thing, "name", None) or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(own_name) else own_name
-    for name in left.keys() - also.keys():
+    for name in (name for name in left if name not in also):
         why = _WHY.get(name, f"TC6 {ctx.version.name} has no place for it")
         if name in _CHANGES and not (name == "exclude" and owner in _REWRITTEN):
             outcome, change = _CHANGES[name]
@@ -287,7 +291,10 @@ def _add_data(
 
 
 def _merged(ctx: WriteContext, data: ForeignData, written: set[str]) -> bool:
-    """Whether the dialect has put carried data into its own data of the same name already."""
+    """Whether the dialect has put carried data into its own data already."""
+    texts = kept(Carried(data=[data]))
+    if texts:
+        return texts.keys() <= ctx.dialect.native_texts
     return data.name in written and ctx.dialect.data_writer is not None
 
 

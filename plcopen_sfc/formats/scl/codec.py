@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.base import Reading, TextCodec, WriteOptions
 from plcopen_sfc.formats.scl.blocks import OWN_COMMENT
 from plcopen_sfc.formats.scl.reader import read_source
 from plcopen_sfc.formats.scl.writer import write_pieces
@@ -14,32 +14,34 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 
-def read(data: bytes, *, file: str | None = None) -> Reading:
-    """Read a source. What does not parse is kept and reported."""
-    found = read_source(decode(data), file)
-    return Reading(found.project, found.diagnostics)
+class SclCodec(TextCodec):
+    """External source files in SCL."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+        """Read a source. What does not parse is kept and reported."""
+        found = read_source(decode(data), file)
+        return Reading(found.project, found.diagnostics)
+
+    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
+        """The source without comments of ours."""
+        source = decode(data)
+        comments = split_units(source.text, Dialect.SCL).comments
+        own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
+        return source.encode(without(source.text, own))[0] if own else data
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a source anew: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
+        text = self.to_pieces(project, options, report).whole() + "\n"
+        return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
+
+    def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+        """The text of a project, in the pieces that an edit replaces."""
+        return write_pieces(project, report)
+
+    def slices(self, content: bytes) -> tuple[SourceText, Slice]:
+        """Where the objects of a source stand in its text."""
+        source = decode(content)
+        return source, read_source(source).slices
 
 
-def as_tool_sees(data: bytes, *, file: str | None = None) -> bytes:  # noqa: ARG001  # of every codec
-    """The source without comments of ours."""
-    source = decode(data)
-    comments = split_units(source.text, Dialect.SCL).comments
-    own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
-    return source.encode(without(source.text, own))[0] if own else data
-
-
-def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-    """Write a source anew: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
-    text = to_pieces(project, options, report).whole() + "\n"
-    return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
-
-
-def to_pieces(project: Project, _options: WriteOptions, report: ConversionReport) -> Piece:
-    """The text of a project, in the pieces that an edit replaces."""
-    return write_pieces(project, report)
-
-
-def slices(content: bytes) -> tuple[SourceText, Slice]:
-    """Where the objects of a source stand in its text."""
-    source = decode(content)
-    return source, read_source(source).slices
+CODEC = SclCodec()

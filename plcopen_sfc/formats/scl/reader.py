@@ -7,7 +7,7 @@ back.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -16,33 +16,40 @@ from pydantic import ValidationError
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.scl.blocks import BODY_END, BODY_START, KINDS, OWN_COMMENT
-from plcopen_sfc.formats.scl.start_values import can_be_assigned, read_start_values
+from plcopen_sfc.formats.scl.start_values import DECLARED, can_be_assigned, start_values
 from plcopen_sfc.formats.text import Key, Slice, SourceText, numbered
 from plcopen_sfc.languages.declarations import Declared, Found, Head, Unit, read_declarations, split_units
 from plcopen_sfc.languages.declarations.comments import said
 from plcopen_sfc.languages.declarations.kept import keep, kept
-from plcopen_sfc.languages.declarations.names import is_quoted_in_scl
-from plcopen_sfc.languages.declarations.writing import section_head
+from plcopen_sfc.languages.declarations.names import is_unit_quoted_in_scl
+from plcopen_sfc.languages.declarations.writing import section_head, write_value
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import (
     Change,
+    Fields,
     NotationError,
     PathError,
+    Segment,
     StaleError,
     apply,
+    format_value,
     parse_change,
     plain_fields,
+    value_at,
 )
 from plcopen_sfc.languages.problems import Lines, Problem
+from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.languages.st import declaration_nodes as d
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.languages.st.parsing import parse_statements
+from plcopen_sfc.languages.start_values import Types
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import DerivedType
-from plcopen_sfc.model.variables import Interface, VariableSection
+from plcopen_sfc.model.types import DerivedType, StructType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 _Place: TypeAlias = tuple[Key, tuple[int, int], tuple[Slice, ...]]
 """What stands where, and what stands in it."""
@@ -71,6 +78,7 @@ class _Reader:
         self._diagnostics: list[Diagnostic] = []
         self._kept: list[str] = []
         self._found: list[_Place] = []
+        self._begins: list[tuple[DataBlock, str, bool]] = []
 
     def run(self) -> SclFile:
         if self._source.guessed:
@@ -99,6 +107,8 @@ class _Reader:
         project.carried = keep(_texts(unreadable=_plain_lines("\n".join(self._kept))))
         if self._kept:
             self._found.append((("stray", ""), (len(self._text), len(self._text)), ()))
+        for block, text, retain in self._begins:
+            self._start_values(project, block, text, retain)
         if changes:
             project = self._changed(project, changes)
             self._found.append((("rest", ""), (changes[0][1].span[0], changes[-1][1].span[1]), ()))
@@ -125,13 +135,26 @@ class _Reader:
         return changes
 
     def _changed(self, project: Project, changes: Sequence[tuple[Change, Comment]]) -> Project:
-        fields = plain_fields(project)
+        fields, text = plain_fields(project), plain_fields(project)
+        # without a start value, a variable of the kept type would start with that of the type
+        outdated = [(*c.path[:-1], "type") for c, _ in changes if _is_taken_out(text, c)]
+        made: list[tuple[Segment, ...]] = []
         for change, comment in changes:
+            if _is_in(change.path, outdated):
+                continue
             try:
+                if not _is_in(change.path, made):
+                    _check_text(text, change)
                 apply(fields, change)
+                made.append(change.path)
             except StaleError as error:
+                *around, last = change.path
+                if last in ("kind", "language"):
+                    outdated.append(tuple(around))
+                elif last == "type":  # a start value is one of the type
+                    outdated.append((*around, "initial"))
                 message = f"this comment of ours is for another text and left out: {error}"
-                self._note("SCL203", Severity.INFO, message, comment.span[0])
+                self._note("SCL203", Severity.WARNING, message, comment.span[0])
             except PathError as error:
                 self._note("SCL202", Severity.WARNING, f"this comment of ours does not fit: {error}", comment.span[0])
         try:
@@ -204,17 +227,13 @@ class _Reader:
     def _data_block(self, declared: Declared, head: Head, unit: Unit) -> DataBlock:
         body = self._body_span(unit)
         text = self._text[body[0] : body[1]]
-        variables = [variable for section in declared.sections for variable in section.variables]
-        inline = any(v.initial is not None for v in variables)
         texts: dict[str, str] = {}
-        if inline and all(can_be_assigned(v.initial) for v in variables):
-            texts["inline"] = ""
-        text = _plain_lines(text)
-        if text.strip() and (inline or not variables or not read_start_values(text, variables)):
-            texts["begin"] = text
         if isinstance(head.return_type, DerivedType):
             texts |= dict.fromkeys(_quoting(head.return_type), "")
-        return DataBlock(
+        retain = any(each.name == "RETAIN" for each in head.properties)
+        for section in declared.sections if retain else ():
+            section.retain = True
+        block = DataBlock(
             name=head.name,
             kind=DataBlockKind.GLOBAL if head.return_type is None else DataBlockKind.INSTANCE,
             type_name=head.return_type.name if isinstance(head.return_type, DerivedType) else None,
@@ -223,6 +242,41 @@ class _Reader:
             title=_title(head),
             carried=self._carried(declared, head, texts),
         )
+        self._begins.append((block, _plain_lines(text), retain))
+        return block
+
+    @staticmethod
+    def _start_values(project: Project, block: DataBlock, text: str, retain: bool) -> None:
+        """Give the variables of a data block the values between BEGIN and END_DATA_BLOCK.
+
+        They count, those of the declaration do not. Those of an instance are in its interface, which has the variables
+        that have a value of their own; of a retained one all.
+        """
+        types = s7_types(project).declared
+        if block.type_name is not None:
+            _of_instance(project, block, text, retain)
+            return
+        variables = block.interface.variables() if block.interface is not None else []
+        inline = any(variable.initial is not None for variable in variables)
+        texts: dict[str, str] = {}
+        found = start_values(text, variables, types)
+        if inline and (text.strip() or all(can_be_assigned(variable, types) for variable in variables)):
+            texts["inline"] = ""
+        if found is None:
+            texts["unread"] = text
+        elif inline and text.strip():
+            texts["begin"] = text
+        for variable in variables:
+            value = (found or {}).get(variable.name.casefold())
+            if value is not None and inline:
+                declared = write_value(variable.initial, Dialect.SCL) if variable.initial is not None else ""
+                variable.carried = keep(kept(variable.carried) | {DECLARED: declared})
+            if value is not None:
+                variable.initial = value
+        if "begin" not in texts and found and not _says_all(text, variables, types):
+            texts["begin"] = text
+        if texts:
+            block.carried = keep(kept(block.carried) | texts)
 
     def _carried(self, declared: Declared, head: Head, texts: dict[str, str] | None = None) -> Carried | None:
         properties = [self._property(each) for each in head.properties if each.name != "TITLE"]
@@ -237,7 +291,7 @@ class _Reader:
                 qualifiers=" ".join(head.qualifiers),
                 unreadable="\n".join(unreadable),
             )
-            | ({} if quoted == is_quoted_in_scl(head.name) else {"name": "quoted" if quoted else "unquoted"})
+            | ({} if quoted == is_unit_quoted_in_scl(head.name) else {"name": "quoted" if quoted else "unquoted"})
             | (texts or {})
         )
 
@@ -308,6 +362,73 @@ class _Reader:
     def _note(self, code: str, severity: Severity, message: str, offset: int) -> None:
         line, column = self._lines.place(offset)
         self._diagnostics.append(Diagnostic(code, severity, message, Location(self._file, line, column)))
+
+
+def _is_in(path: tuple[Segment, ...], places: Iterable[tuple[Segment, ...]]) -> bool:
+    return any(path[: len(place)] == place for place in places)
+
+
+def _is_taken_out(text: Fields, change: Change) -> bool:
+    return change.path[-1] == "initial" and change.instead is not None and value_at(text, change.path) is None
+
+
+def _check_text(text: Fields, change: Change) -> None:
+    """Raise `StaleError` where `text` says by now what it left to a comment when that was written."""
+    *around, last = change.path
+    holder = value_at(text, tuple(around))
+    if not isinstance(holder, dict):
+        return
+    if last == "language" and str(holder.get("text", "")).strip():
+        raise StaleError("the block has statements now")
+    said = holder.get(last) if isinstance(last, str) else None
+    if change.instead is None and said is not None and said != change.value:
+        raise StaleError(f"the text says {format_value(said)} now")
+
+
+def _says_all(text: str, variables: Sequence[Variable], types: Types) -> bool:
+    """True if a text says nothing but the initial values of variables: no comments, in any order."""
+    return not parse_statements(text, Dialect.SCL).comments and all(can_be_assigned(each, types) for each in variables)
+
+
+def _of_instance(project: Project, block: DataBlock, text: str, retain: bool) -> None:
+    """Give an instance data block, or one of a data type, an interface with its start values."""
+    types = s7_types(project).declared
+    name = (block.type_name or "").replace('"', "").casefold()
+    pou = next((each for each in project.pous if each.name.casefold() == name), None)
+    given = [each for each in pou.interface.sections if _is_static(each)] if pou and pou.interface is not None else []
+    struct = types.get(name)
+    if pou is None and isinstance(struct, StructType):
+        given = [VariableSection(variables=struct.members)]
+    sections = [
+        VariableSection(
+            kind=section.kind,
+            retain=retain,
+            variables=[Variable(name=variable.name, type=variable.type) for variable in section.variables],
+        )
+        for section in given
+    ]
+    variables = [variable for section in sections for variable in section.variables]
+    found = start_values(text, variables, types)
+    texts = {"unread": text} if found is None or (retain and not sections) else {}
+    if found and not _says_all(text, variables, types):
+        texts["begin"] = text
+    for variable in variables:
+        variable.initial = (found or {}).get(variable.name.casefold())
+    for section in sections if not retain else ():
+        section.variables = [variable for variable in section.variables if variable.initial is not None]
+    sections = [section for section in sections if section.variables]
+    if sections:
+        block.interface = Interface(sections=sections)
+    if texts:
+        block.carried = keep(kept(block.carried) | texts)
+
+
+def _is_static(section: VariableSection) -> bool:
+    """True if an instance of a block has the variables of a section."""
+    return (
+        section.kind in (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.LOCAL)
+        and not section.constant
+    )
 
 
 def _span(node: Any) -> tuple[int, int]:

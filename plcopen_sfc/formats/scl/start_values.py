@@ -2,96 +2,112 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from plcopen_sfc.languages.declarations import write_value
 from plcopen_sfc.languages.declarations.names import is_identifier
 from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.s7_types import number_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_statements
-from plcopen_sfc.model.types import ArrayValue, MemberValue, SimpleValue, StructValue, Value, Variable
+from plcopen_sfc.languages.start_values import Path, PathError, Types, apart, assembled
+from plcopen_sfc.model.types import SimpleValue, Value, Variable
+
+DECLARED = "declared"
+"""What is kept of a variable whose declaration says a value, but assignments say another: that of the declaration."""
 
 
-def read_start_values(text: str, variables: list[Variable]) -> bool:
-    """Give `variables` the initial values that the assignments say. False if they say more than that: nothing is done.
+def start_values(text: str, variables: list[Variable], types: Types) -> dict[str, Value] | None:
+    """The initial values that assignments give to `variables`, by name in lower case; None: they say more than that.
 
-    Only plain assignments to variables and members that have no initial value are understood: no comments, no elements
-    of arrays.
+    They count instead of those of the declarations, element by element.
     """
     parsed = parse_statements(text, Dialect.SCL)
-    if parsed.problems or parsed.comments:
-        return False
+    if parsed.problems:
+        return None
     named = {variable.name.casefold(): variable for variable in variables}
-    values: dict[str, Value] = {}
+    given: dict[str, dict[Path, tuple[Path, str]]] = {}
     for statement in parsed.tree.statements:
+        if isinstance(statement, n.Empty):
+            continue
         if not isinstance(statement, n.Assignment) or statement.kind is not n.AssignmentKind.ASSIGN:
-            return False
-        path = _path(statement.target)
-        span = statement.value.span
-        if not path or span is None or path[0].casefold() not in named:
-            return False
-        if not _put(values, [path[0].casefold(), *path[1:]], SimpleValue(text=text[span[0] : span[1]])):
-            return False
-    if any(named[name].initial is not None for name in values):
-        return False
-    for name, value in values.items():
-        named[name].initial = value
-    return True
+            return None
+        path, span = _path(statement.target), statement.value.span
+        if not path or span is None or not isinstance(path[0], str) or path[0].casefold() not in named:
+            return None
+        entry = (path[1:], text[span[0] : span[1]])
+        entries = given.setdefault(path[0].casefold(), {})
+        if _folded(path[1:]) in entries:
+            return None
+        entries[_folded(path[1:])] = entry
+    found: dict[str, Value] = {}
+    try:
+        for name, entries in given.items():
+            variable = named[name]
+            usual = (
+                apart(variable.initial, variable.type, types)
+                if variable.initial is not None and () not in entries
+                else ()
+            )
+            all_ = {_folded(path): (path, value) for path, value in usual} | entries
+            value = assembled(all_.values(), variable.type, types)
+            if value is not None:
+                found[name] = value
+    except PathError:
+        return None
+    return found
 
 
-def _path(node: n.Expression) -> list[str]:
-    """The names that lead to a member; empty if the way is another."""
+def _folded(path: Path) -> Path:
+    return tuple(each.casefold() if isinstance(each, str) else each for each in path)
+
+
+def _path(node: n.Expression) -> Path:
+    """The way to an element; empty if it is another."""
     if isinstance(node, n.Name):
-        return [node.identifier]
+        return (node.identifier,)
     if isinstance(node, n.Member):
         base = _path(node.base)
-        return [*base, node.name.identifier] if base else []
-    return []
+        return (*base, node.name.identifier) if base else ()
+    if isinstance(node, n.Index):
+        base = _path(node.base)
+        indices = [_index(each) for each in node.indices]
+        return (*base, tuple(i for i in indices if i is not None)) if base and None not in indices else ()
+    return ()
 
 
-def _put(values: dict[str, Value], path: list[str], value: SimpleValue) -> bool:
-    """Put `value` in; False if there is one already, or one of what it is a part of."""
-    if len(path) == 1:
-        if path[0] in values:
-            return False
-        values[path[0]] = value
+def _index(node: n.Expression) -> int | None:
+    if isinstance(node, n.Unary) and node.operator is n.Operator.NEGATE:
+        inner = _index(node.operand)
+        return None if inner is None else -inner
+    return number_of(node.text) if isinstance(node, n.Literal) else None
+
+
+def can_be_assigned(variable: Variable, types: Types) -> bool:
+    """Whether assignments can say the initial value of a variable."""
+    if variable.initial is None:
         return True
-    struct = values.setdefault(path[0], StructValue())
-    for number, name in enumerate(path[1:], 1):
-        if not isinstance(struct, StructValue):
-            return False
-        found = next((m for m in struct.members if m.member.casefold() == name.casefold()), None)
-        last = number == len(path) - 1
-        if found is not None and last:
-            return False
-        if found is None:
-            found = MemberValue(member=name, value=value if last else StructValue())
-            struct.members.append(found)
-            found = struct.members[-1]
-        struct = found.value
-    return True
+    try:
+        entries = list(apart(variable.initial, variable.type, types))
+        value = assembled(entries, variable.type, types)
+    except PathError:
+        return False
+    written = all(write_value(SimpleValue(text=text), Dialect.SCL) for _, text in entries)
+    return bool(entries) and written and value == variable.initial
 
 
-def can_be_assigned(value: Value | None) -> bool:
-    """Whether assignments can say `value`."""
-    match value:
-        case None:
-            return True
-        case ArrayValue():
-            return False
-        case StructValue(members=members):
-            return bool(members) and all(can_be_assigned(member.value) for member in members)
-        case SimpleValue():
-            return bool(write_value(value, Dialect.SCL))
-
-
-def write_start_values(variables: list[Variable]) -> list[str]:
+def write_start_values(variables: list[Variable], types: Types) -> Iterator[str]:
     """The assignments that give `variables` their initial values."""
-    return [line for v in variables if v.initial is not None for line in _assignments(_name(v.name), v.initial)]
+    for variable in variables:
+        for path, text in apart(variable.initial, variable.type, types) if variable.initial is not None else ():
+            yield f"{_written(variable.name, path)} := {write_value(SimpleValue(text=text), Dialect.SCL)};"
 
 
-def _assignments(path: str, value: Value) -> list[str]:
-    if isinstance(value, StructValue):
-        return [line for m in value.members for line in _assignments(f"{path}.{_name(m.member)}", m.value)]
-    return [f"{path} := {write_value(value, Dialect.SCL)};"]
+def _written(name: str, path: Path) -> str:
+    found = _name(name)
+    for each in path:
+        found += f".{_name(each)}" if isinstance(each, str) else f"[{', '.join(map(str, each))}]"
+    return found
 
 
 def _name(name: str) -> str:

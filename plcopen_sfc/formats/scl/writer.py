@@ -11,18 +11,34 @@ from typing import Any
 
 from plcopen_sfc.formats.scl.blocks import KEYWORDS
 from plcopen_sfc.formats.scl.reader import read_source
-from plcopen_sfc.formats.scl.start_values import can_be_assigned, write_start_values
+from plcopen_sfc.formats.scl.start_values import DECLARED, can_be_assigned, start_values, write_start_values
 from plcopen_sfc.formats.text import Piece, SourceText, numbered
-from plcopen_sfc.languages.declarations import split_units, write_data_type, write_type, write_variable
+from plcopen_sfc.languages.declarations import (
+    read_declarations,
+    split_units,
+    write_data_type,
+    write_type,
+    write_variable,
+)
 from plcopen_sfc.languages.declarations.comments import LINE_END, comment_lines
 from plcopen_sfc.languages.declarations.kept import keep, kept
-from plcopen_sfc.languages.declarations.names import SECTION_KEYWORDS, is_quoted_in_scl
-from plcopen_sfc.languages.declarations.writing import indent_of, section_head, section_rest
+from plcopen_sfc.languages.declarations.names import SECTION_KEYWORDS, is_unit_quoted_in_scl
+from plcopen_sfc.languages.declarations.writing import indent_of, section_head, section_rest, write_value
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.pragmas import Change, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Append, Named
-from plcopen_sfc.languages.s7_globals import data_blocks_of, left_out, tag_tables_of, uncalled
+from plcopen_sfc.languages.s7_globals import (
+    UNCALLED,
+    by_retention,
+    called_actions,
+    data_blocks_of,
+    is_retained,
+    left_out,
+    tag_tables_of,
+    uncalled,
+)
+from plcopen_sfc.languages.s7_results import is_void
 from plcopen_sfc.languages.s7_types import NO_START, S7Types, s7_types
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.base import Carried
@@ -35,8 +51,10 @@ from plcopen_sfc.model.types import (
     ArrayType,
     DataTypeDeclaration,
     DerivedType,
+    MemberValue,
     PointerType,
     StructType,
+    StructValue,
     Variable,
 )
 from plcopen_sfc.model.variables import SectionKind, VariableSection
@@ -56,7 +74,7 @@ def write_pieces(project: Project, report: ConversionReport) -> Piece:
         pieces.append(Piece(("comment", ""), "\n".join(comment_lines(plain(project.comment), _SCL)), apart=True))
     written = Piece(("file", ""), pieces=tuple(pieces))
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
-    left = [] if back == project else list(changes(plain_fields(back), plain_fields(project)))
+    left = [] if back == project else list(changes(plain_fields(back), plain_fields(project), guarded=True))
     types = s7_types(project)
     other = {change.path for change in changes(plain_fields(back), plain_fields(_as_written(project, types)))}
     for change in left:
@@ -88,10 +106,27 @@ def _report(project: Project, change: Change, report: ConversionReport, *, says_
     why = next((_EXECUTED[field] for field in reversed(fields) if field in _EXECUTED), None)
     if says_the_same:
         report.add(Outcome.TRANSLATED, fields[-1], path, "in the types of S7")
-    elif why is None or not (_REMARKS | _REPORTED).isdisjoint(fields):
+    elif why is None or not (_REMARKS | _REPORTED).isdisjoint(fields) or _is_empty(change) or _is_copy(project, change):
         report.add(Outcome.EXTENSION_DATA, fields[-1], path, "SCL has no words for it; it stands in a comment")
     else:
         report.add(Outcome.NOT_EXECUTED, fields[-1], path, why)
+
+
+def _is_empty(change: Change) -> bool:
+    """True for a section without variables."""
+    is_section = len(change.path) > 1 and change.path[-2] == "sections"
+    return is_section and isinstance(change.value, dict) and not change.value.get("variables")
+
+
+def _is_copy(project: Project, change: Change) -> bool:
+    """True for a part of the interface of an instance, which repeats that of its block."""
+    if change.path[0] != "data_blocks" or len(change.path) < _IN_A_BLOCK:
+        return False
+    name = change.path[1].name if isinstance(change.path[1], Named) else None
+    return any(block.name == name and block.type_name is not None for block in project.data_blocks)
+
+
+_IN_A_BLOCK = 2
 
 
 def _as_written(project: Project, types: S7Types) -> Project:
@@ -100,8 +135,16 @@ def _as_written(project: Project, types: S7Types) -> Project:
     for pou in copy.pous:
         if pou.interface is not None:
             pou.interface.sections = [_in_scl(section, pou, types) for section in pou.interface.sections]
-    interfaces = [*(pou.interface for pou in copy.pous), *(block.interface for block in copy.data_blocks)]
-    for interface in (each for each in interfaces if each is not None):
+    for block in copy.data_blocks:
+        if block.interface is not None:
+            block.interface.sections = [each for section in block.interface.sections for each in _by_retention(section)]
+            for section in block.interface.sections:
+                section.variables = [_in_block(variable, types) for variable in section.variables]
+    for interface in (pou.interface for pou in copy.pous if pou.interface is not None):
+        void = next((section for section in interface.sections if is_void(section)), None)
+        if void is not None:
+            interface.sections = [section for section in interface.sections if section is not void]
+            interface.return_type = void.variables[0].type
         if interface.return_type is not None:
             interface.return_type = types.type(interface.return_type)
         for section in interface.sections:
@@ -141,15 +184,16 @@ def _named(pieces: Iterator[Piece]) -> Iterator[Piece]:
 
 
 def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
-    types = s7_types(project)
+    types, called = s7_types(project), called_actions(project)
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
         yield Piece(("type", declaration.name), _data_type(declaration, types), apart=True)
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
         _note_foreign(pou, types, report)
-        for what, name, why in _not_executed(pou):
-            report.add(Outcome.NOT_EXECUTED, what, " / ".join(filter(None, (f"POU {pou.name}", name))), why)
+        for what, name, why in _not_executed(pou, called):
+            outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
+            report.add(outcome, what, " / ".join(filter(None, (f"POU {pou.name}", name))), why)
         yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou, types))), apart=True)
     for block in project.data_blocks:
         report.add(Outcome.KEPT, "data block", f"data block {block.name}")
@@ -167,8 +211,11 @@ def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
         yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block, types))), apart=True)
 
 
-def _not_executed(pou: Pou) -> Iterator[tuple[str, str, str]]:
-    """What a block does in other tools, and an SCL source does not say: kind, name, and what that means."""
+def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, str]]:
+    """What a block does in other tools, and an SCL source does not say: kind, name, and what that means.
+
+    `called`: the ids of the actions that a step has or a program calls.
+    """
     if pou.kind is PouKind.PROGRAM:
         yield "program", "", "a function block; no organization block calls it, and it has no instance data block"
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
@@ -181,7 +228,7 @@ def _not_executed(pou: Pou) -> Iterator[tuple[str, str, str]]:
     for action in pou.actions:
         if action.body is not None:
             why = "blocks of S7 have no actions: what calls it does not execute it"
-            yield "POU action", f"action {action.name}", why
+            yield "POU action", f"action {action.name}", why if id(action) in called else UNCALLED
     for method in pou.methods:
         yield "method", f"method {method.name}", "blocks of S7 have no methods: what calls it does not execute it"
 
@@ -234,6 +281,31 @@ def _in_s7(variable: Variable, types: S7Types) -> Variable:
     return variable.model_copy(update={"type": type_, "initial": types.start(variable), "address": address})
 
 
+def _in_block(variable: Variable, types: S7Types) -> Variable:
+    """A variable of a data block in S7: assignments say the values of members that no declaration can say."""
+    found = _in_s7(variable, types)
+    if not isinstance(found.type, StructType) or found.initial is not None:
+        return found
+    type_, value = _without_elements(found.type)
+    return found if value is None else found.model_copy(update={"type": type_, "initial": value})
+
+
+def _without_elements(type_: StructType) -> tuple[StructType, StructValue | None]:
+    """A structure without start values of single elements and of structures, and these values."""
+    members: list[Variable] = []
+    values: list[MemberValue] = []
+    for member in type_.members:
+        kind, value = _without_elements(member.type) if isinstance(member.type, StructType) else (member.type, None)
+        own = member.initial if member.initial is not None and not write_value(member.initial, _SCL) else None
+        given = own or value
+        if given is not None:
+            values.append(MemberValue(member=member.name, value=given))
+        members.append(member.model_copy(update={"type": kind, "initial": None if own is not None else member.initial}))
+    if not values:
+        return type_, None
+    return type_.model_copy(update={"members": members}), StructValue(members=values)
+
+
 def _has_start_values(section: VariableSection, pou: Pou) -> bool:
     """True if S7 has start values of the variables of a section: function blocks have, but of temporary ones."""
     is_constant = section.constant or section.kind is SectionKind.CONSTANT
@@ -276,7 +348,7 @@ def _pou(pou: Pou, types: S7Types) -> Iterator[Piece]:
     yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
     yield from _comment(pou.comment)
     for section in pou.interface.sections if pou.interface is not None else []:
-        if section.kind is not SectionKind.EXTERNAL:  # S7 declares in no block what is global
+        if section.kind is not SectionKind.EXTERNAL and not is_void(section):  # S7 declares in no block what is global
             yield _section(_in_scl(section, pou, types), types)
     yield Piece(("begin", ""), "BEGIN")
     text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""
@@ -294,7 +366,7 @@ def _stays_inside(body: str, keyword: str) -> bool:
 
 def _head(keyword: str, name: str, result: str, title: Text | None, carried: Carried | None) -> Iterator[Piece]:
     texts = kept(carried)
-    quoted = texts.get("name", "quoted" if is_quoted_in_scl(name) else "unquoted") == "quoted"
+    quoted = texts.get("name", "quoted" if is_unit_quoted_in_scl(name) else "unquoted") == "quoted"
     written = '"' + LINE_END.sub("_", name).replace('"', "_") + '"' if quoted else name
     lines = [f"{keyword} {written}{result}"]
     if title is not None:
@@ -333,23 +405,89 @@ def _variable(variable: Variable) -> Piece:
 def _data_block(block: DataBlock, types: S7Types) -> Iterator[Piece]:
     texts = kept(block.carried)
     sections = block.interface.sections if block.interface is not None else []
+    sections = [
+        section.model_copy(update={"variables": [_in_block(variable, types) for variable in section.variables]})
+        for section in sections
+    ]
+    variables = [variable for section in sections for variable in section.variables]
     type_name = ""
     if block.type_name is not None:
         quoting: dict[str, str] = {name: "" for name in ("quoted", "unquoted") if name in texts}
         type_name = "\n" + write_type(DerivedType(name=block.type_name, carried=keep(quoting)), _SCL)
-    for piece in _head("DATA_BLOCK", block.name, "", block.title, block.carried):
+    for piece in _head("DATA_BLOCK", block.name, "", block.title, _retained(block)):
         yield Piece(piece.key, piece.text + type_name)
     yield from _comment(block.comment)
-    variables = [_in_s7(variable, types) for section in sections for variable in section.variables]
-    assigned = "inline" not in texts and all(can_be_assigned(variable.initial) for variable in variables)
-    for section in sections:
-        yield _section(_without_values(section) if assigned else section, types)
+    body = texts.get("unread", _begin(texts, variables, types))
+    assigned = "inline" not in texts and all(can_be_assigned(variable, types.declared) for variable in variables)
+    for section in sections if block.type_name is None else ():
+        declared = section.variables
+        if body is not None and "unread" not in texts:
+            declared = [_declared(variable, texts) for variable in declared]
+        elif body is None and assigned:
+            declared = [_without_value(variable) for variable in declared]
+        for written in _of_block(section.model_copy(update={"variables": declared})):
+            yield _section(written, types)
     yield Piece(("begin", ""), "BEGIN")
-    values = "\n".join(_INDENT + line for line in write_start_values(variables)) if assigned else ""
-    yield Piece(("body", ""), texts.get("begin", values), verbatim="begin" in texts)
+    values = ""
+    if assigned or block.type_name is not None:
+        given = [variable for variable in variables if can_be_assigned(variable, types.declared)]
+        values = "\n".join(_INDENT + line for line in write_start_values(given, types.declared))
+    yield Piece(("body", ""), values if body is None else body, verbatim=body is not None)
     yield Piece(("end", ""), "END_DATA_BLOCK")
 
 
-def _without_values(section: VariableSection) -> VariableSection:
-    variables = [variable.model_copy(update={"initial": None}) for variable in section.variables]
-    return section.model_copy(update={"variables": variables})
+def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> str | None:
+    """The text between BEGIN and END_DATA_BLOCK as it was read; None where the initial values are others now."""
+    text = texts.get("begin")
+    if text is None:
+        return None
+    declared = [_declared(variable, texts) for variable in variables]
+    found = start_values(text, declared, types.declared)
+    if found is None:
+        return None
+    values = [found.get(variable.name.casefold(), variable.initial) for variable in declared]
+    return text if values == [variable.initial for variable in variables] else None
+
+
+def _declared(variable: Variable, texts: dict[str, str]) -> Variable:
+    """A variable of a data block with the value of its declaration, which assignments may replace."""
+    if "inline" not in texts:
+        return _without_value(variable)
+    kept_texts = kept(variable.carried)
+    if DECLARED not in kept_texts:
+        return variable
+    text = kept_texts[DECLARED]
+    found = read_declarations(f"VAR x : INT := {text}; END_VAR", _SCL).sections if text else []
+    initial = found[0].variables[0].initial if found and found[0].variables else None
+    return variable.model_copy(update={"initial": initial})
+
+
+def _without_value(variable: Variable) -> Variable:
+    return variable.model_copy(update={"initial": None})
+
+
+def _retained(block: DataBlock) -> Carried | None:
+    """What is kept of a data block, whose head says RETAIN where all variables of its structure are retained."""
+    texts = kept(block.carried)
+    sections = block.interface.sections if block.interface is not None else []
+    words = texts.get("properties", "").splitlines()
+    if not sections or not (block.type_name is not None or "RETAIN" in words or any(map(_is_struct, sections))):
+        return block.carried
+    retain = all(is_retained(section, variable) for section in sections for variable in section.variables)
+    if retain is not ("RETAIN" in words):
+        words = [word for word in words if word not in ("RETAIN", "NON_RETAIN")] + ["RETAIN"] * retain
+    return keep(texts | {"properties": "\n".join(words)} if words else texts)
+
+
+def _is_struct(section: VariableSection) -> bool:
+    return kept(section.carried).get("keyword") == "STRUCT"
+
+
+def _of_block(section: VariableSection) -> list[VariableSection]:
+    """A section of a data block: the head of the block says that a structure is retained."""
+    return [section.model_copy(update={"retain": False})] if _is_struct(section) else _by_retention(section)
+
+
+def _by_retention(section: VariableSection) -> list[VariableSection]:
+    """A section of a data block as the sections that are read back."""
+    return [section] if _is_struct(section) else list(by_retention(section))

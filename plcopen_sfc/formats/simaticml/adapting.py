@@ -180,7 +180,7 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
         if not transition.name:
             transition.name = _free(f"Trans{transition.number}", taken)
             why = "it got a name, as S7-GRAPH requires"
-            report.add(Outcome.TRANSLATED, "transition", f"{place} / transition {transition.name}", why)
+            report.add(Outcome.TRANSLATED, "name", f"{place} / transition {transition.name}", why)
     if not chart.sequences and chart.steps:
         chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
     _limits(chart, place, report)

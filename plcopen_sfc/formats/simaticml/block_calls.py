@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from plcopen_sfc.formats.simaticml.results import RESULT, RETURN
+from plcopen_sfc.formats.simaticml.results import RETURN
 from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.s7_results import RESULT
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import FbdBody, LdBody

@@ -10,6 +10,7 @@ from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.errors import Location, StructureError
+from plcopen_sfc.formats.provenance import read_later
 from plcopen_sfc.formats.simaticml.graph_reader import read_graph
 from plcopen_sfc.formats.simaticml.networks import read_network, report_network
 from plcopen_sfc.formats.simaticml.reading import (
@@ -28,6 +29,7 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_model,
     read_object_text,
 )
+from plcopen_sfc.formats.simaticml.rewritten import warn_of_edit
 from plcopen_sfc.formats.simaticml.structured_text_writer import Names, read_code
 from plcopen_sfc.formats.xml.foreign import Markup, exchange
 from plcopen_sfc.model.body import SfcBody
@@ -101,6 +103,8 @@ def _unit(ctx: ReadContext, unit: etree._Element, late: Fields) -> tuple[str, Fi
     instead = own.pop("body", None)
     if instead is not None and _is_empty(parts):
         return name, instead
+    if instead is not None:
+        warn_of_edit(ctx, "the body", unit)
     if parts:
         ctx.note_schema(parts[0])
     if source is None:
@@ -167,7 +171,7 @@ def _chart(ctx: ReadContext, element: etree._Element, own: Fields, late: Fields)
             exchange(chart, Markup.SIMATICML, Markup.TC6)
         return chart
 
-    return SfcBody.deferred(own, read)
+    return SfcBody.model_validate({**own, "chart": read_later(SfcNetwork, {}, read)})
 
 
 def misfit(error: ValidationError, file: str | None) -> StructureError:

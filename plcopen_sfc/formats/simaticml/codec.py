@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from lxml import etree
 from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.base import Reading, WriteOptions
 from plcopen_sfc.formats.simaticml import adapting, layout, normalizing, project_writer
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
@@ -15,74 +18,16 @@ from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_v
 from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, TiaVersion, version_like
-from plcopen_sfc.formats.xml import tool_view, writing
+from plcopen_sfc.formats.xml.codec import FolderCodec
 from plcopen_sfc.formats.xml.foreign import Markup, exchange, markup_of
 from plcopen_sfc.formats.xml.source import SourceLines, parse
 from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.languages.s7_flip_flops import put_boxes
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import Project, TagTable
+from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport
-
-standard_folder = layout.standard_folder
-new_document = layout.new_document
-added_objects = project_writer.added_objects
-as_tool_sees = tool_view.as_tool_sees
-
-
-def read(data: bytes, *, file: str | None = None) -> Reading:
-    """Read a document of TIA Portal Openness. Raises `FormatError`."""
-    with collector_paused():
-        root = parse(data, file=file)
-        version = find_version(root, file=file)
-        fields, diagnostics = read_project(root, version, data, file=file)
-        try:
-            project = Project.model_validate(fields)
-        except ValidationError as error:
-            raise misfit(error, file) from error
-        exchange(project, Markup.SIMATICML, markup_of(project))
-    return Reading(project, diagnostics, version.name)
-
-
-def adapt(project: Project, options: WriteOptions, report: ConversionReport) -> None:
-    """Make of `project`, a copy, what this format makes of it."""
-    exchange(project, markup_of(project), Markup.SIMATICML)
-    if not options.same:
-        if project.header.product == PRODUCT and options.version:
-            project.header.version = options.version
-        kept = project.carried.attributes if project.carried is not None else {}
-        for name in [name for name in kept if name.startswith(SCHEMA)]:
-            del kept[name]
-        for chart in project.charts():
-            fit_alarms(chart.network, _version(project, options))
-    version = _version(project, options)
-    adapting.adapt(project, report)
-    if not project.header.product:  # a project made in Python: nothing is lost when the file says who reads it
-        project.header.product, project.header.version = PRODUCT, version.name
-    exchange(project, Markup.SIMATICML, markup_of(project))
-
-
-def lines(content: bytes, _project: Project) -> dict[str, int]:
-    """The lines of the objects in the file `content`, with the variables, steps and transitions of blocks.
-
-    They are by the paths that the report gives them.
-    """
-    found: dict[str, int] = {}
-    root = parse(content)
-    line_of = SourceLines(root, content).line
-    for owner in root:
-        kind = _KINDS.get(local(owner))
-        name = next(owner.iterfind("{*}AttributeList/{*}Name"), None)
-        if kind is None or name is None:
-            continue
-        path = f"{kind} {name.text or ''}"
-        found.setdefault(path, line_of(owner) or 1)
-        for member in owner.iterfind("{*}AttributeList/{*}Interface/*/*/{*}Member"):
-            found.setdefault(f"{path} / {member.get('Name')}", line_of(member) or 1)
-        for part in owner.iter("{*}Step", "{*}Transition"):
-            found.setdefault(f"{path} / {local(part).lower()} {part.get('Name')}", line_of(part) or 1)
-    return found
-
 
 _KINDS = {
     **dict.fromkeys(POUS, Pou.kind_in_reports),
@@ -93,34 +38,108 @@ _KINDS = {
 """What reports call the objects of a document."""
 
 
-def to_tree(project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
-    """The tree of the document for `project`."""
-    version = _version(project, options)
-    if markup_of(project) is not Markup.SIMATICML:
-        project = project.model_copy(deep=True)
-        exchange(project, markup_of(project), Markup.SIMATICML)
-    return write_project(project, version, report, options)
-
-
 def _version(project: Project, options: WriteOptions) -> TiaVersion:
     """The version to write."""
     given = options.version or (project.header.version if project.header.product == PRODUCT else "")
     return version_like(given) or DEFAULT
 
 
-def style(_project: Project, _options: WriteOptions) -> XmlStyle:
-    """As TIA Portal writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""
-    return _STYLE
-
-
 _STYLE = XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />")
 
 
-def normalize(data: bytes) -> bytes:
-    """The document without what an import does not look at."""
-    return normalizing.normalize(data, _STYLE)
+class SimaticmlCodec(FolderCodec):
+    """SimaticML, the documents of TIA Portal Openness."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+        """Read a document of TIA Portal Openness. Raises `FormatError`."""
+        with collector_paused():
+            root = parse(data, file=file)
+            version = find_version(root, file=file)
+            fields, diagnostics = read_project(root, version, data, file=file)
+            try:
+                project = Project.model_validate(fields)
+            except ValidationError as error:
+                raise misfit(error, file) from error
+            exchange(project, Markup.SIMATICML, markup_of(project))
+        return Reading(project, diagnostics, version.name)
+
+    def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Make of `project`, a copy, what this format makes of it."""
+        exchange(project, markup_of(project), Markup.SIMATICML)
+        if not options.same:
+            if project.header.product == PRODUCT and options.version:
+                project.header.version = options.version
+            kept = project.carried.attributes if project.carried is not None else {}
+            for name in [name for name in kept if name.startswith(SCHEMA)]:
+                del kept[name]
+            for chart in project.charts():
+                fit_alarms(chart.network, _version(project, options))
+        version = _version(project, options)
+        adapting.adapt(project, report)
+        if not project.header.product:  # a project made in Python: nothing is lost when the file says who reads it
+            project.header.product, project.header.version = PRODUCT, version.name
+        exchange(project, Markup.SIMATICML, markup_of(project))
+
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        """The lines of the objects in the file `content`, with the variables, steps and transitions of blocks.
+
+        They are by the paths that the report gives them.
+        """
+        found: dict[str, int] = {}
+        root = parse(content)
+        line_of = SourceLines(root, content).line
+        for owner in root:
+            kind = _KINDS.get(local(owner))
+            name = next(owner.iterfind("{*}AttributeList/{*}Name"), None)
+            if kind is None or name is None:
+                continue
+            path = f"{kind} {name.text or ''}"
+            found.setdefault(path, line_of(owner) or 1)
+            for member in owner.iterfind("{*}AttributeList/{*}Interface/*/*/{*}Member"):
+                found.setdefault(f"{path} / {member.get('Name')}", line_of(member) or 1)
+            for part in owner.iter("{*}Step", "{*}Transition"):
+                found.setdefault(f"{path} / {local(part).lower()} {part.get('Name')}", line_of(part) or 1)
+        return found
+
+    def replace_missing(self, project: Project, report: ConversionReport) -> None:
+        """Put back in `project`, a copy, what tools without it have been given instead."""
+        exchange(project, markup_of(project), Markup.SIMATICML)
+        put_boxes(project)
+        exchange(project, Markup.SIMATICML, markup_of(project))
+
+    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+        """The tree of the document for `project`."""
+        version = _version(project, options)
+        if markup_of(project) is not Markup.SIMATICML:
+            project = project.model_copy(deep=True)
+            exchange(project, markup_of(project), Markup.SIMATICML)
+        return write_project(project, version, report, options)
+
+    def style(self) -> XmlStyle:
+        """As TIA Portal writes: UTF-8 with a mark, CRLF, two blanks, ``<a />``."""
+        return _STYLE
+
+    def normalize(self, data: bytes) -> bytes:
+        """The document without what an import does not look at."""
+        return normalizing.normalize(data, _STYLE)
+
+    def validate(self, content: bytes, *, file: str | None = None) -> list[Diagnostic]:
+        """What is wrong with a file by the schema of the format."""
+        from plcopen_sfc.formats.simaticml.schema import validate  # noqa: PLC0415  # brings xmlschema
+
+        return validate(content, file=file)
+
+    def standard_folder(self, thing: ProjectObject) -> str:
+        """Where TIA Portal puts an object of this kind."""
+        return layout.standard_folder(thing)
+
+    def new_document(self, version: str) -> Project:
+        """A document of TIA Portal without objects."""
+        return layout.new_document(version)
+
+    def added_objects(self, project: Project) -> Sequence[ProjectObject]:
+        """Objects for TIA Portal alone, such as tag tables of addresses."""
+        return project_writer.added_objects(project)
 
 
-def write(project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-    """Write a document anew."""
-    return writing.write(to_tree(project, options, report), style(project, options))
+CODEC = SimaticmlCodec()

@@ -58,10 +58,14 @@ def _operand_of(tree: n.Expression) -> n.Expression:
     return n.Parenthesized(tree) if isinstance(tree, n.Operation) else tree
 
 
+def untranslated_name(label: str) -> str:
+    """The variable that stands for the condition of the step or transition `label`; nothing declares it."""
+    return re.sub(r"\W+", "_", f"{NOT_TRANSLATED}_{label}").strip("_")
+
+
 def untranslated_body(result: str, label: str) -> LdBody:
     """A network that does not compile: its contact is a variable that nothing declares."""
-    name = re.sub(r"\W+", "_", f"{NOT_TRANSLATED}_{label}").strip("_")
-    contact = Contact(id=1, variable=f"#{name}", input=InputPin(connections=[Connection(source=0)]))
+    contact = Contact(id=1, variable=f"#{untranslated_name(label)}", input=InputPin(connections=[Connection(source=0)]))
     coil = Coil(id=2, variable=result, input=InputPin(connections=[Connection(source=1)]))
     return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), contact, coil])])
 

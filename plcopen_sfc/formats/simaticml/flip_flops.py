@@ -57,7 +57,7 @@ def _put_flip_flops(
     texts = [piece for piece in texts if not (isinstance(piece.holder, Block) and piece.key == "instance")]
     parsed = [(piece, _parsed(piece, project.dialect)) for piece in texts]
     kept = {name for _, found in parsed for name in _otherwise_used(found.tree, instances)}
-    for name in kept:
+    for name in sorted(kept):
         why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
         report.add(Outcome.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
     changed = {name: variable for name, variable in instances.items() if name not in kept}

@@ -26,7 +26,14 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_languages,
     whole_number,
 )
-from plcopen_sfc.formats.simaticml.rewritten import WRITTEN, edited_fields, forget_edited_times, of_condition
+from plcopen_sfc.formats.simaticml.rewritten import (
+    WRITTEN,
+    edited_fields,
+    forget_edited_exclusions,
+    forget_edited_times,
+    of_condition,
+    warn_of_edit,
+)
 from plcopen_sfc.formats.simaticml.topology import Ref
 from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, added_in, usual_order
 from plcopen_sfc.model.drawing import SymbolKind
@@ -73,6 +80,14 @@ class _ChartReader:
         """The conditions as their networks say them, of the transitions whose source is kept instead."""
         self._told: set[int] = set()
         """The transitions of which a comment of ours keeps the condition, whether it counts or not."""
+        self._excluded: dict[int, Fields] = {}
+        """The steps that a comment of ours excludes, as the file has them."""
+        self._unwritten: set[int] = set()
+        """The actions that only comments of ours say."""
+        self._edited: list[int] = []
+        """The steps whose rows were edited."""
+        self._elements: dict[int, etree._Element] = {}
+        """The elements of the steps of which comments keep something."""
 
     def new_id(self) -> int:
         """The next id."""
@@ -97,13 +112,28 @@ class _ChartReader:
                 carry_element(chart, child)
         _keep_attributes(chart, element)
         self._structure()
-        forget_edited_times(chart, self._networks, self._told)
+        self._forget_edited()
         self._check_names()
         read_comments(self.ctx, element, chart)
         settings = dict(late.get("graph_settings", {}))
         if [tuple(category.values()) for category in categories] not in USUAL_CATEGORIES:
             settings["alarm_categories"] = categories
         return {**chart, **late, "graph_settings": settings or None}
+
+    def _forget_edited(self) -> None:
+        """Forget what comments keep of steps that were edited, or whose transitions were."""
+        found = forget_edited_exclusions(self.chart, self._excluded, self._networks, self._told, self._edited)
+        kept = [("exclusion of the step", number) for number in found]
+        there = {row["id"] for step in self.chart["steps"] for row in step["actions"]}
+        for symbol in self.chart.get("drawing", {}).get("symbols", ()):
+            if "entries" in symbol:
+                symbol["entries"] = [entry for entry in symbol["entries"] if entry["association"] in there]
+        found = forget_edited_times(self.chart, self._networks, self._told)
+        for what, number in (*kept, *(("minimum time", number) for number in found)):
+            element = self._elements[number]
+            self.ctx.place.append(f"step {element.get('Name', '')}")
+            warn_of_edit(self.ctx, f"the {what}", element)
+            self.ctx.place.pop()
 
     def _check_names(self) -> None:
         """Steps and transitions are members of the block: no two members have the same name."""
@@ -230,7 +260,9 @@ class _ChartReader:
         read_comments(self.ctx, element, kept)
         if fields["max_time"] is not None:
             kept.pop("max_time", None)
-        merge(fields, {name: value for name, value in kept.items() if name not in edited})
+        if edited and not kept.get("exclude"):
+            warn_of_edit(self.ctx, "the actions", element)
+        self._keep(fields, kept, element, edited)
         self.chart["steps"].append(fields)
         sequence["steps"].append(fields["id"])
         if number is None:
@@ -241,6 +273,18 @@ class _ChartReader:
             self.topology.add_actions(fields["id"], [action["id"] for action in fields["actions"]])
         self.ctx.place.pop()
 
+    def _keep(self, fields: Fields, kept: Fields, element: etree._Element, edited: list[str]) -> None:
+        """Put back what a comment keeps of a step, but for the `edited` fields."""
+        if not kept:
+            return
+        number = fields["id"]
+        self._elements[number] = element
+        if kept.get("exclude"):
+            native = [row for row in fields["actions"] if row["id"] not in self._unwritten]
+            self._excluded[number] = {**copy.deepcopy(fields), "actions": copy.deepcopy(native)}
+            self._edited += [number] if edited else []
+        merge(fields, {name: value for name, value in kept.items() if name not in edited})
+
     def _actions(self, step: Fields, element: etree._Element) -> list[str]:
         """Read the rows of a step. Returns the fields of the step that count no more, as the rows were edited."""
         shell = _shell(element)
@@ -250,7 +294,9 @@ class _ChartReader:
         for row in element:
             if not isinstance(row.tag, str):
                 said = notes.get(row, {}).get(ASSOCIATION)  # one that no row says
-                step["actions"] += [{**said, "id": self.new_id()}] if said is not None else []
+                if said is not None:
+                    step["actions"].append({**said, "id": self.new_id()})
+                    self._unwritten.add(self._last)
             elif local(row) != "Action":
                 shell.append(copy.deepcopy(row))
             elif self.ctx.trusting and not edited and is_added(row):
@@ -385,6 +431,7 @@ def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields
             fields["condition"] = said
         else:
             kept.pop("exclude", None)  # somebody has programmed what was excluded
+            warn_of_edit(ctx, f"the condition of the {local(element).lower()}", element)
     merge(fields, kept)
     return is_kept
 

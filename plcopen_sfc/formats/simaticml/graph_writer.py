@@ -12,7 +12,13 @@ from plcopen_sfc.formats.simaticml.actions_reader import row_fields
 from plcopen_sfc.formats.simaticml.actions_writer import write_row
 from plcopen_sfc.formats.simaticml.adapting import network_text, say_constants, user_constants
 from plcopen_sfc.formats.simaticml.added import keep_added
-from plcopen_sfc.formats.simaticml.conditions import condition_body, drawn_condition, untranslated_body
+from plcopen_sfc.formats.simaticml.box_types import give_types
+from plcopen_sfc.formats.simaticml.conditions import (
+    condition_body,
+    drawn_condition,
+    untranslated_body,
+    untranslated_name,
+)
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.networks import is_sayable, write_flgnet_body
 from plcopen_sfc.formats.simaticml.reading import ASSOCIATION, children, local
@@ -43,7 +49,7 @@ from plcopen_sfc.formats.xml.foreign import Markup, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent
 from plcopen_sfc.model.base import Carried
-from plcopen_sfc.model.body import Body, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.drawing import Symbol
@@ -109,6 +115,7 @@ class _ChartWriter:
         pou = next((pou for pou in ctx.project.pous if pou.name == ctx.body_name), None)
         self.rows = RowPlanner(ctx.project, pou, of_tia=self.of_tia)
         transitions = pou.transitions if pou is not None else []
+        self.declared = {variable.name.casefold() for variable in pou.variables()} if pou is not None else set()
         self.condition_of = condition_reader(chart, Dialect.SCL, transitions=transitions)
         self.steps = {step.id: step for step in chart.steps}
         self.constants = user_constants(ctx.project) if not self.of_tia else []
@@ -247,19 +254,16 @@ class _ChartWriter:
         added = legaliser.added
         self.last_step = max(self.last_step, *added.steps, 0)
         self.last_transition = max(self.last_transition, *added.transitions, 0)
-        self._report(added, problems(links, types), dead_ends)
+        self._report(problems(links, types), dead_ends)
         return _Connections(links, branches, added)
 
-    def _report(self, added: Added, refused: list[str], dead_ends: list[int]) -> None:
+    def _report(self, refused: list[str], dead_ends: list[int]) -> None:
         for problem in dict.fromkeys(refused):
             self.ctx.note(Outcome.APPROXIMATED, "branch", why=f"{problem}; TIA Portal may refuse it")
-        for _ in added.steps:
-            why = "S7-GRAPH wants a step and a transition before what comes next: it is active one cycle later"
-            self.ctx.note(Outcome.APPROXIMATED, "branch", why=why)
         for step in self.chart.steps:
             if self.step_numbers[step.id] in dead_ends:
                 why = "S7-GRAPH wants a transition behind every step: one that is never TRUE"
-                self.ctx.note(Outcome.TRANSLATED, "step", f"step {step.name}", why)
+                self.ctx.note(Outcome.TRANSLATED, "end of the sequence", f"step {step.name}", why)
 
     def _free_name(self, stem: str, number: int) -> str:
         """A name that no step, transition or variable of the block has."""
@@ -271,6 +275,8 @@ class _ChartWriter:
 
     def _added_step(self, parent: etree._Element, number: int) -> None:
         name = self._free_name("Wait", number)
+        why = "S7-GRAPH wants it and a transition between two branches: what comes next is active one cycle later"
+        self.ctx.note(Outcome.APPROXIMATED, "step", f"step {name}", why)
         element = sub(parent, "Step", {"Number": str(number), "Init": "false", "Name": name})
         sub(sub(element, "Actions"), "Action")
         step = Step(id=0, name=name)
@@ -309,7 +315,7 @@ class _ChartWriter:
         write_languages(ctx, element, "Comment", step.comment)
         actions = sub(element, "Actions")
         self._fill_shell(actions, step.carried, "Actions")
-        instead = self._actions(actions, step)
+        instead = self._actions(actions, step) or (["exclude"] if step.exclude else [])
         if instead:
             keep_fields(actions, {WRITTEN: of_rows(actions), INSTEAD: instead})
         sub(actions, "Action")
@@ -346,9 +352,7 @@ class _ChartWriter:
 
     def _watches_times(self) -> bool:
         """True if the source tool reports steps that last too long."""
-        flags = self.chart.settings.flags if self.chart.settings is not None else {}
-        watching = (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT, SfcFlag.ERROR_STEP)
-        return any(name in flags and flags[name].use for name in watching)
+        return SfcFlag.ERROR in self.chart.flags_in_use(lambda name: name.casefold() in self.declared)
 
     def _actions(self, parent: etree._Element, step: Step) -> list[str]:
         """Write the rows of a step: what is done once on entry, while it is active, and once when it is left.
@@ -456,12 +460,16 @@ class _ChartWriter:
                 if condition is not None
                 else "the transition has no condition"
             )
+            if isinstance(drawn, FbdBody):
+                reasons = [give_types(network, self.ctx.types) for network in drawn.networks]
+                drawn = next((reason for reason in reasons if reason is not None), drawn)
             if not isinstance(drawn, str) and not is_sayable(self.ctx, drawn):
                 drawn = "TIA Portal does not have all elements of its network"
             if isinstance(drawn, str):
                 label = self.ctx.place[-1].partition(" ")[2] if self.ctx.place else ""
                 body = untranslated_body(result, label)
-                why = f"it is not written, and the block does not compile until somebody has programmed it: {drawn}"
+                name = untranslated_name(label)
+                why = f"the undeclared name {name} stands for it, and the block does not compile: {drawn}"
                 self.ctx.note(Outcome.NOT_EXECUTED, what, why=why)
             else:
                 body = drawn

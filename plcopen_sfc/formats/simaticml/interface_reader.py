@@ -5,6 +5,7 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.added import is_added
+from plcopen_sfc.formats.simaticml.nested_values import has_nested, read_nested
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     ReadContext,
@@ -14,9 +15,11 @@ from plcopen_sfc.formats.simaticml.reading import (
     carry_element,
     children,
     local,
+    merge,
     read_comments,
     read_languages,
 )
+from plcopen_sfc.formats.simaticml.rewritten import counting, of_member, warn_of_edit
 from plcopen_sfc.formats.simaticml.sections import LAYOUT, SECTIONS, restored
 from plcopen_sfc.formats.simaticml.start_values import read_elements
 from plcopen_sfc.formats.simaticml.types import read_type, write_type
@@ -61,7 +64,12 @@ def read_interface(ctx: ReadContext, element: etree._Element) -> Fields:
                 carry_element(fields, section)
                 continue
             fields["sections"].append(_section(ctx, section, kind))
-        read_comments(ctx, sections, fields)
+        kept: Fields = {}
+        read_comments(ctx, sections, kept)
+        if kept.get("return_type") is not None and any(s["kind"] is SectionKind.RETURN for s in fields["sections"]):
+            warn_of_edit(ctx, "the result of the function", sections)
+            del kept["return_type"]
+        merge(fields, kept)
     layout = fields.pop(LAYOUT, None)
     if layout is not None:
         fields["sections"] = restored(fields["sections"], layout)
@@ -128,6 +136,9 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
     if left:
         carried(fields)["attributes"].update(left)
     fields["type"] = read_type(spelled, members)
+    nested = read_nested(element) if "initial" not in fields and has_nested(element) else None
+    if nested is not None:
+        fields["initial"] = nested
     initial = read_elements(fields["type"], elements) if elements and "initial" not in fields else None
     if initial is not None:
         fields["initial"] = initial
@@ -139,7 +150,10 @@ def read_member(ctx: ReadContext, element: etree._Element) -> Fields:
                 carry_element(fields, child)
     if fields["type"]["kind"] in _SPELLED and spelled_as(fields["type"]) != spelled:
         carried(fields)["attributes"]["Datatype"] = spelled
-    read_comments(ctx, element, fields)
+    kept: Fields = {}
+    read_comments(ctx, element, kept)
+    if kept:
+        merge(fields, counting(ctx, kept, of_member(element), element))
     return fields
 
 

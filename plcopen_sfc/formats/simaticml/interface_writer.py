@@ -8,7 +8,9 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.graph_parameters import add_system_parts
 from plcopen_sfc.formats.simaticml.interface_reader import MEMBER_ATTRIBUTES, usual_form
+from plcopen_sfc.formats.simaticml.nested_values import has_nested, write_nested
 from plcopen_sfc.formats.simaticml.results import write_result
+from plcopen_sfc.formats.simaticml.rewritten import WRITTEN, of_member
 from plcopen_sfc.formats.simaticml.sections import LAYOUT, SECTIONS, is_usual, merged, section_name
 from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
@@ -16,7 +18,7 @@ from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, fin
 from plcopen_sfc.formats.xml.carrying import legal
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.model.base import Carried
-from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, SimpleValue, StructType, Variable
+from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, SimpleValue, StructType, StructValue, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import Outcome
 
@@ -127,7 +129,14 @@ def write_member(
     if not starts and not ctx.options.same and ctx.s7_types.start(variable) is not None:
         told.add("initial")
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
-    if isinstance(start, SimpleValue):
+    if isinstance(start, StructValue) and isinstance(type_, StructType):
+        if write_nested(element, type_, start, ctx.s7_types.declared):
+            native.discard("type")  # read, the values are those of its members
+            told |= {"type", "initial"}
+    elif has_nested(element) or (start is not None and _is_nested(type_)):
+        if write_nested(element, type_, start, ctx.s7_types.declared):
+            native.add("initial")
+    elif isinstance(start, SimpleValue):
         sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(start.text or "") or None
         (native if start == variable.initial else told).add("initial")
     elif start is not None and write_elements(element, type_, start):
@@ -146,7 +155,17 @@ def write_member(
         told.add("type")
         why = f"TIA Portal has no type like this one; written as {spelled}, which does not compile"
         ctx.note(Outcome.NOT_EXECUTED, "data type", variable.name, why)
+    if "type" not in native or also or (variable.initial is not None and "initial" not in native):
+        also[WRITTEN] = of_member(element)
     finish(ctx, element, variable, frozenset(native), also=also, told=frozenset(told))
+
+
+def _is_nested(type_: DataType) -> bool:
+    """True if start values of a type stand in members: it is a PLC data type, or an array of structures."""
+    base = type_
+    while isinstance(base, ArrayType):
+        base = base.base
+    return isinstance(base, DerivedType) or (isinstance(base, StructType) and base is not type_)
 
 
 def spelling(type: DataType, kept: dict[str, str]) -> str:

@@ -8,6 +8,7 @@ from weakref import WeakValueDictionary
 
 from lxml import etree
 
+from plcopen_sfc.formats.provenance import read_later, remember_body
 from plcopen_sfc.formats.simaticml.objects_reader import (
     DATA_BLOCKS,
     DATA_TYPE,
@@ -110,13 +111,13 @@ class LateDocument:
             if isinstance(thing, Pou):
                 for name, body in thing.named_bodies():
                     if isinstance(body, SfcBody):
-                        body.settle(name, self._data)
+                        remember_body(body, name, self._data)
             if waiting:
                 waiting = False
                 self._done()
             return thing
 
-        return model.deferred(eager, read)
+        return read_later(model, eager, read)
 
     def _tree(self) -> etree._Element:
         root = self._root
@@ -130,7 +131,7 @@ class LateDocument:
     def _context(self) -> ReadContext:
         """A context of its own for each object; what is said about the document is in one list."""
         ctx = ReadContext(self._ctx.version, file=self._ctx.file, lines=self._ctx.lines)
-        ctx.of_tia = self._ctx.of_tia
+        ctx.of_tia, ctx.edited_copies = self._ctx.of_tia, self._ctx.edited_copies
         ctx.schemas, ctx.diagnostics = self._ctx.schemas, self._ctx.diagnostics
         return ctx
 

@@ -13,12 +13,14 @@ from plcopen_sfc.formats.simaticml.parts import (
     CALL_MARKS,
     CALLS,
     COILS,
+    CONVERT,
     COUNTED,
     INVERTED,
     LISTS,
     PART_NAME,
     RAIL,
     RESULTS,
+    converting_block,
     model_pin,
     part_block,
     template_type,
@@ -213,7 +215,13 @@ def _connection(parts: dict[str, _Part], number: str, pin: str) -> Fields:
 
 def known_part(element: XmlNode) -> StandardBlock | None:
     """The standard block that a ``Part`` is; None for others and for calls."""
-    return part_block(element.get("Name", "")) if local(element) == "Part" else None
+    if local(element) != "Part":
+        return None
+    name = element.get("Name", "")
+    if name != CONVERT:
+        return part_block(name)
+    types = {child.get("Name", ""): child.text or "" for child in children(element) if local(child) == "TemplateValue"}
+    return converting_block(types.get("SrcType", ""), types.get("DestType", ""))
 
 
 def _node(number: str, part: _Part) -> Fields:
@@ -282,7 +290,7 @@ def _input(pin: _Pin) -> Fields:
 
 
 def _block(number: str, part: _Part, name: str) -> Fields:
-    block = part_block(name)
+    block = known_part(part.element)
     left = attributes(part.element)
     del left["Name"], left["UId"]
     fields: Fields = {"kind": "block", "id": int(number), "type_name": block.name if block is not None else name}

@@ -17,6 +17,7 @@ from plcopen_sfc.formats.simaticml.parts import (
     CALL_MARKS,
     CALLS,
     COILS,
+    CONVERT,
     INVERTED,
     LISTS,
     PART_NAME,
@@ -27,7 +28,7 @@ from plcopen_sfc.formats.simaticml.parts import (
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode
 from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, renumber
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.languages.standard_blocks import S7_VERSION, StandardBlock, Tool, standard_block
+from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.network import (
     Block,
@@ -290,6 +291,10 @@ class _Writer:
             return {"time_type": "Time"}
         if not values and draft.name == _MOVE:
             return {"Card": "1"}
+        if block is not None and draft.name == CONVERT:
+            source, _, target = block.name.partition("_TO_")
+            draft.kind = S7_CONVERTED[source]
+            return values | {"SrcType": S7_CONVERTED[source], "DestType": S7_CONVERTED[target]}
         if values or block is None or block.operator is None:
             return values
         inputs = [end for end in draft.ends if not end.is_output and end.name != "en"]

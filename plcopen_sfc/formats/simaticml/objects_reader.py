@@ -18,12 +18,14 @@ from plcopen_sfc.formats.simaticml.reading import (
     child_named,
     children,
     local,
+    merge,
     plain_text,
     read_comments,
     read_object_text,
     whole_number,
 )
 from plcopen_sfc.formats.simaticml.results import name_result
+from plcopen_sfc.formats.simaticml.rewritten import counting, of_interface
 from plcopen_sfc.formats.simaticml.types import read_type
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlockKind, PouKind
@@ -106,13 +108,15 @@ def read_data_type(ctx: ReadContext, element: etree._Element) -> Fields:
     """Read a PLC data type."""
     fields: Fields = {"type": {"kind": "struct", "members": []}}
     values = _start(ctx, element, fields)
-    members = read_members(ctx, values["Interface"]) if "Interface" in values else None
+    interface = values.get("Interface")
+    members = read_members(ctx, interface) if interface is not None else None
     if members is not None:
         fields["type"] = members
         del values["Interface"]
     for child in _object_list(element, fields, ""):
         carry_element(fields, child)
-    return _end(ctx, element, fields, values)
+    digest = of_interface(interface) if interface is not None else ""
+    return _end(ctx, element, fields, values, {"type": digest, "initial": digest})
 
 
 def read_tag_table(ctx: ReadContext, element: etree._Element) -> Fields:
@@ -172,8 +176,14 @@ def _start(ctx: ReadContext, element: etree._Element, fields: Fields) -> dict[st
     return values
 
 
-def _end(ctx: ReadContext, element: etree._Element, fields: Fields, values: dict[str, etree._Element]) -> Fields:
-    """Keep the attributes that nobody has read."""
+def _end(
+    ctx: ReadContext,
+    element: etree._Element,
+    fields: Fields,
+    values: dict[str, etree._Element],
+    digests: dict[str, str] | None = None,
+) -> Fields:
+    """Keep the attributes that nobody has read, and put back what comments keep as long as `digests` fit."""
     for name, value in values.items():
         text = plain_text(value)
         if text is not None:
@@ -184,7 +194,9 @@ def _end(ctx: ReadContext, element: etree._Element, fields: Fields, values: dict
     for key, mark in attributes(element).items():
         if key not in ("ID", "CompositionName") or (key == "CompositionName" and ROLES.get(local(element)) != mark):
             carry_attribute(fields, f"@{key}", mark)
-    read_comments(ctx, element, fields)
+    kept: Fields = {}
+    read_comments(ctx, element, kept)
+    merge(fields, counting(ctx, kept, digests or {}, element))
     ctx.place.pop()
     return fields
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.added import keep_added
@@ -20,6 +22,7 @@ from plcopen_sfc.formats.simaticml.objects_reader import (
     TAG_TABLE,
 )
 from plcopen_sfc.formats.simaticml.results import bodies_with_result
+from plcopen_sfc.formats.simaticml.rewritten import WRITTEN, of_interface
 from plcopen_sfc.formats.simaticml.sections import holds_constants
 from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.formats.simaticml.writing import (
@@ -31,6 +34,7 @@ from plcopen_sfc.formats.simaticml.writing import (
     sub,
     write_object_text,
 )
+from plcopen_sfc.languages.s7_globals import UNCALLED
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlock, Pou, PouKind
@@ -66,7 +70,9 @@ class _Object:
         if self.values.find(name) is None:
             sub(self.values, name).text = value or None
 
-    def finish(self, native: frozenset[str], *, told: frozenset[str] = frozenset()) -> None:
+    def finish(
+        self, native: frozenset[str], *, told: frozenset[str] = frozenset(), also: dict[str, Any] | None = None
+    ) -> None:
         """Write what was kept, sort the attributes as TIA Portal does, and carry what is left."""
         carried = self.thing.carried
         for name, value in carried.attributes.items() if carried is not None else ():
@@ -87,7 +93,7 @@ class _Object:
         write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
         if not len(self.objects):
             self.element.remove(self.objects)
-        finish(self.ctx, self.element, self.thing, native | _TEXTS, told=told)
+        finish(self.ctx, self.element, self.thing, native | _TEXTS, told=told, also=also)
 
 
 def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
@@ -123,8 +129,10 @@ def write_pou(ctx: WriteContext, parent: etree._Element, pou: Pou) -> None:
         write_units(ctx, writer.objects, body)
     for action in pou.actions:
         if action.body is not None and action.name.casefold() not in ctx.actions_told:
-            why = "blocks of TIA Portal have no actions: what calls it does not execute it"
-            ctx.note(Outcome.NOT_EXECUTED, "POU action", f"action {action.name}", why)
+            is_called = id(action) in ctx.called_actions
+            why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
+            outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA
+            ctx.note(outcome, "POU action", f"action {action.name}", why)
     for method in pou.methods:
         why = "blocks of TIA Portal have no methods: what calls it does not execute it"
         ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
@@ -191,6 +199,7 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, declaration: Data
     writer = _Object(ctx, parent, DATA_TYPE, declaration)
     ctx.place.append(f"type {declaration.name}")
     native = {"type"}
+    also: dict[str, Any] = {}
     if isinstance(declaration.type, StructType):
         kept = declaration.carried.elements if declaration.carried is not None else []
         if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
@@ -200,12 +209,14 @@ def write_data_type(ctx: WriteContext, parent: etree._Element, declaration: Data
         native.discard("type")
         held = Variable(name="Value", type=ctx.s7_types.type(declaration.type))
         write_members(ctx, writer.values, StructType(members=[held]))
+        written = of_interface(writer.values[-1])
+        also[WRITTEN] = {"type": written, "initial": written}
         why = f"its variables are of the type {write_type(held.type)}"
         if isinstance(declaration.type, EnumType):
             why += "; its values are user constants"
         ctx.note(Outcome.TRANSLATED, "data type", why=why)
     write_object_text(ctx, writer.objects, "Comment", declaration.comment)
-    writer.finish(frozenset(native), told=frozenset({"type", "initial"}))
+    writer.finish(frozenset(native), told=frozenset({"type", "initial"}), also=also)
     ctx.place.pop()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool, standard_block
+from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, StandardBlock, Tool, standard_block
 
 RAIL = 0
 """The id of the power rail; those of other elements are their ``UId``, which begin at 21."""
@@ -12,6 +12,8 @@ RESULTS = ("TrCoil", "IlCoil", "SvCoil")
 """The coils in which the networks of transitions, interlocks and supervisions end."""
 COILS = {"Coil": "none", "SCoil": "set", "RCoil": "reset"}
 CARDINALITIES = ("Card", "card")
+CONVERT = "Convert"
+"""The box of all conversions: its types tell which."""
 COUNTED = ("A", "O", "X")
 """Boxes that say nothing of themselves but how many inputs they have."""
 LISTS = ("AutomaticTyped", "Invisible")
@@ -32,6 +34,13 @@ def part_block(name: str) -> StandardBlock | None:
     if block is None or s7_name(block) != name:
         return None
     return block
+
+
+def converting_block(source: str, target: str) -> StandardBlock | None:
+    """The conversion that a ``Convert`` is between these types, which it spells just so; None where it is another."""
+    if S7_CONVERTED.get(source.upper()) != source or S7_CONVERTED.get(target.upper()) != target or source == target:
+        return None
+    return standard_block(f"{source}_TO_{target}".upper())
 
 
 def s7_name(block: StandardBlock) -> str:

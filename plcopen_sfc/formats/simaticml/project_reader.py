@@ -98,6 +98,7 @@ def read_project(
                 continue  # the project has the global variables that it says
             if copied is Added.EDITED:
                 forget_mark(child)
+                ctx.edited_copies.add((child.findtext("{*}AttributeList/{*}Name") or "").casefold())
                 ctx.warn("XML213", "a copy of global variables was edited: it is an object of its own now", child)
             look_at_object(ctx, child)
             fields[where].append(late.object(child, place, keep_id=not usual))

@@ -59,6 +59,8 @@ class ReadContext:
         """The types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
         self.constants: frozenset[str] = frozenset()
         """The constants of that block, as its texts name them, in lower case."""
+        self.edited_copies: set[str] = set()
+        """The tag tables that were written as copies and edited since, in lower case."""
         self.place: list[str] = []
         """Names of the objects around the one being read, for messages."""
 

@@ -15,17 +15,12 @@ from plcopen_sfc.formats.simaticml.added import keep_added
 from plcopen_sfc.formats.simaticml.reading import Fields
 from plcopen_sfc.formats.simaticml.types import write_type
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.edits import Edit, apply_edits
-from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.s7_results import OPERANDS, RESULT, rename_local, renamed_local
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import DataType
 
 RETURN = "Return"
-RESULT = "Ret_Val"
-_TEXTS = ("expression", "variable")
-"""Fields of elements of networks that hold operands."""
 
 
 def write_result(sections: etree._Element, type_: DataType) -> None:
@@ -43,14 +38,8 @@ def bodies_with_result(pou: Pou) -> list[Body]:
 
 
 def _with_result(body: Body, name: str) -> Body:
-    if isinstance(body, StBody):
-        return body.model_copy(update={"text": _renamed(body.text, name, RESULT)})
-    if isinstance(body, FbdBody | LdBody):
-        body = body.model_copy(deep=True)
-        for node in (node for network in body.networks for node in network.nodes):
-            for field in _TEXTS:
-                if (text := getattr(node, field, None)) is not None:
-                    setattr(node, field, _renamed(text, name, RESULT))
+    body = body.model_copy(deep=True) if isinstance(body, StBody | FbdBody | LdBody) else body
+    rename_local(body, name, RESULT)
     return body
 
 
@@ -58,16 +47,7 @@ def name_result(bodies: list[Any], name: str) -> None:
     """Give the result its name in the bodies of a function that were read."""
     for body in (body for body in bodies if isinstance(body, dict)):
         texts: list[tuple[Fields, str]] = [(body, "text")] if body.get("language") == "ST" else []
-        texts += [(node, f) for network in body.get("networks", []) for node in network["nodes"] for f in _TEXTS]
+        texts += [(node, f) for network in body.get("networks", []) for node in network["nodes"] for f in OPERANDS]
         for holder, field in texts:
             if isinstance(holder.get(field), str):
-                holder[field] = _renamed(holder[field], RESULT, name)
-
-
-def _renamed(text: str, old: str, new: str) -> str:
-    """`text` with the local variable `old` called `new`."""
-    if old.casefold() not in text.casefold():
-        return text
-    spelled = (f"#{old}".casefold(), f'#"{old}"'.casefold())
-    tokens = tokenize(text, Dialect.SCL).tokens
-    return apply_edits(text, [Edit(*token.span, f"#{new}") for token in tokens if token.value.casefold() in spelled])
+                holder[field] = renamed_local(holder[field], RESULT, name)

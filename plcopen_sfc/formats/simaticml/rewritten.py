@@ -1,15 +1,15 @@
 """What is written instead of what the source says, and whether it is still as it was written.
 
-A comment keeps the source beside a network or rows that say it otherwise, with a digest of what they mean. TIA Portal
-imports no comments, but a file may be edited and keep them: after an edit the network and the rows count. Numbers,
-blanks and the order of the elements of a network mean nothing.
+A comment keeps the source beside an element that says it otherwise, with a digest of what the element means. TIA Portal
+imports no comments, but a file may be edited and keep them: after an edit the element counts, and a warning says so.
+Numbers, blanks and the order of the elements of a network mean nothing.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from typing import Any
 
 from lxml import etree
@@ -20,6 +20,7 @@ from plcopen_sfc.formats.simaticml.networks_reader import read_flgnet
 from plcopen_sfc.formats.simaticml.reading import (
     Fields,
     NotUnderstoodError,
+    ReadContext,
     XmlNode,
     attributes,
     child_named,
@@ -55,6 +56,59 @@ def of_rows(actions: etree._Element) -> str:
     return _digest([row_fields(row) for row in rows])
 
 
+def of_member(element: etree._Element) -> dict[str, str]:
+    """The digests of the type and of the start value of a member, by the fields that say them."""
+    starts: list[Any] = []
+    for value in element.iter("{*}StartValue"):
+        owners = value.iterancestors("{*}Member", "{*}Subelement")
+        starts.append([value.text, *(owner.get("Name") or owner.get("Path") for owner in owners)])
+    return {"type": _digest(element.get("Datatype", "")), "initial": _digest(starts)}
+
+
+def of_interface(element: etree._Element) -> str:
+    """The digest of the members of a data type."""
+    return _digest(_structure(element))
+
+
+def warn_of_edit(ctx: ReadContext, what: str, element: etree._Element) -> None:
+    """Warn that a comment keeps something of the source which counts no more."""
+    ctx.warn(
+        "XML214", f"what a comment keeps of {what} is outdated: it was edited in this file; the edit counts", element
+    )
+
+
+def counting(ctx: ReadContext, kept: Fields, digests: dict[str, str], element: etree._Element) -> Fields:
+    """The fields in a comment at `element` without those whose native form was edited. `digests`: the present ones."""
+    written = kept.pop(WRITTEN, None)
+    if not isinstance(written, dict):
+        return kept
+    edited = [name for name, digest in digests.items() if name in kept and written.get(name) != digest]
+    has_start = next(element.iter("{*}StartValue"), None) is not None
+    if "type" in kept and "type" not in edited:
+        # the values of its enumeration are others in this file, or without a start value it would be that of the type
+        without = "initial" in edited and not has_start
+        if without or not ctx.edited_copies.isdisjoint(_named_in(kept["type"], ctx.place)):
+            edited.append("type")
+    if "type" in edited and "initial" not in edited and "initial" in kept:
+        edited.append("initial")  # a value of a type that the variable no longer has
+    for name in edited:
+        warn_of_edit(ctx, f"the {_SHOWN[name]} of {element.get('Name') or 'the data type'}", element)
+    return {name: value for name, value in kept.items() if name not in edited}
+
+
+def _named_in(type_: Any, place: list[str]) -> set[str]:
+    """The types that a kept type is made of, in lower case; an enumeration is called as what it stands in."""
+    if not isinstance(type_, dict):
+        return set()
+    names = {str(type_.get("name", "")).casefold()}
+    if type_.get("kind") == "enum" and place:
+        names.add(place[-1].partition(" ")[2].casefold())
+    return names.union(*(_named_in(inner, place) for inner in type_.values()))
+
+
+_SHOWN = {"type": "type", "initial": "start value"}
+
+
 def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
     """The fields of a step of which the rows count, as they are no longer as they were written.
 
@@ -64,13 +118,41 @@ def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
     return fields if isinstance(fields, list) and kept.get(WRITTEN) != of_rows(actions) else []
 
 
-def forget_edited_times(chart: Fields, networks: dict[int, Fields], told: Container[int]) -> None:
+def forget_edited_exclusions(
+    chart: Fields, excluded: dict[int, Fields], networks: dict[int, Fields], told: Container[int], edited: Iterable[int]
+) -> list[int]:
+    """Take steps as the file has them that were excluded, and that somebody has programmed. Returns their ids.
+
+    `excluded`: these steps as the file has them, by id. `networks` and `told` are as in `forget_edited_times`; networks
+    that count are taken out of the former. `edited`: the steps whose rows were edited.
+    """
+    waiting = [number for number in excluded if number in set(edited)]
+    found: list[int] = []
+    while True:
+        for transition in chart["transitions"]:
+            if transition["id"] in told and transition["id"] not in networks:
+                waiting += [number for number in transition.get("sources", ()) if number in excluded]
+        waiting = [number for number in dict.fromkeys(waiting) if number not in found]
+        if not waiting:
+            return found
+        for place, step in enumerate(chart["steps"]):
+            if step["id"] in waiting:
+                chart["steps"][place] = excluded[step["id"]]
+        for transition in chart["transitions"]:
+            if transition["id"] in networks and not set(waiting).isdisjoint(transition.get("sources", ())):
+                transition["condition"] = networks.pop(transition["id"])
+        found += waiting
+
+
+def forget_edited_times(chart: Fields, networks: dict[int, Fields], told: Container[int]) -> list[int]:
     """Drop the minimum times of steps that a transition no longer waits for: its networks count then.
 
     `networks`: the conditions as the file has them, by the ids of the transitions whose source is kept instead. `told`:
     the transitions of which a condition is kept at all; where none leaves a step, its time is kept beside it only.
+    Returns the ids of the steps.
     """
     left = dict(networks)
+    dropped: list[int] = []
     found = True
     while found:
         found = False
@@ -80,9 +162,11 @@ def forget_edited_times(chart: Fields, networks: dict[int, Fields], told: Contai
                 continue
             found = True
             step["min_time"] = None
+            dropped.append(step["id"])
             for transition in leaving:
                 if transition["id"] in left:
                     transition["condition"] = left.pop(transition["id"])
+    return dropped
 
 
 def _expression(element: etree._Element, network: etree._Element, result: str) -> str | None:

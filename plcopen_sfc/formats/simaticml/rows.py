@@ -131,7 +131,10 @@ class RowPlanner:
     def _first(self, path: list[str]) -> tuple[list[Variable], list[str]]:
         """The variables among which the first name of a path is looked for, and the path from there on."""
         lists = [*self._project.global_variables, *(s for a in self._project.applications for s in a.global_variables)]
-        named = {section.name.casefold(): section.variables for section in lists if section.name}
+        named: dict[str, list[Variable]] = {}
+        for section in lists:
+            if section.name:
+                named.setdefault(section.name.casefold(), []).extend(section.variables)
         named |= {b.name.casefold(): b.interface.variables() for b in self._project.data_blocks if b.interface}
         own = self._pou.variables() if self._pou is not None else []
         if path[0].casefold() in named and not any(v.name.casefold() == path[0].casefold() for v in own):

@@ -74,13 +74,14 @@ def _retained(variable: Variable, section: VariableSection) -> Variable:
 
 
 def restored(sections: list[Any], layout: list[Fields]) -> list[Any]:
-    """The sections that `merged` was given; variables that came since stand in the first of their kind."""
+    """The sections that `merged` was given; variables that came since, or are in another, stand in the first of it."""
     pool = {variable["name"]: (variable, section["kind"]) for section in sections for variable in section["variables"]}
     found: list[Any] = []
     for entry in layout:
         section: Fields = dict(entry["section"])
         if "names" in entry:
-            taken = [pool.pop(name)[0] for name in entry["names"] if name in pool]
+            kinds = _kinds(section)
+            taken = [pool.pop(name)[0] for name in entry["names"] if name in pool and pool[name][1] in kinds]
             kept = section.get("retain") or section.get("persistent")
             section["variables"] = [_as_before(variable) for variable in taken] if kept else taken
         found.append(section)
@@ -91,6 +92,13 @@ def restored(sections: list[Any], layout: list[Fields]) -> list[Any]:
         else:
             fitting["variables"].append(variable)
     return found
+
+
+def _kinds(said: Fields) -> set[SectionKind]:
+    """The kinds of the sections of TIA Portal in which the variables of a section stand, in blocks and in functions."""
+    section = VariableSection.model_validate(said)
+    names = (section_name(section), section_name(section, static=False))
+    return {SECTIONS[name] for name in names if name is not None}
 
 
 def _as_before(variable: Fields) -> Fields:

@@ -78,7 +78,7 @@ def read_type(text: str, members: list[Fields] | None = None) -> Fields:
 def write_type(type: DataType) -> str:
     """How TIA Portal spells a data type."""
     if isinstance(type, ElementaryType):
-        return _SPELLED.get(type.name, type.name.value)
+        return _SPELLED.get(type.name, "Variant")
     if isinstance(type, StringType):
         return ("WString" if type.wide else "String") + (f"[{type.length}]" if type.length is not None else "")
     if isinstance(type, ArrayType):
@@ -107,4 +107,6 @@ def is_sayable(type: DataType) -> bool:
     """Whether TIA Portal has this type."""
     while isinstance(type, ArrayType):
         type = type.base
-    return isinstance(type, ElementaryType | StringType | DerivedType | StructType)
+    if isinstance(type, ElementaryType):
+        return type.name in _SPELLED
+    return isinstance(type, StringType | DerivedType | StructType)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -14,6 +14,7 @@ from plcopen_sfc.formats.simaticml.reading import VERBATIM, N
 from plcopen_sfc.formats.simaticml.sections import LAYOUT
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
 from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
+from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
 from plcopen_sfc.model.project import Project
@@ -67,6 +68,11 @@ class WriteContext:
         """The actions of that block of which the report says already at their steps what becomes of them."""
         self.body_name = ""
         """The name of the body being written, as `Pou.named_bodies` gives it."""
+
+    @cached_property
+    def called_actions(self) -> frozenset[int]:
+        """The ids of the actions that a step has or a program calls."""
+        return called_actions(self.project)
 
     def note(self, outcome: Outcome, what: str, name: str = "", why: str = "") -> None:
         """Put the outcome of an item into the report."""

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.xml.escaping import escape_text
 from plcopen_sfc.formats.xml.features import Comparison
 from plcopen_sfc.formats.xml.fragments import Fragments, Handwriting, is_mixed, kind_of, nodes_of, qualified_name
 from plcopen_sfc.formats.xml.layout import ChildLayout, Insertion, make_empty
-from plcopen_sfc.formats.xml.moves import Origin, Removed, missing_declarations, reindented
+from plcopen_sfc.formats.xml.moves import FileSource, Removed, missing_declarations, reindented
 from plcopen_sfc.formats.xml.textdiff import Change, apply
 from plcopen_sfc.formats.xml.texts import attribute_changes, text_changes, with_source_blanks
 from plcopen_sfc.formats.xml.tokens import Attribute, Node, PatchError, Segment, SourceTree
@@ -37,7 +37,7 @@ class Merge:
         self._edits: list[Change] = []
         self._insertions: list[Insertion] = []
         self._removed = Removed(self._comparison)
-        self._moved: dict[etree._Element, Origin] = {}
+        self._moved: dict[etree._Element, FileSource] = {}
 
     def run(self) -> str:
         """The edited text."""
@@ -153,7 +153,7 @@ class Merge:
         origins: list[int | None],
         old: list[etree._Element],
         new: list[etree._Element],
-    ) -> tuple[dict[int, Origin], set[Node]]:
+    ) -> tuple[dict[int, FileSource], set[Node]]:
         """Which new nodes stay where they are in the source, and which source nodes go (removed or moved)."""
         going: set[Node] = set()
         kept = set(origins)
@@ -166,7 +166,7 @@ class Merge:
             if origin is not None and (place := places[origin]) is not None:
                 followed.append((index, origin, place))
         in_order = longest_rising([origin for _, origin, _ in followed])
-        stays: dict[int, Origin] = {}
+        stays: dict[int, FileSource] = {}
         for position, (index, origin, place) in enumerate(followed):
             if position in in_order:
                 stays[index] = (place, old[origin])
@@ -219,7 +219,7 @@ class Merge:
         for index, gone in enumerate(places):
             if gone is not None and gone not in used:
                 self._removed.add(gone, old[index])
-        matched: list[Origin | None] = []
+        matched: list[FileSource | None] = []
         for origin in origins:
             known = None if origin is None else places[origin]
             matched.append(None if origin is None or known is None else (known, old[origin]))
@@ -247,7 +247,7 @@ class Merge:
             else:
                 self._replace(start, start, escape_text(new, self._writing.habits))
 
-    def _mixed_anew(self, node: Node, after: etree._Element, matched: list[Origin | None], known: set[Node]) -> str:
+    def _mixed_anew(self, node: Node, after: etree._Element, matched: list[FileSource | None], known: set[Node]) -> str:
         """The content written anew, out of the old pieces where they are still wanted."""
         tree = self._tree
         scope = tree.scope(node)

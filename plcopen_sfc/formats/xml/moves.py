@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     from plcopen_sfc.formats.xml.features import Comparison
 
-__all__ = ["Origin", "Removed", "missing_declarations", "reindented"]
+__all__ = ["FileSource", "Removed", "missing_declarations", "reindented"]
 
-Origin = tuple[Node, "etree._Element"]
+FileSource = tuple[Node, "etree._Element"]
 """A node of the source and the element of `before` that it corresponds to."""
 
 _ALIKE = 0.5
@@ -31,9 +31,9 @@ class Removed:
 
     def __init__(self, comparison: Comparison) -> None:
         self._comparison = comparison
-        self._new: deque[Origin] = deque()
-        self._by_content: defaultdict[bytes, deque[Origin]] = defaultdict(deque)
-        self._by_keys: defaultdict[Hashable, deque[Origin]] = defaultdict(deque)
+        self._new: deque[FileSource] = deque()
+        self._by_content: defaultdict[bytes, deque[FileSource]] = defaultdict(deque)
+        self._by_keys: defaultdict[Hashable, deque[FileSource]] = defaultdict(deque)
         self._taken: set[Node] = set()
         self._inside = 0
 
@@ -41,7 +41,7 @@ class Removed:
         """Remember a removed node."""
         self._new.append((node, element))
 
-    def take(self, element: etree._Element) -> Origin | None:
+    def take(self, element: etree._Element) -> FileSource | None:
         """Where `element` was before, if it is one of those removed; it can be taken only once."""
         while self._new:
             self._learn(*self._new.popleft())
@@ -94,7 +94,7 @@ def missing_declarations(tree: SourceTree, node: Node, scope: Mapping[str, str])
             continue
         own |= tree.declared(here).keys()
         names = [here.name, *(attribute.name for attribute in tree.attributes(here) if ":" in attribute.name)]
-        for prefix in {name.rpartition(":")[0] for name in names} & changed - own:
+        for prefix in sorted({name.rpartition(":")[0] for name in names} & changed - own):
             found[prefix] = outer.get(prefix, "")
         waiting += ((child, own) for child in here.children)
     return found

@@ -59,6 +59,8 @@ _SYSTEM_TYPES = re.compile(
     re.IGNORECASE,
 )
 
+_NUMBERS = re.compile(r"(?:FB|FC|DB|OB|UDT)\d+", re.IGNORECASE)
+
 
 def is_identifier(name: str) -> bool:
     """Whether `name` can stand as a name without quotes."""
@@ -68,6 +70,11 @@ def is_identifier(name: str) -> bool:
 def is_quoted_in_scl(type_name: str) -> bool:
     """Whether a type of this name stands in quotes in SCL: user types do, those of the system do not."""
     return _SYSTEM_TYPES.fullmatch(type_name) is None
+
+
+def is_unit_quoted_in_scl(name: str) -> bool:
+    """Whether a block or type of this name is declared in quotes in SCL: all are but numbers of blocks (``FB1``)."""
+    return _NUMBERS.fullmatch(name) is None
 
 
 def bare_name(text: str) -> str:

@@ -101,7 +101,7 @@ def _enum_value(value: t.EnumValue, dialect: Dialect) -> str:
 
 def _struct(type_: t.StructType, dialect: Dialect, indent: str) -> str:
     texts = kept(type_.carried)
-    word = "UNION" if "union" in texts else "Struct" if dialect is Dialect.SCL else "STRUCT"
+    word = "Struct" if dialect is Dialect.SCL else "UNION" if "union" in texts else "STRUCT"
     deeper = indent + indent_of(dialect)
     lines = [write_variable(member, dialect, deeper) for member in type_.members]
     lines += _kept_lines(texts, deeper)

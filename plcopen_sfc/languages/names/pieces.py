@@ -18,6 +18,7 @@ from plcopen_sfc.model import types as t
 from plcopen_sfc.model.actions import ActionAssociation, ForcingOrder
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
 from plcopen_sfc.model.project import (
     Configuration,
@@ -216,9 +217,9 @@ NAMELESS: dict[str, frozenset[str]] = {
         GraphSettings.version GraphSettings.initial_values_acquisition GraphSettings.network_language Project.version
         Project.modified Project.organization Project.author RuntimeLibrary.title Variable.attributes
         RuntimeLibrary.company RuntimeLibrary.version RuntimeLibrary.namespace TaskSettings.interval_unit
-        TaskWatchdog.time TaskWatchdog.time_unit TaskWatchdog.sensitivity VendorElement.element_type
-        VendorElement.attributes DataTypeDeclaration.place Pou.place ProjectObject.folder DataBlock.folder
-        DataTypeDeclaration.folder Pou.folder TagTable.folder
+        TaskSettings.attributes TaskWatchdog.time TaskWatchdog.time_unit TaskWatchdog.sensitivity
+        VendorElement.element_type VendorElement.attributes DataTypeDeclaration.place Pou.place ProjectObject.folder
+        DataBlock.folder DataTypeDeclaration.folder Pou.folder TagTable.folder
         """.split()
     ),
     "addresses": frozenset({"ConfigVariable.address", "Tag.address", "Variable.address"}),
@@ -264,7 +265,7 @@ def _walk(thing: Any, where: _Where) -> Iterator[Piece]:
 
 def _fields(thing: Model, where: _Where) -> Iterator[Piece]:
     naming = NAMING.get(type(thing), {})
-    if isinstance(thing, b.SfcBody):
+    if isinstance(thing, LateElement):
         thing.read()
     for key, value in thing.__dict__.items():
         if isinstance(value, str):

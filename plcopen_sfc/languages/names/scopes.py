@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.declarations.inheritance import inheritance
 from plcopen_sfc.languages.names.declarations import (
     Declaration,
     Kind,
@@ -17,9 +17,6 @@ from plcopen_sfc.languages.names.declarations import (
     variables_of,
 )
 from plcopen_sfc.languages.names.pieces import Site
-from plcopen_sfc.languages.st.declaration_nodes import PouHead
-from plcopen_sfc.languages.st.nodes import Name
-from plcopen_sfc.languages.st.parsing import parse_declarations
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Action, DataBlock, Method, NamedTransition, Pou
@@ -27,18 +24,6 @@ from plcopen_sfc.model.project import Configuration, Project, Resource
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.types import DataType, DerivedType, EnumType, StructType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
-
-_EXTENDS = re.compile(r"\bEXTENDS\s+(\w+)", re.IGNORECASE)
-
-
-def _extended(pou: Pou) -> list[str]:
-    """The name behind EXTENDS: in the text of the declaration, or in what a textual file keeps of the head."""
-    text = (pou.interface.declaration if pou.interface is not None else None) or ""
-    if "extends" in text.casefold():
-        heads = [item for item in parse_declarations(text, Dialect.CODESYS).tree.items if isinstance(item, PouHead)]
-        return [base.identifier for head in heads[:1] for base in head.extends if isinstance(base, Name)]
-    kept = pou.carried.data if pou.carried is not None else []
-    return [found[1] for data in kept if (found := _EXTENDS.search(data.content)) is not None][:1]
 
 
 class Scopes:
@@ -121,7 +106,7 @@ class Scopes:
 
     def base(self, pou: Pou) -> Pou | None:
         """The POU that this one extends, as the text of its declaration says."""
-        names = _extended(pou)
+        names = [name.rpartition(".")[2] for name in inheritance(pou.interface).extends]
         found = [d.holder for level in self.outer(pou.place) for name in names for d in level.named(name)]
         return next((holder for holder in found if isinstance(holder, Pou)), None)
 
@@ -177,7 +162,7 @@ class Scopes:
         """The scopes of everything global."""
         self._by_place()
         yield self._everywhere
-        for section in sections_of(self._project):
+        for section in self._project.global_sections():
             level = Level()
             for variable in variables_in(section):
                 level.add(variable)
@@ -336,13 +321,13 @@ def steps_of(chart: SfcNetwork, path: str, pou: Pou | None) -> Iterator[Declarat
 def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
     """The chart of a body and those of macro-steps and partial charts in it."""
     if isinstance(body, SfcBody):
-        waiting = [body.read()]
+        waiting = [body.chart]
         while waiting:
             chart = waiting.pop()
             yield chart
             waiting += [partial.network for partial in chart.partial_charts]
             macros = [step.macro.body for step in chart.steps if step.macro is not None]
-            waiting += [macro.read() for macro in macros if isinstance(macro, SfcBody)]
+            waiting += [macro.chart for macro in macros if isinstance(macro, SfcBody)]
 
 
 def _steps(body: Body | None, path: str, pou: Pou) -> Iterator[Declaration]:
@@ -362,7 +347,7 @@ def _types(project: Project) -> Iterator[tuple[DataType, str, Pou | None]]:
     for block in project.data_blocks:
         for variable in block.interface.variables() if block.interface is not None else ():
             yield from _inner(variable.type, f"{block.name}.{variable.name}", None)
-    for section in sections_of(project):
+    for section in project.global_sections():
         for variable in section.variables:
             path = f"{section.name}.{variable.name}" if section.name else variable.name
             yield from _inner(variable.type, path, None)
@@ -374,14 +359,3 @@ def _inner(type_: DataType, path: str, pou: Pou | None) -> Iterator[tuple[DataTy
         if isinstance(inner, StructType):
             for member in inner.members:
                 yield from _inner(member.type, f"{path}.{member.name}", pou)
-
-
-def sections_of(project: Project) -> Iterator[VariableSection]:
-    """Every section of global variables."""
-    yield from project.global_variables
-    for resource in project.applications:
-        yield from resource.global_variables
-    for configuration in project.configurations:
-        yield from configuration.global_variables
-        for resource in configuration.resources:
-            yield from resource.global_variables

@@ -191,6 +191,11 @@ class Graph:
             for node in network:
                 yield from self._with_feeding(node, done)
 
+    def roots(self) -> Iterator[Node]:
+        """The elements that are executed when their turn comes, in the order of execution."""
+        for network in self.networks:
+            yield from (root for root in sorted(network, key=_sort_key(network)) if self._is_root(root))
+
     def execution_for(self, sources: Iterable[Source]) -> Iterator[Node]:
         """The elements that these outputs need, once each: what feeds an element comes before it, but for feedback."""
         done: set[int] = set()
@@ -269,6 +274,11 @@ def _sort_key(network: Sequence[Node]) -> Callable[[Node], tuple[bool, int, floa
         return order <= 0, order, y, x, number[node.id]
 
     return key
+
+
+def without_places(nodes: Iterable[Node]) -> list[Node]:
+    """The elements of a network as a tool sees them that does not look at places."""
+    return [node.model_copy(update={"position": (0.0, 0.0)}) for node in nodes]
 
 
 def wires_of(node: Node) -> Iterator[Connection]:

@@ -8,12 +8,14 @@ from plcopen_sfc.languages.pragmas.remainder import (
     Change,
     Fields,
     PathError,
+    Segment,
     StaleError,
     apply,
     changes,
     parse_change,
     plain_fields,
     plain_value,
+    value_at,
 )
 
 __all__ = [
@@ -22,6 +24,7 @@ __all__ = [
     "Fields",
     "NotationError",
     "PathError",
+    "Segment",
     "StaleError",
     "apply",
     "changes",
@@ -29,4 +32,5 @@ __all__ = [
     "parse_change",
     "plain_fields",
     "plain_value",
+    "value_at",
 ]

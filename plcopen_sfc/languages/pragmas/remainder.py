@@ -109,32 +109,36 @@ def plain_value(value: Any, substitute: Substitute | None = None) -> Any:
 # -- differences ------------------------------------------------------------------------------------------------------
 
 
-def changes(said: Any, meant: Any, path: tuple[Segment, ...] = ()) -> Iterator[Change]:
-    """What must be said beside a text that says `said` so that it says `meant`."""
+def changes(said: Any, meant: Any, path: tuple[Segment, ...] = (), *, guarded: bool = False) -> Iterator[Change]:
+    """What must be said beside a text that says `said` so that it says `meant`.
+
+    `guarded`: each change of fields and lists tells what they are in the text, too, not only one of a plain value. The
+    reader must have all of the text before it makes the first change.
+    """
     if isinstance(said, dict) and isinstance(meant, dict) and (not path or (meant and _same_kind(said, meant))):
         for key in meant:
             if key in said:
-                yield from changes(said[key], meant[key], (*path, key))
+                yield from changes(said[key], meant[key], (*path, key), guarded=guarded)
             else:
                 yield from additions(meant[key], (*path, key))
         for key in said:
             if key not in meant:
-                yield Change((*path, key), DEFAULT, _scalar(said[key]))
+                yield Change((*path, key), DEFAULT, _instead(said[key], guarded))
     elif isinstance(said, list) and isinstance(meant, list) and _starts_alike(said, meant):
         for one, other, segment in zip(said, meant, _segments(said, meant), strict=False):
-            yield from changes(one, other, (*path, segment))
+            yield from changes(one, other, (*path, segment), guarded=guarded)
         for index, item in enumerate(meant[len(said) :], len(said)):
             yield from _appended(item, path, index)
     elif said != meant or type(said) is not type(meant):
         if isinstance(said, list) and isinstance(meant, list) and said and meant:
-            yield Change(path, [])
+            yield Change(path, [], _instead(said, guarded))
             yield from additions(meant, path)
         else:
-            yield Change(path, meant, _scalar(said))
+            yield Change(path, meant, _instead(said, guarded))
 
 
-def _scalar(said: Any) -> Any:
-    return None if isinstance(said, dict | list) else said
+def _instead(said: Any, guarded: bool) -> Any:
+    return said if guarded or not isinstance(said, dict | list) else None
 
 
 def additions(meant: Any, path: tuple[Segment, ...]) -> Iterator[Change]:
@@ -237,6 +241,20 @@ def apply(fields: Fields, change: Change) -> None:
         holder.append(change.value)
     else:
         holder[_index(holder, last)] = change.value
+
+
+def value_at(fields: Fields, path: tuple[Segment, ...]) -> Any:
+    """The value at `path`; None where nothing is there."""
+    found: Any = fields
+    try:
+        for segment in path:
+            if isinstance(segment, str):
+                found = found.get(segment) if isinstance(found, dict) else None
+            else:
+                found = found[_index(found, segment)]
+    except PathError:
+        return None
+    return found
 
 
 def _enter(holder: Any, segment: Segment, following: Segment) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
-from plcopen_sfc.languages.st.nodes import Node, Operation, Span, Statements, Unary
+from plcopen_sfc.languages.st.nodes import Branch, Node, Operation, Span, Statements, Unary
 from plcopen_sfc.languages.st.parsing import Parsed
 from plcopen_sfc.languages.st.printing import Printer, needs_parentheses, operands
 from plcopen_sfc.languages.st.walking import parts, walk
@@ -107,6 +107,8 @@ class _Comparison:
         if id(new) not in self._old:
             self._printed_anew.add(id(new))
         text = self._printer.text(new, indent)
+        if isinstance(new, Branch) and not self._text[start:end].upper().startswith("ELSIF"):
+            text = text.removeprefix("ELS")  # a branch by itself is printed as one that is not the first
         text = self._lost_comments(start, end, indent) + text
         if text.startswith("/*") and self._text[:start].endswith("("):
             text = f" {text}"  # (/* starts a comment of SCL

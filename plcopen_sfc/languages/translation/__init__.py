@@ -3,7 +3,14 @@
 from plcopen_sfc.languages.translation.context import StepNotation, StepReferences, TranslationContext
 from plcopen_sfc.languages.translation.notes import Note
 from plcopen_sfc.languages.translation.renames import NameScope, Rename, Renames
-from plcopen_sfc.languages.translation.translate import TextKind, Translated, translate, translate_text, translate_tree
+from plcopen_sfc.languages.translation.translate import (
+    TextKind,
+    Translated,
+    is_foreign,
+    translate,
+    translate_text,
+    translate_tree,
+)
 
 __all__ = [
     "NameScope",
@@ -15,6 +22,7 @@ __all__ = [
     "TextKind",
     "Translated",
     "TranslationContext",
+    "is_foreign",
     "translate",
     "translate_text",
     "translate_tree",

@@ -30,6 +30,14 @@ _BOUNDS = frozenset({"LOWER_BOUND", "UPPER_BOUND"})
 _ENABLING = frozenset({"EN", "ENO"})
 
 
+_INEXACT = re.compile(
+    r"L?REAL_TO_(?:U?[SDL]?INT|BYTE|[DL]?WORD)|(?P<text>(?:L?REAL|U?[SDL]?INT|L?TIME|DATE|TOD|DT)_TO_W?STRING)"
+)
+"""Conversions whose results are others in S7."""
+HALVES = "CODESYS rounds halves away from zero, S7 to even numbers: 2.5 is 3 in CODESYS and 2 in S7"
+"""What differs where a number with decimals becomes one without."""
+
+
 class CallTranslator:
     """Translates calls. `translated` does so with the expressions inside them."""
 
@@ -166,6 +174,7 @@ class CallTranslator:
             return self._converted(node, callee, name, arguments)
         if block is None:
             return self._unknown(node, callee, name, arguments)
+        self._note_conversion(node, name)
         values = self._in_order(block, arguments)
         operator = operator_of(block, self._target)
         if values is not None and operator is not None and (len(values) == 2 or name not in _COMPARISONS):
@@ -178,6 +187,17 @@ class CallTranslator:
         if name == "CONCAT" and self._target is not Dialect.IEC and values is not None and len(values) > 2:
             return self._nested(node, callee, block, values)
         return self._with(node, callee, self._in_style(node, block, arguments, values))
+
+    def _note_conversion(self, node: n.Call, name: str) -> None:
+        """Say what a conversion gives otherwise in S7 and in other tools."""
+        matched = _INEXACT.fullmatch(name)
+        if matched is None or Dialect.SCL not in (self._source, self._target):
+            return
+        if matched["text"]:
+            reason = f"S7 writes the text of {name} otherwise: signs, blanks and exponents differ"
+            self._notes.add(Severity.WARNING, reason, node)
+        elif Dialect.CODESYS in (self._source, self._target):
+            self._notes.add(Severity.WARNING, f"{name}: {HALVES}", node)
 
     def _unknown(self, node: n.Call, callee: n.Name, name: str, arguments: tuple[Argument, ...]) -> Expression:
         """A function that is none of IEC 61131-3."""

@@ -11,11 +11,11 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import tokenize
-from plcopen_sfc.languages.st.nodes import Expression, Node, Statements
+from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statements
 from plcopen_sfc.languages.st.parsing import Parsed, parse_condition, parse_expression, parse_statements
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.rendering import render, tree_edits
-from plcopen_sfc.languages.st.walking import transform
+from plcopen_sfc.languages.st.walking import transform, walk
 from plcopen_sfc.languages.translation.comments import (
     holds_regions,
     region_edits,
@@ -144,3 +144,24 @@ def _without_chains(node: Node) -> Node:
             if len(split) != len(statements):
                 new[name] = split
     return replace(node, **new) if new else node
+
+
+def is_foreign(text: str, is_statements: bool, source: Dialect, target: Dialect) -> bool:
+    """True if `text` has what `target` writes otherwise, beside names: ``q S= a``, ``a AND_THEN b``, ``a ** b``."""
+    parsed = parse_statements(text, source) if is_statements else parse_condition(text, source)
+    return any(_is_foreign(node, family(target)) for node in walk(parsed.tree))
+
+
+def _is_foreign(node: Node, target: Dialect) -> bool:
+    match node:
+        case n.Operation(operator=Operator.POWER):
+            return target is Dialect.CODESYS
+        case n.Operation(operator=Operator.AND_THEN | Operator.OR_ELSE) | n.AssignmentExpression():
+            return target is Dialect.IEC
+        case n.Assignment(kind=kind):
+            return target is Dialect.IEC and kind is not n.AssignmentKind.ASSIGN
+        case n.Argument(value=None):
+            return target is Dialect.IEC and not node.output
+        case n.Dereference(base=n.Name(identifier=name)):
+            return target is Dialect.IEC and name.upper() in ("THIS", "SUPER")
+    return False

@@ -41,7 +41,7 @@ class FlagCode:
         for flag in sorted(source.undeclared_flags - {SfcFlag.ERROR_ANALYZATION_TABLE}):
             code.declare_as(flag.variable, _STRING if flag in _TEXTS else BOOL)
         flags = source.flags - {SfcFlag.ERROR_ANALYZATION_TABLE}
-        self._flags = {flag: code.naming.local(flag.variable) for flag in flags}
+        self._flags = {flag: code.naming.local(flag.variable) for flag in sorted(flags)}
         self._edges: list[Statement] = []
         self._back = self._going_back()
         self._tip = self._pushed()

@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.naming import Naming, free_name
 from plcopen_sfc.lowering.code.program import BOOL
-from plcopen_sfc.lowering.code.surroundings import global_sections, names_of
+from plcopen_sfc.lowering.code.surroundings import names_of
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.model.pou import DataBlock
 from plcopen_sfc.model.project import Configuration, Project, Tag, TagTable
@@ -142,7 +142,7 @@ def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
     """The bits of the memory that have names already. Words count as words in CODESYS, as bytes in S7 and TwinCAT."""
     in_bytes = project.dialect in (Dialect.SCL, Dialect.TWINCAT)
     named = [(tag.address, tag.name) for table in project.tag_tables for tag in table.tags]
-    sections = [*global_sections(project)]
+    sections = [*project.global_sections()]
     for pou in project.pous:
         sections += pou.interface.sections if pou.interface is not None else []
     named += [(variable.address, variable.name) for section in sections for variable in section.variables]

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.variables import VariableSection
 
 
 def names_of(project: Project) -> set[str]:
@@ -14,15 +11,6 @@ def names_of(project: Project) -> set[str]:
     found |= {block.name for block in project.data_blocks}
     for table in project.tag_tables:
         found |= {tag.name for tag in table.tags} | {constant.name for constant in table.constants}
-    for section in global_sections(project):
+    for section in project.global_sections():
         found |= {section.name or "", *(variable.name for variable in section.variables)}
     return {name.casefold() for name in found}
-
-
-def global_sections(project: Project) -> Iterator[VariableSection]:
-    """The lists of global variables, wherever they stand."""
-    yield from project.global_variables
-    for configuration in project.configurations:
-        yield from configuration.global_variables
-    for resource in [*project.applications, *(r for c in project.configurations for r in c.resources)]:
-        yield from resource.global_variables

@@ -213,7 +213,7 @@ class Sequencer(ABC):
     def _add_actions(self) -> None:
         place = len(self.code.networks)
         for step in self.net.steps:
-            for name in self.questions.of(step.index) & _STEP_EVENTS:
+            for name in sorted(self.questions.of(step.index) & _STEP_EVENTS):
                 self.event(step.index, ActionEvent(name))
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
         self._add_checks_behind(self._alarms() if self._checked_late else "")

@@ -23,7 +23,7 @@ from plcopen_sfc.semantics.charts.control import (
     StandardControl,
 )
 from plcopen_sfc.semantics.charts.plans import MOST_PLANS, Run, Write
-from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.charts.reached import Origin, Reached
 from plcopen_sfc.semantics.charts.targets import execution
 from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import ActionControl, ActionOrder, BooleanTargets, Profile, ScanOrder
@@ -161,7 +161,8 @@ class Actions:
         for number, (association, (_, model)) in enumerate(zip(associations, draft.model, strict=True)):
             if model.condition is not None and not isinstance(model.condition, Expression):
                 self._slots[id(association)] = reserve(f"condition {number}", ELEMENTARY["BOOL"])
-        noted = self._reached.action(draft.name or f"{draft.model[0][0].path}: action in place")
+        origins = [Origin(owner.steps, model) for owner, model in draft.model]
+        noted = self._reached.action(draft.name or f"{draft.model[0][0].path}: action in place", origins)
         return Action(draft.name, 1 << index, noted, out, memory, control, associations, draft.model)
 
     @property

@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs import Scope
 
 _TEXTS = frozenset({SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.CURRENT_STEP, SfcFlag.ERROR_ANALYZATION})
-_NEED_ERROR = frozenset(
-    {
-        SfcFlag.ENABLE_LIMIT,
-        SfcFlag.ERROR_STEP,
-        SfcFlag.ERROR_POU,
-        SfcFlag.QUIT_ERROR,
-        SfcFlag.ERROR_ANALYZATION,
-        SfcFlag.ERROR_ANALYZATION_TABLE,
-    }
-)
-"""Flags that only work together with SFCError."""
-
-
 _REPORTS = _TEXTS | {SfcFlag.ERROR, SfcFlag.TRANS}
 """Flags that the chart writes."""
 
@@ -92,9 +79,9 @@ class Flags:
 
     def translate(self) -> None:
         """Find the variables."""
-        for flag in self.used:
+        for flag in sorted(self.used):
             self._get[flag] = self._scope.getter(flag.variable)
-        for flag in self.used & _REPORTS:  # all others stay inputs, where they are
+        for flag in sorted(self.used & _REPORTS):  # all others stay inputs, where they are
             self._set[flag] = self._scope.setter(flag.variable)
 
     def is_on(self, flag: SfcFlag, frame: Frame) -> bool:
@@ -185,16 +172,7 @@ class Flags:
 
 def flags_in_use(chart: SfcNetwork, profile: Profile, declared: Callable[[str], bool]) -> frozenset[SfcFlag]:
     """The flags that a chart uses; `declared` tells whether the POU or its project declare a variable."""
-    used = frozenset(flag for flag in profile.flags if _is_used(flag, chart, declared))
-    return used if SfcFlag.ERROR in used else used - _NEED_ERROR
-
-
-def _is_used(flag: SfcFlag, chart: SfcNetwork, declared: Callable[[str], bool]) -> bool:
-    settings = chart.settings
-    stated = settings.flags.get(flag) if settings is not None else None
-    if stated is not None and (stated.use or not (settings is not None and settings.use_defaults)):
-        return stated.use
-    return declared(flag.variable)
+    return profile.flags & chart.flags_in_use(declared) if profile.flags else frozenset()
 
 
 def _declare_table(scope: Scope) -> int:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.semantics.charts.plans import Run
-from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.charts.reached import Origin, Reached
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -48,7 +48,8 @@ class StepActions:
                 ("exit", step.exit_action, self._exit),
             ):
                 if action:
-                    bit = self._reached.action(f"{self._net.steps[index].path}: {word} action")
+                    label = f"{self._net.steps[index].path}: {word} action"
+                    bit = self._reached.action(label, [Origin(self._net.steps[index].bit, None)])
                     found[index] = self._noted(_run(action, scope, where), bit)
 
     def _noted(self, run: Run, bit: int) -> Run:

@@ -246,7 +246,11 @@ class Calls:
             raise SimulationError(f"a part of {place.path} cannot be passed to {field.name}, which is VAR_IN_OUT")
         if not _can_refer(field.type, place.type):
             raise SimulationError(f"{place.path}, a {place.type.name}, is passed to {field.name}: {field.type.name}")
-        self._library.written.add(place.root)
+        self._translator.note_read(place)
+        if field.declared and not isinstance(field.type, t.OpaqueType):
+            self._library.passed.setdefault(place.root, {}).setdefault(id(field), field)
+        else:
+            self._library.written.add(place.root)
         if isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType):
             return f"Pointer({place.cells}, {place.index})"
         of_any_length = isinstance(field.type, t.ArrayType) and not field.type.dimensions

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import SimulationError
@@ -84,10 +85,14 @@ class Translator:
         raise SimulationError(f"{print_node(node)} is no value")
 
     def _read_place(self, place: Place) -> Code:
-        if place.key and place.field is not None:
-            known = self.library.inputs if place.input else self.library.read
-            known.setdefault(place.key, (place.path, place.field))
+        self.note_read(place)
         return place.read()
+
+    def note_read(self, place: Place) -> None:
+        """Remember that something reads a variable."""
+        known = place.known
+        if known is not None and known.field is not None:
+            (self.library.inputs if known.input else self.library.read).setdefault(known.key, (known.path, known.type))
 
     def followed(self, place: Place, expected: t.Type | None) -> Place:
         """A reference of CODESYS stands for what it refers to, but where a reference is wanted."""
@@ -131,6 +136,7 @@ class Translator:
         is_truth = isinstance(expected, t.ElementaryType) and expected.family is t.Family.BOOL
         if type_ is None and is_truth and found.value in (0, 1):  # IEC 61131-3 ed. 2, table 5; Beremiz
             return Code(repr(bool(found.value)), t.BOOL, 0, 1, bool(found.value), constant=True)
+        self.library.numbers.setdefault(int(found.value))  # type: ignore[arg-type]  # it is an integer
         if type_ is None:
             return constant(found.value, _least_integer(int(found.value)), loose=True)  # type: ignore[arg-type]
         return settled(constant(found.value, type_))
@@ -250,11 +256,16 @@ class Translator:
         """A bit or another part of an integer (ed. 3, 6.5.2: ``.3``; ``.%X3``, ``.%B1``)."""
         width = _PART_WIDTHS[part["size"].upper()]
         start = int(part["number"]) * width
+        self.library.shifts.setdefault(start)
+        self.library.masks.setdefault(((1 << width) - 1) << start)
         if start + width > word.bits:
             raise SimulationError(f"{base.path} has {word.bits} bits, and no {part[0]}")
         type_ = t.BOOL if width == 1 else t.ELEMENTARY[{8: "BYTE", 16: "WORD", 32: "DWORD"}[width]]
         return Place(
-            base.cells, base.index, type_, f"{base.path}.{part[0]}", "", base.root, (start, width), word, acts=base.acts
+            *(base.cells, base.index, type_, f"{base.path}.{part[0]}", "", base.root, (start, width), word),
+            input=base.input,
+            acts=base.acts,
+            whole=base.known,
         )
 
     def _index(self, base: Any, indices: tuple[n.Expression, ...]) -> Any:
@@ -276,12 +287,13 @@ class Translator:
 
     def _character(self, base: Place, string: t.ElementaryType, index: Code) -> Code:
         """A character of a string: in S7 one, counted from 1; in CODESYS its code, counted from 0. To read only."""
+        self.note_read(base)
         if self.library.is_codesys:
             type_ = t.ELEMENTARY["BYTE" if string.bits == 8 else "WORD"]
-            text = f"code_at({base.text}, {index.text}, {string.length})"
+            text = f"code_at({base.value}, {index.text}, {string.length})"
         else:
             type_ = t.ELEMENTARY["CHAR" if string.bits == 8 else "WCHAR"]
-            text = f"character_at({base.text}, {index.text}, {string.length})"
+            text = f"character_at({base.value}, {index.text}, {string.length})"
         return ranged(text, type_, acts=index.acts)
 
     def _element(self, base: Place, array: t.ArrayType, codes: list[Code]) -> Place:
@@ -316,12 +328,13 @@ class Translator:
             base.text,
             str(offset) if known else text,
             array.base,
-            f"{base.path}[{', '.join(str(c.value) if c.constant else '?' for c in used)}]",
+            f"{base.path}[{','.join(str(c.value) if c.constant else '?' for c in used)}]",
             key,
             key or base.root,
             input=base.input,
             field=base.field,
             acts=base.acts,
+            whole=None if key else base.known,
         )
         if not rest:
             return place
@@ -378,7 +391,8 @@ class Translator:
             more = f"{start}, " if width == 1 else f"{start}, {width}, "
             cells, index = self.writer.temporary(), self.writer.temporary()
             self.writer.write(f"{cells} = {place.cells}; {index} = {place.index}")
-            text = f"{changed}({cells}[{index}], {more}{code.text})"
+            whole = replace(place, cells=cells, index=index, type=place.word, bits=None)
+            text = f"{changed}({whole.value}, {more}{code.text})"
             if place.word.least < 0:
                 text = wrapping(text, place.word)
             self.writer.write(f"{cells}[{index}] = {text}")
@@ -386,6 +400,11 @@ class Translator:
             self.writer.write(f"assign({place.text}, {code.text})")
         else:
             self.writer.write(f"{place.text} = {code.text}")
+
+    def note_pointed(self, place: Place) -> None:
+        """Remember that a reference leads to a variable: it may be read and written by that."""
+        self.note_read(place)
+        self.library.pointed.add(place.root)
 
     def note_write(self, place: Place) -> None:
         """Remember that something gives a variable its value."""

@@ -58,6 +58,7 @@ class Instance:
         self._cells: dict[str, _Cell] = {}
         self._run = unit.run
         self._free: list[tuple[list[Any], int, Any]] = []
+        self._inner: list[tuple[list[Any], int]] = []
         self._left_out: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
         self._unseen: frozenset[int] = frozenset()
         self._known = -1
@@ -118,16 +119,14 @@ class Instance:
             if known[slot] is UNREAD:
                 known[slot] = value
         self._free = []
+        library.free_cells.clear()
         own: set[int] = set()
         outer = {slot for slot, value in enumerate(library.frame.v) if value is self.frame}  # it is stored on its own
-        prefix = f"{library.linker.name(self.unit.layout)}."
-        for key, (_, field) in library.inputs.items():
-            if not library.is_free(key):
-                continue
+        for key, path, type_ in library.given() if library.read_input is not None else ():
             parts = key.split(".")
             if parts[0] == "g":
                 cells: Any = library.frame.v
-            elif key.startswith(prefix):
+            elif library.is_key_of(self.unit.layout, key):
                 cells = self.frame.v
             else:
                 continue
@@ -137,10 +136,10 @@ class Instance:
                 inner = cells[int(part)]
                 cells = inner.v if isinstance(inner, Frame) else inner
             index = int(parts[-1])
-            value = cells[index] if cells[index] is not UNREAD else None
-            self._free.append(
-                (cells, index, t.default(field.type) if isinstance(field.type, t.ElementaryType) else value)
-            )
+            self._free.append((cells, index, t.default(type_)))
+            library.free_cells[id(cells), index] = path
+        outermost = id(library.frame.v), id(self.frame.v)
+        self._inner = [(cells, index) for cells, index, _ in self._free if id(cells) not in outermost]
         self._left_out = (self._unseen | own, frozenset(outer))
 
     # -- variables
@@ -148,11 +147,13 @@ class Instance:
     def __getitem__(self, path: str) -> Any:
         cell = self._cell(path)
         value = cell.cells[cell.index]
+        if value is UNREAD and isinstance(cell.type, t.ElementaryType):
+            return t.default(cell.type)
         if cell.bits is not None:
             start, width = cell.bits
             part = value >> start & (1 << width) - 1
             return bool(part) if width == 1 else part
-        return t.default(cell.type) if value is UNREAD and isinstance(cell.type, t.ElementaryType) else value
+        return value
 
     def __setitem__(self, path: str, value: Any) -> None:
         cell = self._cell(path)
@@ -189,9 +190,8 @@ class Instance:
         return lambda: tuple([values[index] for values, index in cells])
 
     def inputs(self) -> Mapping[str, t.Type]:
-        """What a user gives a value: the inputs that are read and that nothing writes, by path, with their types."""
-        found = self._library.inputs.items()
-        return {path: field.type for key, (path, field) in found if self._library.is_given(key)}
+        """What a user gives a value, by path, with its type: see `Library.given`."""
+        return {path: type_ for _, path, type_ in self._library.given()}
 
     def variables(self) -> Mapping[str, Variable]:
         """All variables that a user sees, by path: those of the instance, then global ones that are used."""
@@ -311,6 +311,8 @@ class Instance:
         that go on growing are not stored beyond `limit` nanoseconds.
         """
         self._find_free()
+        for cells, index in self._inner:
+            cells[index] = UNREAD
         keeper, now = self.controller.keeper, self._processor.now
         own, outer = self._left_out
         return keeper.store(self._library.frame, now, limit, outer), keeper.store(self.frame, now, limit, own)

@@ -12,6 +12,9 @@ from plcopen_sfc.semantics.programs import types as t
 if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.types import Type
 
+MOST_ELEMENTS = 256
+"""Of an array: the time of a comparison grows with them."""
+
 
 class Direction(StrEnum):
     """How a variable is connected with the outside of its POU."""
@@ -65,6 +68,8 @@ class Layout:
 
     def __init__(self, name: str, base: Layout | None = None) -> None:
         self.name = name
+        self.base = base
+        self.inherited = len(base.fields) if base is not None else 0
         self.fields: list[Field] = [*base.fields] if base is not None else []
         self.by_name: dict[str, Field] = dict(base.by_name) if base is not None else {}
         self.new: Callable[[], Frame] = self._unlinked
@@ -81,6 +86,10 @@ class Layout:
         self.fields.append(made)
         self.by_name[name.casefold()] = made
         return made
+
+    def owner(self, slot: int) -> Layout:
+        """The layout that declares the variable in a slot: this one, or one that it extends."""
+        return self.base.owner(slot) if self.base is not None and slot < self.inherited else self
 
     def find(self, name: str) -> Field | None:
         """The variable of this name; case does not matter."""

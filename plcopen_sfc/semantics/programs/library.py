@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, Protocol
+from itertools import product
+from typing import Any, Protocol, TypeGuard
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.dialects import Dialect
@@ -11,7 +12,7 @@ from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
 from plcopen_sfc.languages.names.scopes import Scopes, namespace_place, variables_in
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.pou import DataBlock, Pou
-from plcopen_sfc.model.project import PouInstance, Project, Resource, Tag
+from plcopen_sfc.model.project import PouInstance, Project, Tag
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs import runtime
@@ -19,10 +20,10 @@ from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.addresses import Image
 from plcopen_sfc.semantics.programs.code import Code, Converter
 from plcopen_sfc.semantics.programs.declared_types import Initials, TypeReader
-from plcopen_sfc.semantics.programs.layouts import Direction, Field, Frame, Layout
+from plcopen_sfc.semantics.programs.layouts import MOST_ELEMENTS, Direction, Field, Frame, Layout
 from plcopen_sfc.semantics.programs.linking import Linker, Writer
 from plcopen_sfc.semantics.programs.marks import Marks
-from plcopen_sfc.semantics.programs.places import Place, Space
+from plcopen_sfc.semantics.programs.places import ANYWHERE, Place, Space
 from plcopen_sfc.semantics.programs.scopes import Scope
 from plcopen_sfc.semantics.programs.standard_blocks import BlockType, BlockTypes
 from plcopen_sfc.semantics.programs.units import MethodUnit, Unit
@@ -94,9 +95,29 @@ class Library:
         self.missing: dict[str, str] = {}
         self.problems: list[SimulationError] = []
         self.written: set[str] = set()
-        self.inputs: dict[str, tuple[str, Field]] = {}
-        self.read: dict[str, tuple[str, Field]] = {}
-        """What is read besides inputs, by key: its path and field."""
+        self.inputs: dict[str, tuple[str, t.Type]] = {}
+        """What is read and may be given from outside, by key: its path and type; see `given`."""
+        self.read: dict[str, tuple[str, t.Type]] = {}
+        """What is read besides inputs."""
+        self.numbers: dict[int, None] = {}
+        """The integers in the texts: what values of inputs may be compared with."""
+        self.masks: dict[int, None] = {}
+        """Bits of integers that are looked at: one that is read, or the constant of an AND, OR or XOR."""
+        self.shifts: dict[int, None] = {}
+        """By how many bits integers are shifted, and where parts of them begin; 0 where a remainder is taken."""
+        self.passed: dict[str, dict[int, Field]] = {}
+        """The VAR_IN_OUT that variables are passed to, by the keys of these."""
+        self.parameters: dict[int, str] = {}
+        """The keys of VAR_IN_OUT that a text uses."""
+        self.pointed: set[str] = set()
+        """The keys of what references lead to."""
+        self.references: set[str] = set()
+        """The keys of VAR_IN_OUT: what they refer to may be a free input."""
+        self._asking: set[str] = set()
+        self._in_outs: set[str] = set()
+        """The keys of the variables that VAR_IN_OUT of what runs refer to."""
+        self.free_cells: dict[tuple[int, int], str] = {}
+        """The paths of free inputs by the lists that hold them and the places in these."""
         self.marks = Marks() if marking else None
         self._freed = frozenset(name.casefold() for name in free_inputs)
         self._not_free = _FLAGS | {name.casefold() for name in not_free}
@@ -117,13 +138,26 @@ class Library:
             namespace.update({"unknown_call": self.unknown.call, "unknown_value": self.unknown.value})
         namespace.update({name: getattr(runtime, name) for name in _RUNTIME})
         namespace.update({"coerced": runtime.coerced, "U": runtime.UNREAD, "p": self.processor})
-        namespace.update({"g": self.frame.v, "ask": self._ask})
+        namespace.update({"g": self.frame.v, "fetch": self._fetch, "asked": self._asked})
         if self.marks is not None:
             namespace["m"] = self.marks.reached
 
-    def _ask(self, cells: list[Any], index: int, path: str) -> Any:
-        assert self.read_input is not None  # noqa: S101  # nothing is free else
-        value = cells[index] = self.read_input(path)
+    def _fetch(self, cells: list[Any], index: int) -> Any:
+        """A value, which is asked for where it is a free input that the scan has not read yet."""
+        value = cells[index]
+        if value is runtime.UNREAD:
+            assert self.read_input is not None  # noqa: S101  # nothing is free else
+            value = cells[index] = self.read_input(self.free_cells[id(cells), index])
+        return value
+
+    def _asked(self, value: Any) -> Any:
+        """A structure or an array in which all free inputs were asked for."""
+        cells = value.v if isinstance(value, Frame) else value.cells if isinstance(value, runtime.View) else value
+        for index, each in enumerate(cells):
+            if each is runtime.UNREAD:
+                self._fetch(cells, index)
+            elif type(each) is Frame or type(each) is list:
+                self._asked(each)
         return value
 
     # -- units
@@ -223,9 +257,14 @@ class Library:
         ]
         slots = []
         for field in missing:
+            if _is_plain(field.type) and not isinstance(field.type, t.ElementaryType):
+                self.inputs.setdefault(self.key(unit.layout, field.slot), (field.name, field.type))
             made = self.globals.add(f"(of {unit.pou.name}) {field.name}", field.type, hidden=True)
             made.initial = self.initials.default(field.type)
             slots.append(made.slot)
+            if isinstance(field.type, t.ElementaryType):
+                self.inputs[f"g.{made.slot}"] = field.name, field.type
+                self._in_outs.add(f"g.{made.slot}")
         self.grow()
         for field, slot in zip(missing, slots, strict=True):
             plain = isinstance(field.type, t.ElementaryType | t.ReferenceType | t.OpaqueType)
@@ -235,29 +274,112 @@ class Library:
     def link(self) -> None:
         """Link what is new."""
         unknown = len(self.unknown) if self.unknown is not None else 0
-        known = (len(self.written), len(self.inputs), len(self.roots), unknown) if self.read_input is not None else None
+        passed = sum(map(len, self.passed.values())) + len(self.pointed)
+        known = (
+            (len(self.written), passed, len(self.inputs), len(self.roots), unknown)
+            if self.read_input is not None
+            else None
+        )
         self.problems += self.linker.link(self.is_free, known)
 
     def is_free(self, key: str) -> bool:
-        """Whether the variable of this key is read from `read_input`."""
-        return self.read_input is not None and self.is_given(key)
+        """Whether the variable of this key, or a part of it, is read from `read_input`."""
+        if self.read_input is None:
+            return False
+        return key == ANYWHERE or ".".join(key.split(".")[:2]) in self.references or self._may_be_given(key)
 
-    def is_given(self, key: str) -> bool:
-        """Whether the variable of this key has its value from outside: it is an input, and nothing writes it."""
+    def _may_be_given(self, key: str) -> bool:
+        """True if a variable is one of the surroundings: VAR_INPUT and VAR_IN_OUT, and others that nothing writes."""
         if key not in self.inputs or (self.unknown is not None and self.unknown.owns(self.inputs[key][0])):
             return False
-        parts = key.split(".")
-        if parts[0] != "g" and not any(self.linker.name(unit.layout) == parts[0] for unit in self.roots):
-            return False
-        return not self._is_written(key)
+        return self._is_passed(key) or (self._is_root(key) and not self._is_written(key))
+
+    def key(self, layout: Layout, slot: int) -> str:
+        """The key of a variable of a POU, the same in all that extend it."""
+        return f"{self.linker.name(layout.owner(slot), 'l')}.{slot}"
+
+    def is_key_of(self, layout: Layout, key: str) -> bool:
+        """True if a key is that of a variable of a POU, or of a part of one."""
+        start, slot = key.split(".")[:2]
+        return start != "g" and int(slot) < len(layout.fields) and self.key(layout, int(slot)) == f"{start}.{slot}"
+
+    def _is_root(self, key: str) -> bool:
+        return key.startswith("g.") or any(self.is_key_of(unit.layout, key) for unit in self.roots)
+
+    def _is_passed(self, key: str) -> bool:
+        """True for parameters of what runs: each call gives them a value, whatever the call before has written."""
+        field = self._field(key)
+        if field.direction not in (Direction.INPUT, Direction.IN_OUT) or not self._is_root(key):
+            return key in self._in_outs
+        type_ = field.type
+        for slot in key.split(".")[2:]:
+            if isinstance(type_, t.StructureType):
+                if type_.layout.is_instance:
+                    return False  # what it does is known
+                type_ = type_.layout.fields[int(slot)].type
+            elif isinstance(type_, t.ArrayType):
+                type_ = type_.base
+        return not (isinstance(type_, t.StructureType) and type_.layout.is_instance)
+
+    def _field(self, key: str) -> Field:
+        """The variable that the thing of a key is, or is a part of."""
+        start, slot = key.split(".")[:2]
+        layout = self.globals if start == "g" else self.linker.namespace[start]
+        field: Field = layout.fields[int(slot)]
+        return field
+
+    def given(self) -> Iterator[tuple[str, str, t.ElementaryType]]:
+        """What has its value from outside: single variables, members and elements, by key, with path and type.
+
+        Each input of what runs that is read, and other variables that nothing writes and whose declaration says no
+        value. The one place that decides it: for proofs, for directed runs, and for simulation.
+        """
+        return ((key, path, type_) for key, path, type_ in self._parts_given() if _is_value(type_))
+
+    def not_given(self) -> list[str]:
+        """The paths of inputs that are read and keep their values: large arrays, references, what these lead to."""
+        found = [path for _, path, type_ in self._parts_given() if not _is_value(type_)]
+        pointed = [
+            key for key in self.pointed if key in self.inputs and not self._is_passed(key) and self._is_root(key)
+        ]
+        return found + sorted(self.inputs[key][0] for key in pointed if key not in self.written)
+
+    def _parts_given(self) -> Iterator[tuple[str, str, t.Type]]:
+        seen: set[str] = set()
+        for key, (path, type_) in list(self.inputs.items()):
+            if not self._may_be_given(key):
+                continue
+            for inner, name, part in _parts(key, path, type_):
+                if inner not in seen and (self._is_passed(inner) or not self._is_written(inner)):
+                    seen.add(inner)
+                    yield inner, name, part
 
     def is_written_inside(self, key: str) -> bool:
         """Whether anything writes a variable, a part of it, or what it is a part of."""
-        return self._is_written(key) or any(each.startswith(f"{key}.") for each in self.written)
+        inner = f"{key}."
+        if self._is_written(key) or any(each.startswith(inner) for each in (*self.written, *self.pointed)):
+            return True
+        return any(self._is_passed_on(each) for each in self.passed if each.startswith(inner))
 
     def _is_written(self, key: str) -> bool:
         parts = key.split(".")
-        return any(".".join(parts[:end]) in self.written for end in range(1, len(parts) + 1))
+        around = [".".join(parts[:end]) for end in range(1, len(parts) + 1)]
+        return any(each in self.written or each in self.pointed or self._is_passed_on(each) for each in around)
+
+    def _is_passed_on(self, key: str) -> bool:
+        """True if a variable is passed to a VAR_IN_OUT that is written."""
+        if key in self._asking:  # functions may call themselves
+            return False
+        self._asking.add(key)
+        try:
+            inner = [
+                self.parameters[id(field)]
+                for field in self.passed.get(key, {}).values()
+                if id(field) in self.parameters
+            ]
+            return any(map(self.is_written_inside, inner))
+        finally:
+            self._asking.discard(key)
 
     def new_name(self, layout: Layout) -> str:
         """The name of the function that makes frames of a layout."""
@@ -277,7 +399,7 @@ class Library:
 
     def is_freed(self, field: Field) -> bool:
         """True if the user wants a variable as an input that its declaration does not make one."""
-        if not field.declared or not isinstance(field.type, t.ElementaryType):
+        if not field.declared or not _is_plain(field.type):
             return False
         if field.direction not in (Direction.LOCAL, Direction.EXTERNAL) or field.name.casefold() in self._not_free:
             return False
@@ -285,13 +407,13 @@ class Library:
 
     def frozen(self) -> Iterator[str]:
         """The paths of declared variables that are read, that nothing writes, and that are no inputs."""
-        roots = {self.linker.name(unit.layout) for unit in self.roots}
-        for key, (path, field) in self.read.items():
-            start, *slots = key.split(".")
-            plain = field.declared and field.name.casefold() not in _FLAGS and isinstance(field.type, t.ElementaryType)
-            known = field.direction in (Direction.LOCAL, Direction.EXTERNAL) and len(slots) == 1
-            if plain and known and (start == "g" or start in roots) and not self._is_written(key):
-                yield path
+        for key, (path, _) in self.read.items():
+            field = self._field(key)
+            plain = field.declared and field.name.casefold() not in _FLAGS and _is_plain(field.type)
+            known = field.direction in (Direction.LOCAL, Direction.EXTERNAL)
+            if plain and known and self._is_root(key) and not self._is_written(key):
+                root = ".".join(key.split(".")[:2])
+                yield path if self.is_written_inside(root) else field.name
 
     # -- global names
 
@@ -342,27 +464,19 @@ class Library:
                 return self.image.place(holder.address, type_, path, None)
             return self.add(path, type_, None)
         if isinstance(holder, DataBlock):
-            return self.add(path, self._of_block(holder), None)
+            type_ = self._of_block(holder)
+            return self.add(path, type_, _values_of(holder, type_))
         if isinstance(holder, PouInstance):
             return self.add(path, self.types.named(holder.type_name, self.scope), None)
         raise SimulationError(f"{declaration} is no variable")
 
     def _is_constant(self, variable: m.Variable) -> bool:
         if self._constants is None:
-            sections = [*self.project.global_variables]
-            for resource in self._resources():
-                sections += resource.global_variables
-            for configuration in self.project.configurations:
-                sections += configuration.global_variables
-            self._constants = {id(v) for s in sections if s.constant for v in s.variables}
+            self._constants = {id(v) for s in self.project.global_sections() if s.constant for v in s.variables}
             self._constants |= {id(v) for table in self.project.tag_tables for v in table.constants}
         return id(variable) in self._constants
 
     _constants: set[int] | None = None
-
-    def _resources(self) -> list[Resource]:
-        inner = [resource for configuration in self.project.configurations for resource in configuration.resources]
-        return [*self.project.applications, *inner]
 
     def _of_block(self, block: DataBlock) -> t.Type:
         if block.type_name:
@@ -397,7 +511,7 @@ class Library:
             key,
             key,
             field=field,
-            input=not field.preset or self.is_freed(field),
+            input=field.direction is not Direction.CONSTANT and (not field.preset or self.is_freed(field)),
         )
 
     def implicit(self, path: str, type_: t.Type) -> Place:
@@ -446,3 +560,39 @@ class Library:
     def scope_of_type(self, holder: m.DataTypeDeclaration) -> Scope:
         """The scope in which a data type is declared."""
         return Scope(self, holder.name, self.globals, place=holder.place) if holder.place else self.scope
+
+
+def _values_of(block: DataBlock, type_: t.Type) -> m.StructValue | None:
+    """The start values that an instance data block has and the type of which it is one has not."""
+    if block.type_name is None or block.interface is None or not isinstance(type_, t.StructureType):
+        return None
+    members = [
+        m.MemberValue(member=variable.name, value=variable.initial)
+        for variable in block.interface.variables()
+        if variable.initial is not None and type_.layout.find(variable.name) is not None
+    ]
+    return m.StructValue(members=members) if members else None
+
+
+def _is_value(type_: t.Type) -> TypeGuard[t.ElementaryType]:
+    return isinstance(type_, t.ElementaryType) and type_.family is not t.Family.SPECIAL
+
+
+def _is_plain(type_: t.Type) -> bool:
+    """True for single values, and for structures and arrays of them."""
+    if isinstance(type_, t.StructureType):
+        return not type_.layout.is_instance and all(_is_plain(field.type) for field in type_.layout.fields)
+    return _is_plain(type_.base) if isinstance(type_, t.ArrayType) else isinstance(type_, t.ElementaryType)
+
+
+def _parts(key: str, path: str, type_: t.Type) -> Iterator[tuple[str, str, t.Type]]:
+    """The single values in a variable, and what of it has none, or too many: key, path and type."""
+    if isinstance(type_, t.StructureType) and not type_.layout.is_instance:
+        for field in type_.layout.fields:
+            yield from _parts(f"{key}.{field.slot}", f"{path}.{field.name}", field.type)
+    elif isinstance(type_, t.ArrayType) and 0 < type_.size <= MOST_ELEMENTS:
+        indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))
+        for slot, index in enumerate(indices):
+            yield from _parts(f"{key}.{slot}", f"{path}[{','.join(map(str, index))}]", type_.base)
+    else:
+        yield key, path, type_

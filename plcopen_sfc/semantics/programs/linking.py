@@ -75,7 +75,8 @@ def _template() -> None:
     raise AssertionError("a routine is called before it is linked")
 
 
-_FREE = re.compile("\x01([^\x02]*)\x02([^\x03]*)\x03")
+_FREE = re.compile("\x01([^\x01\x02]*)\x02([^\x01\x03]*)\x03")
+"""A token without another one in it: the index of an element may be a free input, too."""
 
 
 def free_token(key: str, plain: str, asking: str) -> str:
@@ -138,7 +139,9 @@ class Linker:
             waiting = [*self._asking, *waiting]
         for draft in waiting:
             source = "\n".join([draft.head, *draft.lines])
-            found = _FREE.sub(lambda token: token[2].split("\x04")[is_free(token[1])], source)
+            found, count = source, 1
+            while count:
+                found, count = _FREE.subn(lambda token: token[2].split("\x04")[is_free(token[1])], found)
             if not draft.linked and "\x01" in source:
                 self._asking.append(draft)
             if found != draft.linked:

@@ -140,6 +140,9 @@ class Operators:
                 number = {"&": left.value & right.value, "|": left.value | right.value, "^": left.value ^ right.value}
                 result = constant(number[sign], type_, loose=result.loose and code.loose)
             else:
+                for each in (left, right):
+                    if each.constant:
+                        self._translator.library.masks.setdefault(each.value)
                 low, high = (0, type_.greatest) if type_.least >= 0 else (type_.least, type_.greatest)
                 result = Code(f"({left.text} {sign} {right.text})", type_, low, high, acts=acts)
         return result
@@ -235,6 +238,8 @@ class Operators:
     def _integer(self, operator: Operator, left: Code, right: Code, type_: t.ElementaryType) -> Code:
         acts, loose = left.acts or right.acts, left.loose and right.loose
         if operator in (Operator.DIVIDE, Operator.MODULO):
+            if operator is Operator.MODULO:
+                self._translator.library.shifts.setdefault(0)
             return self._quotient(operator, settled(left), settled(right), type_)
         if _is_big(left) or _is_big(right):
             left, right = settled(left), settled(right)

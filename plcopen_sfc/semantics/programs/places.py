@@ -9,7 +9,10 @@ from plcopen_sfc.languages.names.declarations import Level
 from plcopen_sfc.semantics.programs.code import Code, ranged
 from plcopen_sfc.semantics.programs.layouts import Direction, Field
 from plcopen_sfc.semantics.programs.linking import free_token
-from plcopen_sfc.semantics.programs.types import ElementaryType, Type
+from plcopen_sfc.semantics.programs.types import ArrayType, ElementaryType, StructureType, Type
+
+ANYWHERE = "*"
+"""The key of what a reference leads to: it may be a free input."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,8 +20,9 @@ class Place:
     """Where a variable is: `cells` and `index` are Python source of a list and an index in it.
 
     `path` is its name for a person. `key` names the place the same everywhere (slots with dots between), "" where that
-    is not known before the program runs; `root` is the longest part of it that is. `bits` are the first bit and the
-    number of bits of a part of an integer. `input`: nothing else is known to give it a value.
+    is not known before the program runs; `root` is the longest part of it that is, `whole` the variable of that key.
+    `bits` are the first bit and the number of bits of a part of an integer. `input`: the surroundings may give it its
+    value.
     """
 
     cells: str
@@ -32,6 +36,12 @@ class Place:
     input: bool = False
     field: Field | None = None
     acts: bool = False
+    whole: Place | None = None
+
+    @property
+    def known(self) -> Place | None:
+        """The variable with a key that it is or is a part of; None where only a running program tells."""
+        return self if self.key else self.whole
 
     @property
     def text(self) -> str:
@@ -43,23 +53,41 @@ class Place:
         field = self.field
         if field is not None and field.direction is Direction.CONSTANT and field.value is not None:
             return Code(repr(field.value), self.type, *_bounds(field.value), field.value, constant=True)
+        text = self.value
         if self.bits is not None:
             start, width = self.bits
             if width == 1:
-                return Code(f"({self.text} >> {start} & 1 == 1)", self.type, acts=self.acts)
-            return ranged(f"({self.text} >> {start} & {(1 << width) - 1})", self.type, acts=self.acts)
-        text = self.text
-        if self.input and self.key and isinstance(self.type, ElementaryType):
-            asking = f"({text} if {text} is not U else ask({self.cells}, {self.index}, {self.path!r}))"
-            text = free_token(self.key, text, asking)
+                return Code(f"({text} >> {start} & 1 == 1)", self.type, acts=self.acts)
+            return ranged(f"({text} >> {start} & {(1 << width) - 1})", self.type, acts=self.acts)
         return ranged(text, self.type, acts=self.acts)
+
+    @property
+    def value(self) -> str:
+        """Source of its value, of a part of an integer that of the integer: of a free input it is asked for."""
+        text, known = self.text, self.known
+        key = known.key if known is not None else ANYWHERE
+        if (known is not None and not self.input) or (self.field is not None and self.field.hidden):
+            return text
+        if isinstance(self.type, StructureType | ArrayType):
+            return free_token(key, text, f"asked({text})")
+        if known is not None and isinstance(known.type, ElementaryType):
+            return free_token(key, text, f"({text} if {text} is not U else fetch({self.cells}, {self.index}))")
+        return free_token(key, text, f"fetch({self.cells}, {self.index})")
 
     def inner(self, cells: str, slot: int, type_: Type, name: str, field: Field | None = None) -> Place:
         """A member of it."""
         key = f"{self.key}.{slot}" if self.key else ""
         path = f"{self.path}.{name}"
         return replace(
-            self, cells=cells, index=str(slot), type=type_, path=path, key=key, root=key or self.root, field=field
+            self,
+            cells=cells,
+            index=str(slot),
+            type=type_,
+            path=path,
+            key=key,
+            root=key or self.root,
+            field=field,
+            whole=None if key else self.known,
         )
 
 

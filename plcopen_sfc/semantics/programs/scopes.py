@@ -164,12 +164,17 @@ class Scope:
 
     def local_place(self, field: Field, cells: str = "v") -> Place:
         """The place of a variable of the POU."""
+        key = self.library.key(self.layout, field.slot)
         if field.direction is Direction.IN_OUT and isinstance(field.type, t.ElementaryType | t.ReferenceType):
             pointer = f"{cells}[{field.slot}]"
-            return Place(f"{pointer}.cells", f"{pointer}.index", field.type, field.name, field=field)
-        key = f"{self.library.linker.name(self.layout, 'l')}.{field.slot}"
-        own = cells == "v" and self.unit is not None and self.around is None
+            self.library.parameters[id(field)] = key
+            return Place(f"{pointer}.cells", f"{pointer}.index", field.type, field.name, root=key, field=field)
+        own = self.unit is not None and self.around is None
         is_input = own and (field.direction is Direction.INPUT or self.library.is_freed(field))
+        if field.direction is Direction.IN_OUT:
+            is_input = True
+            self.library.references.add(key)
+            self.library.parameters[id(field)] = key
         return Place(cells, str(field.slot), field.type, field.name, key, key, field=field, input=is_input)
 
     def _global(self, declarations: list[Declaration], ranks: Mapping[Kind, int], name: str) -> Any:

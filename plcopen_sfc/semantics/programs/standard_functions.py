@@ -143,7 +143,7 @@ class StandardFunctions:
                 place = self._translator.place(value)
                 if place.bits is not None:
                     raise SimulationError(f"a part of {place.path} has no address here")
-                self._library.written.add(place.root)
+                self._translator.note_pointed(place)
                 return Code(f"Pointer({place.cells}, {place.index})", t.ReferenceType("reference", place.type))
             if value is not None and key == "__ISVALIDREF":
                 held = self._translator.meaning(value)
@@ -253,6 +253,9 @@ class StandardFunctions:
             type_ = wanted
         if not isinstance(type_, t.ElementaryType) or type_.family not in (t.Family.INTEGER, t.Family.BITS):
             raise SimulationError(f"{name} of {type_.name}")
+        shift = count.value if count.constant else 0
+        turned = type_.bits - shift if name in ("ROL", "ROR") else shift
+        self._translator.library.shifts.update(dict.fromkeys((shift, turned)))
         return self._call(name.lower(), [code, count], type_, type_.least, type_.greatest)
 
     def _text(self, name: str, nodes: list[n.Expression], _: t.Type | None) -> Code:

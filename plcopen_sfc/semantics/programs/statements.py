@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
@@ -16,12 +17,13 @@ from plcopen_sfc.semantics.programs import types as t
 from plcopen_sfc.semantics.programs.calls import Calls
 from plcopen_sfc.semantics.programs.code import Code, constant, settled, truth
 from plcopen_sfc.semantics.programs.expressions import Translator
+from plcopen_sfc.semantics.programs.guards import Guards, case_condition
 from plcopen_sfc.semantics.programs.instruction_list import InstructionTranslator
 from plcopen_sfc.semantics.programs.places import Place
 
 _MANY_LABELS = 6
-_Branch = tuple[str, Sequence[Statement]]
-"""A branch of CASE: what leads to it, and its statements."""
+_Branch = tuple[str, Sequence[n.Expression], Sequence[Statement]]
+"""A branch of CASE: what leads to it, as text and as what is TRUE in it, and its statements."""
 _CALCULATING = {
     AssignmentKind.ADD: Operator.ADD,
     AssignmentKind.SUBTRACT: Operator.SUBTRACT,
@@ -48,6 +50,7 @@ class StatementTranslator:
         self._returns = "return"
         self._marks = translator.library.marks
         self._branch = -1
+        self._guards = Guards(translator, wanted=self._marks is not None)
 
     def body(self, statements: Sequence[Statement], *, returns: str = "return") -> None:
         """A whole body: labels may stand between its statements. `returns` is what RETURN becomes."""
@@ -73,6 +76,7 @@ class StatementTranslator:
         with self._writer.block("while True:"):
             self._count_turn()
             for index, part in enumerate(parts):
+                self._guards.holding = ()  # a jump may lead here
                 with self._writer.block(f"if _to <= {index}:"):
                     part()
             self._writer.write("break")
@@ -91,6 +95,7 @@ class StatementTranslator:
         """Statements behind each other."""
         for statement in statements:
             self.one(statement)
+            self._guards.pass_by(statement)
 
     def one(self, statement: Statement) -> None:
         """One statement."""
@@ -124,13 +129,15 @@ class StatementTranslator:
             case n.For():
                 self._for(statement)
             case n.While(condition=condition, statements=statements):
+                self._guards.forget(statement)
                 with self._writer.block("while True:"):
                     self._count_turn()
                     with self._writer.block(f"if not {self._truth(condition).text}:"):
                         self._writer.write("break")
-                    with self._within(condition):
+                    with self._within(condition, [condition]):
                         self._inside("", statements)
             case n.Repeat(statements=statements, condition=condition):
+                self._guards.forget(statement)
                 self._repeat(statements, condition)
             case n.Region(statements=statements):
                 self.all(statements)
@@ -172,7 +179,7 @@ class StatementTranslator:
         if node.kind is AssignmentKind.ATTEMPT:
             raise SimulationError("?= is not known to the simulator")
         if node.kind in (AssignmentKind.SET, AssignmentKind.RESET):
-            with self._writer.block(f"if {self._truth(node.value).text}:"), self._within(node.value):
+            with self._writer.block(f"if {self._truth(node.value).text}:"), self._within(node.value, [node.value]):
                 self.note(print_node(node))
                 place = translator.place(node.target, t.BOOL)
                 translator.note_write(place)
@@ -195,7 +202,7 @@ class StatementTranslator:
         code = settled(translator.fitted(translator.value(assigned, place.type), place.type))
         if self._marks is not None and code.type is t.BOOL and not code.constant and translator.comparisons > before:
             held = self._writer.temporary()
-            first = self._marks.outcomes(self._branch, print_node(node), print_node(assigned))
+            first = self._marks.outcomes(self._branch, print_node(node), assigned, self._guards.holding)
             self._writer.write(f"{held} = {code.text}; m[{first} + (1 if {held} else 0)] = True")
             code = replace(code, text=held)
         translator.write(place, code)
@@ -210,24 +217,29 @@ class StatementTranslator:
             self._writer.write(f"{held.text} = None")
             return
         target = self._translator.place(node.value)
-        self._library.written.update((held.root, target.root))
+        self._library.written.add(held.root)
+        self._translator.note_pointed(target)
         self._writer.write(f"{held.text} = Pointer({target.cells}, {target.index})")
 
     # -- branches
 
-    def _enter(self, condition: n.Node | str) -> None:
-        """Mark what follows as a branch that `condition` leads to, where somebody wants to know what is reached."""
+    def _enter(self, condition: n.Node | str, known: Sequence[n.Expression] = ()) -> None:
+        """Mark what follows as a branch that `condition` leads to, where somebody wants to know what is reached.
+
+        `known` is what is TRUE at its beginning.
+        """
+        guards = self._guards.enter(known)
         if self._marks is not None:
             text = condition if isinstance(condition, str) else print_node(condition)
-            self._branch = self._marks.branch(self._path, text)
+            self._branch = self._marks.branch(self._path, text, guards)
             self._writer.write(f"m[{self._branch}] = True")
 
     @contextmanager
-    def _within(self, condition: n.Node | str) -> Iterator[None]:
-        outer = self._branch
-        self._enter(condition)
+    def _within(self, condition: n.Node | str, known: Sequence[n.Expression] = ()) -> Iterator[None]:
+        outer, holding = self._branch, self._guards.holding
+        self._enter(condition, known)
         yield
-        self._branch = outer
+        self._branch, self._guards.holding = outer, holding
 
     def note(self, assignment: str) -> None:
         """Note an assignment of the present branch."""
@@ -236,12 +248,16 @@ class StatementTranslator:
 
     def _if(self, branches: Sequence[n.Branch], otherwise: Sequence[Statement] | None) -> None:
         """IF. What a condition needs before it is part of the expression, so ELSIF stays a chain."""
+        others: list[n.Expression] = []
         for index, branch in enumerate(branches):
             word = "elif" if index else "if"
-            with self._writer.block(f"{word} {self._truth(branch.condition).text}:"), self._within(branch.condition):
-                self.all(branch.statements)
+            known = [*others, branch.condition]
+            others.append(inverted(branch.condition))
+            with self._writer.block(f"{word} {self._truth(branch.condition).text}:"):  # noqa: SIM117
+                with self._within(branch.condition, known):
+                    self.all(branch.statements)
         if otherwise:
-            with self._writer.block("else:"), self._within("ELSE"):
+            with self._writer.block("else:"), self._within("ELSE", others):
                 self.all(otherwise)
 
     def _case(self, node: n.Case) -> None:
@@ -249,21 +265,24 @@ class StatementTranslator:
         held = self._writer.temporary()
         self._writer.write(f"{held} = {selector.text}")
         branches: list[tuple[list[tuple[int, int]], _Branch]] = []
+        others: list[n.Expression] = []
         for branch in node.branches:
             labels = [self._label(label, selector.type) for label in branch.labels]
             text = f"{print_node(node.selector)} = {', '.join(map(print_node, branch.labels))}"
-            branches.append((labels, (text, branch.statements)))
+            condition = case_condition(node.selector, branch)
+            branches.append((labels, (text, [*others, condition], branch.statements)))
+            others.append(inverted(condition))
         single = all(low == high for labels, _ in branches for low, high in labels)
         if single and len(branches) > _MANY_LABELS:
-            self._search(held, branches, node.otherwise)
+            self._search(held, branches, node.otherwise, others)
             return
         word = "if"
-        for labels, (text, statements) in branches:
-            with self._writer.block(f"{word} {_matches(held, labels)}:"), self._within(text):
+        for labels, (text, known, statements) in branches:
+            with self._writer.block(f"{word} {_matches(held, labels)}:"), self._within(text, known):
                 self.all(statements)
             word = "elif"
         if node.otherwise:
-            with self._writer.block("else:" if branches else "if True:"), self._within("ELSE"):
+            with self._writer.block("else:" if branches else "if True:"), self._within("ELSE", others):
                 self.all(node.otherwise)
 
     def _label(self, label: n.Expression | n.Range, type_: t.Type) -> tuple[int, int]:
@@ -281,6 +300,7 @@ class StatementTranslator:
         held: str,
         branches: list[tuple[list[tuple[int, int]], _Branch]],
         otherwise: Sequence[Statement] | None,
+        others: Sequence[n.Expression],
     ) -> None:
         """Many labels: the number of the branch is looked up, and found by halving."""
         table: dict[int, int] = {}
@@ -291,13 +311,13 @@ class StatementTranslator:
         self._writer.write(f"{held} = {name}.get({held}, -1)")
         self._halve(held, [branch for _, branch in branches], 0)
         if otherwise:
-            with self._writer.block(f"if {held} < 0:"), self._within("ELSE"):
+            with self._writer.block(f"if {held} < 0:"), self._within("ELSE", others):
                 self.all(otherwise)
 
     def _halve(self, held: str, branches: list[_Branch], first: int) -> None:
         if len(branches) == 1:
-            text, statements = branches[0]
-            with self._writer.block(f"if {held} == {first}:"), self._within(text):
+            text, known, statements = branches[0]
+            with self._writer.block(f"if {held} == {first}:"), self._within(text, known):
                 self.all(statements)
             return
         middle = len(branches) // 2
@@ -356,6 +376,7 @@ class StatementTranslator:
         moved = Code(f"({variable} + {by_text})", type_, type_.least + bounds[0], type_.greatest + bounds[1])
         # the variable is not kept in its bounds by the loop itself: the turn after the last one may leave a subrange
         following = f"{variable} = {settled(moved).text}"
+        self._guards.forget(node)
         with self._writer.block(f"while {condition}:"):
             self._count_turn()
             with self._within(f"FOR {print_node(node.variable)}"):

@@ -16,8 +16,8 @@ ALL = (*FAMILY, "twincat/press_station.xml")
 
 def network(*elements: str) -> tuple[m.SfcNetwork, list[str]]:
     loaded = round_trip(codesys(chart(*elements)))
-    assert loaded._origin is not None
-    assert loaded._origin.format == "codesys"
+    assert loaded.source is not None
+    assert loaded.source.format == "codesys"
     found = loaded.pou("Main").sfc
     assert found is not None
     return found, codes(loaded)

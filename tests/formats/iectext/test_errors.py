@@ -168,8 +168,8 @@ def test_what_cannot_be_read_is_carried_through_other_formats(text: str, target:
     project.header.created = "2024-01-31T08:30:00"
     errors = [found for found in project.diagnostics if found.severity is Severity.ERROR]
     with pytest.raises(DamagedSourceError, match="found in reading") if errors else nullcontext():
-        sfc.convert(project, target)
+        sfc.convert(project, target, partial=True)
     project.accept_errors()
-    _, report = sfc.convert(project, target)
+    _, report = sfc.convert(project, target, partial=True)
     assert report.with_outcome(Outcome.DROPPED) == []
     assert len([item for item in report.losses if item.what == "error"]) == len(errors)

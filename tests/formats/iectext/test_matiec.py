@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from plcopen_sfc.report import Outcome
 from plcopen_sfc.semantics.profile import PROFILES
 from plcopen_sfc.semantics.simulation import Simulation
 from plcopen_sfc.semantics.subjects import resolve
+from tests.judges.comparing import Compiled, differences
 from tests.judges.matiec import MatiecError, require_matiec
 from tests.samples import FIXTURES, accepting
 from tests.sweeps import WHOLE
@@ -192,6 +194,61 @@ def test_main_actions_are_not_executed_once_more_and_initial_steps_act_first(tmp
     machine = require_matiec().build(text, tmp_path, program="Plant")
     rows = machine.run([{"a": True}, {}, {}, {"c": True}, {}], ["n", "m"], period=10_000_000)
     assert [tuple(row.values()) for row in rows] == [(1, 0), (1, 1), (1, 2), (2, 2), (2, 3)]
+
+
+_COUNT = m.StBody(text="n := n + 1; m := m * 3 + 1;")
+_STEP_ACTIONS = {
+    "entry and exit": {"S2": ("Count", None, "Count")},
+    "exit, then entry of the next": {"S2": (None, None, "Count"), "S3": ("Count", None, None)},
+    "entry of two in a row": {"S2": ("Count", None, None), "S3": ("Count", None, None)},
+    "entry and main": {"S2": ("Count", "Count", None), "S3": (None, "Other", None)},
+    "main of two, and of an association": {"S2": (None, "Count", None), "S3": ("Other", "Count", None), "S4": ()},
+    "all of the initial step": {"S1": ("Count", "Other", "Count"), "S2": (_COUNT, None, "Other")},
+}
+
+
+@pytest.mark.parametrize("name", _STEP_ACTIONS)
+def test_step_actions_that_share_an_action_are_executed_as_often_as_in_codesys(name: str, tmp_path: Path) -> None:
+    require_matiec()
+    chart = CHARTS["one action of several steps"] + "ACTION Other: m := m * 3 + 2; END_ACTION\n"
+    if "association" not in name:
+        chart = re.sub(r"Count\(.*\);", "", chart)
+    text = _HEAD.format(body=chart).replace("VAR a", "VAR_INPUT a")
+    project = sfc.loads(text.encode(), format="iec-text")
+    for step in project.pou("Plant").sfc.steps:
+        actions = _STEP_ACTIONS[name].get(step.name, ())
+        for field, action in zip(("entry_action", "main_action", "exit_action"), actions, strict=False):
+            setattr(step, field, action)
+        if step.initial and step.main_action is None:
+            step.main_action = m.StBody(text="r := TRUE;")
+    source = sfc.loads(sfc.dumps(project, format="codesys"), format="codesys")
+    data, report = sfc.convert(source, "iec-text", flavour="matiec")
+    assert not report.losses
+    assert not list(differences(source, source.pou("Plant"), Compiled.of(data, report), report, tmp_path))
+
+
+def test_maximum_times_are_lost_where_something_watches_them() -> None:
+    project = sfc.loads(_HEAD.format(body=CHARTS["selection"]).encode(), format="iec-text")
+    project.pou("Plant").sfc.steps[1].max_time = "T#2s"
+    source = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+    for each in (project, source):
+        assert not _text_for(each)[1].with_outcome(Outcome.NOT_EXECUTED)
+    variables = source.pou("Plant").interface.sections[0].variables
+    variables.append(m.Variable(name="SFCError", type=m.ElementaryType(name=m.Elementary.BOOL)))
+    for target, what in (("iec-text", "maximum time"), ("plcopen", "max time"), ("simaticml", "max time")):
+        _, report = sfc.convert(source, target, flavour="matiec" if target == "iec-text" else "", partial=True)
+        found = [item.path for item in report.with_outcome(Outcome.NOT_EXECUTED) if item.what == what]
+        assert found == ["POU Plant / step S2"], target
+
+
+def test_a_loop_at_a_step_of_codesys_whose_time_is_read_is_approximated() -> None:
+    project = sfc.loads(_HEAD.format(body=CHARTS["times"]).encode(), format="iec-text")
+    chart = project.pou("Plant").sfc
+    for step in chart.steps:
+        chart.add_transition(step, step, "c")
+    source = sfc.loads(sfc.dumps(project, format="codesys", partial=True), format="codesys")
+    found = [item.path for item in _text_for(source)[1].losses if item.what == "transition"]
+    assert found == ["POU Plant / transition S1 -> S1"]
 
 
 def test_a_block_that_feeds_two_conditions_is_called_once() -> None:

@@ -58,12 +58,12 @@ def test_our_texts_come_back_byte_for_byte_and_written_anew(path: Path) -> None:
 def test_there_and_back_to_the_format_of_the_file(path: Path) -> None:
     """Conversion to text loses nothing, so the file that is written from the text is the one written from the model."""
     project = sfc.load(path)
-    assert project._origin is not None
+    assert project.source is not None
     text, report = sfc.convert(accepting(project), "iec-text", partial=True)
     assert report.with_outcome(Outcome.DROPPED) == []
     assert report.with_outcome(Outcome.KEPT)
     back = accepting(sfc.loads(text))
-    own = project._origin.format
+    own = project.source.format
     assert sfc.dumps(back, format=own, partial=True) == sfc.dumps(
         sfc.loads(sfc.dumps(project, format="json", partial=True)), format=own, partial=True
     )

@@ -66,7 +66,8 @@ def test_an_interval_is_a_literal_and_not_zero(project: sfc.Project, interval: s
     project.configurations[0].resources[0].tasks[0].interval = interval
     seen, report = converted(project)
     assert seen.configurations[0].resources[0].tasks[0].interval == written
-    assert not [item for item in report.losses if item.what == "interval"]
+    told = [item.why for item in report.losses if item.what == "interval"]
+    assert told == (["none is set, and matiec wants one: 20 ms"] if interval == "PT0S" else [])
 
 
 def test_negations_are_written_out(project: sfc.Project) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc.conversion import compare, executed, reporting
 from plcopen_sfc.model import (
     Action,
     ActionAssociation,
@@ -245,6 +247,27 @@ def test_an_edit_of_the_statements_wins_over_the_row_that_they_stand_for() -> No
     assert "n := n + 5;" in action.body.text
 
 
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize(
+    ("before", "after"), [(b"n := n + 10;", b"n := n + 11;"), (b'name="Work"', b'name="Busy"')], ids=["action", "step"]
+)
+def test_an_edit_of_one_action_keeps_the_others_of_its_step(before: bytes, after: bytes, target: str) -> None:
+    """Whatever of a rewritten step is edited natively, the tool executes the rest, and so does what is read."""
+    rows: list[Row] = [
+        {"qualifier": Qualifier.N, "target": "#n", "value": "#n + 10", "event": S1},
+        {"qualifier": Qualifier.R, "target": "#q", "event": ActionEvent.S0},
+    ]
+    data, _ = sfc.convert(block(rows), target)
+    edited = data.replace(before, after)
+    assert edited != data
+    for as_tool in (False, True):
+        project = sfc.loads(edited, as_tool=as_tool)
+        texts = [action.body.text for action in project.pous[0].actions if isinstance(action.body, StBody)]
+        shown = "".join(texts) + chart_of(project).model_dump_json()
+        assert ("q := FALSE" in shown) or (not as_tool and '"event":"S0"' in shown)
+    assert sfc.dumps(sfc.loads(edited)) == edited
+
+
 def test_an_edited_file_is_written_with_its_statements_again() -> None:
     data, _ = sfc.convert(block([{"qualifier": Qualifier.S, "target": "#q", "event": S1}]), "codesys")
     project = sfc.loads(data)
@@ -394,3 +417,87 @@ def test_what_codesys_excludes_does_nothing_in_tc6(target: str) -> None:
     assert [row.target for row in back.step("Lost").actions] == ["r"]
     (entering,) = [t for t in back.transitions if t.targets == [back.step("Bypass").id]]
     assert getattr(entering.condition, "text", "") == "go OR next"
+
+
+EDITABLE = """FUNCTION_BLOCK Main
+VAR_INPUT a, b : BOOL; END_VAR
+VAR k, n : INT; END_VAR
+INITIAL_STEP S1: Out(P0); END_STEP
+TRANSITION FROM S1 TO S2 := a; END_TRANSITION
+STEP S2: END_STEP
+TRANSITION FROM S2 TO S1 := b; END_TRANSITION
+ACTION Out: k := k + 1; END_ACTION
+ACTION Work: n := n + 1; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["plcopen-2.01", "plcopen-1.01"])
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (r'qualifier="P0"', 'qualifier="P1"'),
+        (r'qualifier="P0"', 'qualifier="D" duration="T#1s"'),
+        (r"S1\.T &gt;= T#50ms", "S1.T &gt;= T#40ms"),
+        (r"a AND S1\.T &gt;= T#50ms", "a"),
+        (r"<actionBlock ", '<actionBlock negated="true" '),
+    ],
+)
+def test_a_native_edit_wins_over_what_extension_data_keep(old: str, new: str, target: str) -> None:
+    """A digest covers all that is executed of an element, not some of its fields."""
+    project = sfc.loads(EDITABLE.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    (chart,) = project.charts()
+    first, second = chart.network.steps
+    first.actions, first.exit_action, first.min_time = [], "Out", "T#50ms"
+    second.main_action = "Work"
+    text = sfc.dumps(project, format=target, partial=True).decode()
+    edited = re.sub(old, new, text, count=1)
+    assert edited != text
+    seen, read = (sfc.loads(edited.encode(), as_tool=tool) for tool in (True, False))
+    before = sfc.loads(text.encode(), as_tool=True)
+    changed = {(d.path, d.aspect, d.right) for d in compare(executed(before), executed(seen))}
+    own = {(d.path, d.aspect, d.right) for d in compare(executed(sfc.loads(text.encode())), executed(read))}
+    assert changed
+    assert own
+    assert not {d.aspect for d in compare(executed(read), executed(seen))} & {aspect for _, aspect, _ in changed}
+    assert "XML214" in {finding.code for finding in read.diagnostics}
+
+
+def test_inputs_that_become_flags_in_codesys_are_named() -> None:
+    text = EDITABLE.replace("a, b : BOOL;", "a, b, SFCInit : BOOL;")
+    content = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="plcopen-2.01")
+    _, report = sfc.convert(sfc.loads(content), "codesys", partial=True)
+    (item,) = [item for item in report.items if item.what == "SFCInit"]
+    assert item.outcome is Outcome.APPROXIMATED
+    assert item.path == "POU Main"
+    assert "controls the chart in CODESYS" in item.why
+
+
+def test_nothing_of_the_way_back_to_codesys_is_called_a_mistake() -> None:
+    project = sfc.loads(EDITABLE.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    (chart,) = project.charts()
+    inner = SfcNetwork()
+    inner.add_step("I1", initial=True)
+    assert chart.pou.interface is not None
+    chart.pou.interface.sections[0].variables.append(Variable(name="SFCInit", type="BOOL"))
+    chart.pou.actions.append(Action(name="Nested", body=SfcBody(chart=inner)))
+    chart.network.steps[1].actions = [ActionAssociation(id=90, qualifier=Qualifier.N, target="Nested")]
+    content = sfc.dumps(project, format="plcopen-2.01", partial=True)
+    _, report = sfc.convert(sfc.loads(content), "codesys", partial=True)
+    assert {item.what for item in report.losses} >= {"SFCInit", "code"}
+    assert not [item for item in report.items if reporting.UNSAID in item.why]
+
+
+def test_an_action_of_codesys_comes_back_from_tia_portal_with_its_final_scan() -> None:
+    text = EDITABLE.replace("STEP S2: END_STEP", "STEP S2: Work(N); END_STEP")
+    project = sfc.loads(text.encode(), format="iec-text")
+    project.dialect = Dialect.CODESYS
+    first = sfc.dumps(project, format="codesys")
+    away = sfc.dumps(sfc.loads(first), format="simaticml", partial=True)
+    content, report = sfc.convert(sfc.loads(away), "codesys", partial=True)
+    chart = next(iter(sfc.loads(content, as_tool=True).charts())).network
+    assert chart.step("S2").main_action is None
+    assert [row.target for row in chart.step("S2").actions] == ["Work"]
+    assert [item.what for item in report.losses if item.what == "final scan"] == ["final scan"]

@@ -52,8 +52,8 @@ def set_to(name: str, value: Any) -> Callable[[Any], None]:
 
 EDITS: dict[str, tuple[Callable[[m.Project], Any], list[str]]] = {
     "name of a block": (
-        lambda p: set_to("name", "FB_Filling")(block(p)),
-        ['-FUNCTION_BLOCK "FB_Fill"', '+FUNCTION_BLOCK "FB_Filling"'],
+        lambda p: (set_to("name", "FB_Filling")(block(p)), set_to("type_name", "FB_Filling")(p.data_blocks[2])),
+        ['-FUNCTION_BLOCK "FB_Fill"', '+FUNCTION_BLOCK "FB_Filling"', '-"FB_Fill"', '+"FB_Filling"'],
     ),
     "title": (
         lambda p: set_to("title", "New")(block(p)),
@@ -87,10 +87,13 @@ EDITS: dict[str, tuple[Callable[[m.Project], Any], list[str]]] = {
         ["-      low, high : Bool;", "+      low : Bool;", "+      high : Int;"],
     ),
     "name of a variable": (
-        lambda p: set_to("name", "position")(variables(p, 3)[0]),
-        ["-      step : Int;", "+      position : Int;"],
+        lambda p: [set_to("name", "position")(found) for found in (variables(p, 3)[0], start_values(p, 2)[0])],
+        ["-      step : Int;", "+      position : Int;", "-   step := 1;", "+   position := 1;"],
     ),
-    "a variable less": (lambda p: variables(p, 3).pop(0), ["-      step : Int;"]),
+    "a variable less": (
+        lambda p: (variables(p, 3).pop(0), set_to("interface", None)(p.data_blocks[2])),
+        ["-      step : Int;", "-   step := 1;", "+"],
+    ),
     "a variable more": (
         lambda p: variables(p, 1).append(m.Variable(name="done", type="BOOL", comment="x")),
         ["+      done : Bool; // x"],
@@ -113,10 +116,6 @@ EDITS: dict[str, tuple[Callable[[m.Project], Any], list[str]]] = {
         lambda p: set_to("initial", "7")(start_values(p, 0)[3]),
         ["+   counter := 7;"],
     ),
-    "initial value in a data block": (
-        lambda p: set_to("initial", None)(start_values(p, 1)[0]),
-        ["-      row : Array[0..3] of Int := [1, 2, 2(0)];", "+      row : Array[0..3] of Int;"],
-    ),
     "a member more": (
         lambda p: p.data_types[0].type.members.append(m.Variable(name="speed", type="INT")),  # type: ignore[union-attr]
         ["+      speed : Int;"],
@@ -129,6 +128,18 @@ EDITS: dict[str, tuple[Callable[[m.Project], Any], list[str]]] = {
         ],
     ),
 }
+
+
+def test_an_edited_start_value_counts_instead_of_the_assignment_in_the_file() -> None:
+    project = sfc.load(TIA)
+    row = start_values(project, 1)[0]
+    assert row.initial == m.ArrayValue(
+        items=[m.RepeatedValue(value=m.SimpleValue(text=text)) for text in ("1", "2", "7", "0")]
+    )
+    row.initial = None
+    data = sfc.dumps(project)
+    assert sfc.loads(data) == project
+    assert start_values(sfc.loads(data, as_tool=True), 1)[0].initial is None
 
 
 @pytest.mark.parametrize("what", EDITS)

@@ -6,6 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.api import convert
 from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.simulation import simulate
 
@@ -147,3 +148,25 @@ def test_steps_are_named_in_the_actions_of_their_block() -> None:
     project.pous[1].bodies, project.pous[1].actions = [m.SfcBody(chart=chart)], [action]
     back = sfc.loads(sfc.convert(project, "scl", partial=True)[0])
     assert back.pous[1].actions[0].body == m.StBody(text="IF #Fill.X THEN #q := 1.0; END_IF;")
+
+
+@pytest.mark.parametrize("name", ["sfc1", "Counter", "Timer", "TON_TIME", "DTL", "FB1", "Main"])
+def test_a_block_that_is_called_like_a_type_of_the_system_is_read_again(name: str) -> None:
+    project = sfc.loads(f"FUNCTION_BLOCK {name} VAR a : BOOL; END_VAR a := TRUE; END_FUNCTION_BLOCK".encode())
+    back = sfc.loads(sfc.dumps(project, format="scl"))
+    assert back.diagnostics == ()
+    assert [pou.name for pou in back.pous] == [name]
+
+
+def test_sections_without_variables_and_results_are_no_loss() -> None:
+    sections = [
+        m.VariableSection(kind=m.SectionKind.INPUT, variables=[m.Variable(name="x", type="INT")]),
+        m.VariableSection(kind=m.SectionKind.CONSTANT),
+        m.VariableSection(kind=m.SectionKind.RETURN, variables=[m.Variable(name="Ret_Val", type="Void")]),
+    ]
+    body = m.StBody(text=";")
+    function = m.Pou(name="F", kind=m.PouKind.FUNCTION, interface=m.Interface(sections=sections), bodies=[body])
+    data, report = convert(m.Project(pous=[function], dialect=m.Dialect.SCL), "scl")
+    assert not report.losses
+    assert b'FUNCTION "F" : Void' in data
+    assert b"Ret_Val : " not in data

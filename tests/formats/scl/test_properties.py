@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.scl import codec
+from plcopen_sfc.formats.scl.codec import CODEC
 from plcopen_sfc.formats.text import decode
 from plcopen_sfc.report import LOSSES, ConversionReport
 from tests import strategies as random_model
@@ -22,8 +22,8 @@ QUICK = settings(max_examples=40, deadline=None, suppress_health_check=list(Heal
 def test_any_project_comes_back(project: m.Project) -> None:
     project.dialect = m.Dialect.SCL
     report = ConversionReport()
-    data = codec.write(project, WriteOptions(), report)
-    assert codec.read(data).project == project
+    data = CODEC.write(project, WriteOptions(), report)
+    assert CODEC.read(data).project == project
     unsaid = data.decode("utf-8-sig").count("// {plcopen_sfc ")
     assert len(report.with_outcome(sfc.Outcome.EXTENSION_DATA, sfc.Outcome.TRANSLATED, *LOSSES)) >= unsaid
 
@@ -66,7 +66,7 @@ projects = st.builds(
 @given(projects, projects, st.sampled_from([b"\n", b"\r\n"]))
 @QUICK
 def test_no_edit_is_lost(one: m.Project, other: m.Project, newline: bytes) -> None:
-    data = codec.write(one, WriteOptions(), ConversionReport()).replace(b"\r\n", newline)
+    data = CODEC.write(one, WriteOptions(), ConversionReport()).replace(b"\r\n", newline)
     project = sfc.loads(data, format="scl")
     assert project == one
     project.pous, project.data_blocks = other.pous, other.data_blocks

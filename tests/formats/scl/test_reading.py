@@ -85,8 +85,8 @@ def test_a_source_of_step_7_in_its_code_page() -> None:
 @pytest.mark.parametrize("path", [TIA, CLASSIC], ids=lambda path: path.stem)
 def test_fixtures_come_back_byte_for_byte_and_anew_as_an_equal_model(path: Path) -> None:
     project = sfc.load(path)
-    assert project._origin is not None
-    assert project._origin.format == "scl"
+    assert project.source is not None
+    assert project.source.format == "scl"
     assert sfc.dumps(project) == path.read_bytes()
     anew = sfc.dumps(project, fresh=True)
     assert b"plcopen_sfc" not in anew
@@ -126,15 +126,15 @@ def test_sources_are_recognised_by_their_content(source: str, known: bool) -> No
     data = source.encode()
     if known:
         project = sfc.loads(data)
-        assert project._origin is not None
-        assert project._origin.format == "scl"
+        assert project.source is not None
+        assert project.source.format == "scl"
     else:
         try:
             project = sfc.loads(data)
         except FormatError:
             return
-        assert project._origin is not None
-        assert project._origin.format != "scl"
+        assert project.source is not None
+        assert project.source.format != "scl"
 
 
 def test_a_source_of_comments_only_is_kept() -> None:

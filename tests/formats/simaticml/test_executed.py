@@ -175,6 +175,7 @@ def test_actions_of_instances_are_not_called() -> None:
 
 def test_actions_and_methods_that_no_step_has_are_told() -> None:
     project = project_with(action("N", "Choose"))
+    project.pous.append(m.Pou(name="Caller", kind=m.PouKind.PROGRAM, bodies=[m.StBody(text="seq.Sum(); seq.Set();")]))
     project.pous[0].methods = [m.Method(name="Home", body=m.StBody(text="q := FALSE;"))]
     _, report = converted(project)
     told = {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)}

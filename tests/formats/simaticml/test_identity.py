@@ -41,8 +41,8 @@ def first_chart(project: Project) -> SfcNetwork:
 def test_unedited_documents_come_back_byte_for_byte(path: Path) -> None:
     data = path.read_bytes()
     project = sfc.load(path)
-    assert project._origin is not None
-    assert project._origin.format == "simaticml"
+    assert project.source is not None
+    assert project.source.format == "simaticml"
     assert sfc.dumps(project) == data
     project.read_all()
     assert sfc.dumps(project) == data

@@ -15,7 +15,7 @@ from plcopen_sfc.formats.simaticml.networks import read_flgnet_body, read_networ
 from plcopen_sfc.formats.simaticml.reading import VERBATIM, NotUnderstoodError, ReadContext, same
 from plcopen_sfc.formats.simaticml.versions import DEFAULT
 from plcopen_sfc.model import Block, FbdBody, LdBody, LogicNetwork
-from tests.folders.exports import FIXTURES
+from tests.documents.folders.exports import FIXTURES
 
 BOX = '<Part Name="Strange" UId="22" />'
 WIRE = '<Wires><Wire UId="23"><IdentCon UId="21" /><NameCon UId="22" Name="a" /></Wire></Wires>'

@@ -10,7 +10,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.likeness import numbers_like
 from plcopen_sfc.formats.simaticml.uids import UID, numbers_of
-from tests.folders.exports import FIXTURES
+from tests.documents.folders.exports import FIXTURES
 
 
 def networks() -> list[etree._Element]:

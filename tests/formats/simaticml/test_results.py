@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.semantics.programs import Controller
@@ -53,8 +55,8 @@ def test_tia_portal_sees_the_result_and_its_type() -> None:
     assert [pou.bodies[0].text for pou in home.pous] == named  # type: ignore[union-attr]
 
 
-def test_boxes_that_call_a_function_have_the_pins_that_it_declares() -> None:
-    project = sfc.loads(TEXT.encode(), format="iec-text")
+def box_of_scale() -> m.FbdBody:
+    """A network that calls the function; nobody has named its pins."""
     inputs = [
         m.BlockVariable(name="", input=m.InputPin(connections=[m.Connection(source=number)])) for number in (1, 2)
     ]
@@ -68,9 +70,41 @@ def test_boxes_that_call_a_function_have_the_pins_that_it_declares() -> None:
         box,
         m.OutputVariable(id=4, expression="r", input=wire),
     ]
-    project.pous[1].bodies = [m.FbdBody(networks=[m.LogicNetwork(nodes=nodes)])]
+    return m.FbdBody(networks=[m.LogicNetwork(nodes=nodes)])
+
+
+def test_boxes_that_call_a_function_have_the_pins_that_it_declares() -> None:
+    project = sfc.loads(TEXT.encode(), format="iec-text")
+    project.pous[1].bodies = [box_of_scale()]
     content = sfc.dumps(project, format="simaticml", partial=True)
     text = content.decode("utf-8-sig")
     parameters = re.findall(r'<Parameter Name="(\w*)" Section="(\w+)" Type="(\w+)"', text)
     assert parameters == [("raw", "Input", "Int"), ("top", "Input", "Real"), ("Ret_Val", "Return", "Real")]
     assert results(sfc.loads(content, as_tool=True)) == [14.0, 30.0]
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01", "iec-text", "scl"])
+def test_a_function_of_tia_portal_has_its_result_in_other_tools(target: str) -> None:
+    content = sfc.dumps(sfc.loads(TEXT.encode(), format="iec-text"), format="simaticml")
+    project = sfc.loads(content, as_tool=True)
+    assert "#Ret_Val := " in project.pous[0].bodies[0].text  # type: ignore[union-attr]
+    data, report = sfc.convert(project, target)
+    assert report.losses == []
+    seen = sfc.loads(data, format=target, as_tool=True)
+    interface = seen.pou("Scale").interface
+    assert interface is not None
+    assert interface.return_type == m.ElementaryType(name=m.Elementary.REAL)
+    assert [variable.name for variable in interface.variables()] == ["raw", "top"]
+    assert results(seen) == [15.0, 31.0]
+
+
+def test_a_box_of_a_function_of_tia_portal_has_its_result_in_other_tools() -> None:
+    project = sfc.loads(TEXT.encode(), format="iec-text")
+    project.pou("Main").bodies = [box_of_scale()]
+    tia = sfc.loads(sfc.dumps(project, format="simaticml", partial=True), as_tool=True)
+    seen = sfc.loads(sfc.dumps(tia, format="codesys"), format="codesys", as_tool=True)
+    body = seen.pou("Main").bodies[0]
+    assert isinstance(body, m.FbdBody)
+    (box,) = [node for node in body.networks[0].nodes if isinstance(node, m.Block)]
+    assert [pin.name for pin in box.parameters.outputs if pin.name != "ENO"] == ["Scale"]
+    assert results(seen) == results(project)

@@ -9,6 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
+from plcopen_sfc.conversion import executed
 from plcopen_sfc.model.compare import differences
 
 CHART = """FUNCTION_BLOCK Main
@@ -120,3 +121,200 @@ def test_what_is_programmed_in_an_empty_block_counts() -> None:
     programmed = text.replace("<NetworkSource />", f"<NetworkSource>{flgnet}</NetworkSource>")
     assert programmed != text
     assert isinstance(sfc.loads(programmed.encode()).pou("List").bodies[0], m.LdBody)
+
+
+DECLARED = """TYPE Color : (red, green, blue); END_TYPE
+FUNCTION Twice : INT
+VAR_INPUT n : INT; END_VAR
+Twice := n * 2;
+END_FUNCTION
+FUNCTION_BLOCK Main
+VAR_INPUT lamp : Color; a : BOOL; END_VAR
+VAR kept : Color := Color#green; level : INT(1..9) := 3; END_VAR
+VAR RETAIN count : INT; END_VAR
+a := TRUE;
+END_FUNCTION_BLOCK
+"""
+
+
+def declared() -> str:
+    project = sfc.loads(DECLARED.encode(), format="iec-text")
+    return sfc.dumps(project, format="simaticml", partial=True).decode("utf-8-sig")
+
+
+def variable(text: str, name: str) -> m.Variable:
+    return next(v for v in sfc.loads(text.encode()).pou("Main").variables() if v.name == name)
+
+
+def outdated(text: str) -> list[str]:
+    """What the warnings of a file say that comments keep in vain, with their places."""
+    project = sfc.loads(text.encode())
+    for chart in project.charts():
+        assert chart.network.steps is not None
+    for pou in project.pous:
+        pou.variables()
+    assert project.data_types is not None
+    found = [d for d in project.diagnostics if d.code == "XML214"]
+    assert all(d.severity is sfc.Severity.WARNING and d.location is not None and d.location.line for d in found)
+    return [f"{d.location.path}: {d.message.partition(' is outdated')[0]}" for d in found if d.location is not None]
+
+
+def changed(text: str, pattern: str, new: str) -> str:
+    edited, count = re.subn(pattern, new, text, count=1, flags=re.DOTALL)
+    assert count == 1
+    assert edited != text
+    return edited
+
+
+class TestVariables:
+    def test_types_and_start_values_come_back_where_nothing_was_edited(self) -> None:
+        kept = variable(declared(), "kept")
+        assert kept.type == m.DerivedType(name="Color")
+        assert kept.initial is not None
+        assert outdated(declared()) == []
+
+    def test_an_edited_type_counts_with_its_start_value(self) -> None:
+        text = changed(declared(), r'(Name="kept" Datatype=)"Int"', r'\1"DInt"')
+        kept = variable(text, "kept")
+        assert (kept.type, kept.initial) == (m.ElementaryType(name=m.Elementary.DINT), m.SimpleValue(text="1"))
+        assert outdated(text) == [
+            "FB Main: what a comment keeps of the type of kept",
+            "FB Main: what a comment keeps of the start value of kept",
+        ]
+
+    def test_an_edited_start_value_counts_and_the_type_stays(self) -> None:
+        text = changed(declared(), r'(Name="kept".*?<StartValue>)1<', r"\g<1>2<")
+        kept = variable(text, "kept")
+        assert (kept.type, kept.initial) == (m.DerivedType(name="Color"), m.SimpleValue(text="2"))
+        assert outdated(text) == ["FB Main: what a comment keeps of the start value of kept"]
+
+    def test_a_start_value_that_was_taken_out_is_gone(self) -> None:
+        text = changed(declared(), r'(Name="kept"[^>]*>\s*)<StartValue>1</StartValue>', r"\1")
+        assert variable(text, "kept").initial is None
+
+    def test_a_start_value_that_was_added_counts(self) -> None:
+        text = changed(declared(), r'(Name="lamp"[^>]*>)', r"\1<StartValue>2</StartValue>")
+        assert variable(text, "lamp").initial == m.SimpleValue(text="2")
+
+    def test_a_variable_stays_in_the_section_to_which_it_was_moved(self) -> None:
+        member = re.search(r'<Member Name="a" Datatype="Bool" />', declared())
+        assert member is not None
+        moved = changed(declared().replace(member[0], "", 1), r'(<Section Name="Static">)', rf"\1{member[0]}")
+        interface = sfc.loads(moved.encode()).pou("Main").interface
+        assert interface is not None
+        section = next(s for s in interface.sections if any(v.name == "a" for v in s.variables))
+        assert section.kind is m.SectionKind.LOCAL
+
+    def test_an_edited_declaration_of_a_type_counts(self) -> None:
+        text = changed(declared(), r'(<Member Name="Value" Datatype=)"Int"', r'\1"DInt"')
+        (color,) = sfc.loads(text.encode()).data_types
+        assert isinstance(color.type, m.StructType)
+        assert outdated(text) == ["PlcStruct Color: what a comment keeps of the type of the data type"]
+
+    def test_an_edited_result_of_a_function_counts(self) -> None:
+        text = changed(declared(), r'(<Member Name="Ret_Val" Datatype=)"Int"', r'\1"DInt"')
+        interface = sfc.loads(text.encode()).pou("Twice").interface
+        assert interface is not None
+        assert interface.return_type is None
+        assert [s.kind for s in interface.sections] == [m.SectionKind.INPUT, m.SectionKind.RETURN]
+        assert outdated(text) == ["FC Twice: what a comment keeps of the result of the function"]
+
+
+class TestExcludedSteps:
+    @staticmethod
+    def converted() -> str:
+        source = sfc.loads(CHART.encode(), format="iec-text")
+        chart = source.pou("Main").sfc
+        assert chart is not None
+        chart.step("S1").exclude = True
+        return sfc.dumps(source, format="simaticml", partial=True).decode("utf-8-sig")
+
+    def test_a_step_stays_excluded_where_nothing_was_edited(self) -> None:
+        chart = chart_of(self.converted())
+        assert chart.step("S1").exclude
+        assert len(chart.step("S1").actions) == 2
+        assert chart.transitions[1].condition == m.Expression(text="#b")
+        assert outdated(self.converted()) == []
+
+    @pytest.mark.parametrize(
+        ("pattern", "new", "rows"),
+        [
+            (
+                r'(<Step Number="2".*?)<Action />',
+                r'\1<Action Qualifier="N"><Token Text="#r" /><Token Text="&#xA;" /></Action><Action />',
+                ["#r"],
+            ),
+            (r'(<Transition .*<Transition .*?)(<Access Scope="LiteralConstant".*?</Access>)', None, []),
+        ],
+    )
+    def test_a_step_that_was_programmed_does_what_the_file_says(
+        self, pattern: str, new: str | None, rows: list[str]
+    ) -> None:
+        text = self.converted()
+        if new is None:
+            text = changed(text, r"(.*<ConstantValue[^>]*>)FALSE<", r"\1TRUE<")
+        else:
+            text = changed(text, pattern, new)
+        chart = chart_of(text)
+        step = chart.step("S1")
+        assert not step.exclude
+        assert [row.target for row in step.actions] == rows
+        assert isinstance(chart.transitions[1].condition, m.BodyCondition)
+        assert "FB Main / step S1: what a comment keeps of the exclusion of the step" in outdated(text)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "new", "said"),
+    [
+        (
+            '<Component Name="a" />',
+            '<Component Name="r" />',
+            "transition Trans1: what a comment keeps of the condition of the transition",
+        ),
+        ('Text="#q" />', 'Text="#r" />', "step S1: what a comment keeps of the actions"),
+    ],
+)
+def test_a_warning_says_what_a_comment_keeps_in_vain(pattern: str, new: str, said: str) -> None:
+    assert outdated(converted()) == []
+    assert outdated(converted().replace(pattern, new)) == [f"FB Main / {said}"]
+
+
+ENUMERATIONS = """TYPE Mode : (Off, Auto, Manual) := Auto; END_TYPE
+FUNCTION_BLOCK Main
+VAR_INPUT a : BOOL; END_VAR
+VAR m : Mode; all : ARRAY[0..1] OF Mode; END_VAR
+INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := a AND m = Auto; END_TRANSITION
+STEP S1: END_STEP
+TRANSITION FROM S1 TO S0 := NOT a; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("<Value>1</Value>", "<Value>5</Value>"),
+        (r'(Name="m" [^>]*>.*?)<StartValue>1', r"\1<StartValue>2"),
+        (r'(Name="m" [^>]*>.*?)<StartValue>1</StartValue>', r"\1"),
+        (r'(Path="0"[^>]*>\s*)<StartValue>1', r"\1<StartValue>2"),
+    ],
+)
+def test_edited_values_of_enumerations_are_those_of_tia_portal(old: str, new: str) -> None:
+    project = sfc.loads(ENUMERATIONS.encode(), format="iec-text")
+    text = sfc.dumps(project, format="simaticml", partial=True).decode("utf-8-sig")
+    edited = re.sub(old, new, text, count=1, flags=re.DOTALL)
+    assert edited != text
+    read, seen = (sfc.loads(edited.encode(), as_tool=each) for each in (False, True))
+    assert _starts(read) == _starts(seen)
+    assert "XML214" in {finding.code for finding in read.diagnostics}
+
+
+def _starts(project: m.Project) -> dict[str, object]:
+    """The initial values of the variables as they are executed."""
+    chart = next(part for key, part in executed(project).parts.items() if key.kind == "POU")
+    return {
+        key.name: part.aspects["initial value"].form()
+        for key, part in chart.parts.items()
+        if key.kind == "variable" and "initial value" in part.aspects
+    }

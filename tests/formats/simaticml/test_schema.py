@@ -9,8 +9,8 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.documents.file import normalized
 from plcopen_sfc.errors import SfcError, XmlSyntaxError
-from plcopen_sfc.formats.simaticml.codec import normalize
 from plcopen_sfc.formats.simaticml.schema import validate
 from plcopen_sfc.formats.simaticml.versions import LANGUAGES, SCHEMAS, VERSIONS
 from plcopen_sfc.formats.xml.schema import MAX_FINDINGS, is_valid
@@ -106,7 +106,7 @@ def test_damaged_documents_end_in_findings_or_own_errors(file: str) -> None:
         validate(data)
         try:
             project = sfc.loads(data, format="simaticml")
-            normalize(data)
+            normalized(data, "simaticml")
             sfc.dumps(project, tia="V15")
         except SfcError:
             continue

@@ -256,7 +256,7 @@ def test_objects_that_are_no_blocks_are_kept() -> None:
 def test_versions_of_documents_are_those_of_the_table(path: Path) -> None:
     """The schema numbers of real exports; a document made by hand may say others, which are kept."""
     project = sfc.load(path)
-    origin = project._origin
+    origin = project.source
     assert origin is not None
     assert origin.version in {version.name for version in VERSIONS}
     kept = project.carried.attributes if project.carried is not None else {}

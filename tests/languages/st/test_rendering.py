@@ -223,3 +223,13 @@ def test_comments_inside_of_what_is_kept_with_edits_are_not_doubled() -> None:
         return Name("alpha") if node == Name("a") else node
 
     assert rendered("f(a (* 1 *), b) OR (a (* 2 *) OR b)", change) == "f(alpha (* 1 *), b) XOR ((* 2 *) alpha XOR b)"
+
+
+def test_the_first_branch_that_gets_statements_stays_the_first() -> None:
+    parsed = parse_statements("IF a THEN\nELSIF b THEN (* none *)\nEND_IF;", Dialect.CODESYS)
+    new = Statements((CallStatement(Call(Name("Go"))),)).statements
+    filled = transform(parsed.tree, lambda node: replace(node, statements=new) if isinstance(node, Branch) else node)
+    text = render(parsed, filled)
+    assert text.split()[:4] == ["IF", "a", "THEN", "Go();"]
+    assert not parse_statements(text, Dialect.CODESYS).problems
+    assert "(* none *)" in text

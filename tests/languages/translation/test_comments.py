@@ -50,6 +50,13 @@ def test_pragmas_elsewhere_stay() -> None:
     assert [note.severity for note in found.notes] == [Severity.INFO]
 
 
+@pytest.mark.parametrize("target", [IEC, SCL])
+def test_conditional_pragmas_have_no_counterpart(target: Dialect) -> None:
+    found = translated("{IF defined (variable: x)}\n;\n{END_IF}\n", CODESYS, target)
+    assert (found.notes[0].severity, found.notes[0].line) == (Severity.ERROR, 1)
+    assert "always executed" in found.notes[0].reason
+
+
 REGIONS = "REGION Füll 'es' $ }(* no comment\r\n  REGION\r\n    ;\r\n  END_REGION;\r\nEND_REGION // end\r\n"
 
 

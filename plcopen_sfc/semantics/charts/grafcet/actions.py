@@ -15,7 +15,7 @@ from plcopen_sfc.semantics.charts.actions import Actions, Owner
 from plcopen_sfc.semantics.charts.control import Change
 from plcopen_sfc.semantics.charts.grafcet.terms import Terms
 from plcopen_sfc.semantics.charts.plans import Run
-from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.charts.reached import Origin, Reached
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.programs.layouts import Frame
 
@@ -100,7 +100,7 @@ class GrafcetActions:
                 owner,
                 model,
                 _event(model, terms, path, owner),
-                reached.action(f"{owner.path}: {model.target or 'action in place'}"),
+                reached.action(f"{owner.path}: {model.target or 'action in place'}", [Origin(owner.steps, model)]),
             )
             for owner, model in owned
             if model.kind in STORED

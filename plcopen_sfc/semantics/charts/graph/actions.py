@@ -15,7 +15,7 @@ from plcopen_sfc.errors import Location, UnknownBehaviourError
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.actions import Owner, missing_time
 from plcopen_sfc.semantics.charts.plans import Run, Write
-from plcopen_sfc.semantics.charts.reached import Reached
+from plcopen_sfc.semantics.charts.reached import Origin, Reached
 from plcopen_sfc.semantics.charts.targets import execution
 from plcopen_sfc.semantics.net import Net, indexes
 from plcopen_sfc.semantics.programs.layouts import Frame
@@ -102,7 +102,8 @@ class GraphActions:
         for owner, model in owned:
             self._check(owner, model)
             name = f"{owner.path}: {model.qualifier} {model.target or 'action in place'}"
-            noted = reached.action(f"{name} at {model.event}" if model.event is not None else name)
+            label = f"{name} at {model.event}" if model.event is not None else name
+            noted = reached.action(label, [Origin(owner.steps, model)])
             key = (model.target or "").casefold()
             row = _Row(model.qualifier, model.event, model.interlock, owner.since, key, noted)
             if model.event is ActionEvent.C:

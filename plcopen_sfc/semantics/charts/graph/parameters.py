@@ -82,7 +82,7 @@ class Parameters:
     def translate(self) -> None:
         """Find the parameters."""
         mark = "#" if self._scope.library.dialect is Dialect.SCL else ""
-        for name in self._declared:
+        for name in sorted(self._declared):
             if name in self._edges or name == "S_SEL":
                 self._get[name] = self._scope.getter(f"{mark}{name}")
             else:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
-from plcopen_sfc.folders.merging import SHARED, is_bare, with_objects
-from plcopen_sfc.folders.naming import FileNames, legal_folder
+from plcopen_sfc.documents.folders.merging import SHARED, is_bare, with_objects
+from plcopen_sfc.documents.folders.naming import FileNames, legal_folder
+from plcopen_sfc.documents.source import FolderSource
 from plcopen_sfc.formats.base import Format
+from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
 from plcopen_sfc.model.base import Carried
-from plcopen_sfc.model.project import FolderOrigin, Project
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
+
+if TYPE_CHECKING:
+    from plcopen_sfc.formats.xml.codec import FolderCodec
 
 __all__ = ["PROJECT_DOCUMENT", "PlannedDocument", "plan_anew", "plan_like"]
 
@@ -35,32 +40,32 @@ class PlannedDocument:
 
     def project(self) -> Project:
         """The document as a project; which folder its objects stand in is for the path to say."""
-        return with_objects(self.frame, (thing.as_in_file() for thing in self.things))
+        return with_objects(self.frame, (as_in_file(thing) for thing in self.things))
 
 
-def plan_like(project: Project, origin: FolderOrigin, kind: Format, *, home: bool) -> list[PlannedDocument]:
-    """The documents of a project that was read from those of `origin`: every object stays where it was.
+def plan_like(project: Project, source: FolderSource, kind: Format, *, home: bool) -> list[PlannedDocument]:
+    """The documents of a project that was read from those of `source`: every object stays where it was.
 
     One whose `folder` was changed moves there: with its document if all objects of that do, else into one of its own.
     New objects get documents of their own. A document whose objects are all gone is not planned. `home`: the folder is
     the one that was read, with files that are none of the project's.
     """
-    staying: dict[str, list[ProjectObject]] = {path: [] for path in origin.documents}
+    staying: dict[str, list[ProjectObject]] = {path: [] for path in source.documents}
     new: list[ProjectObject] = []
     claimed: set[tuple[str, int]] = set()
     for thing in project.objects():
-        place = thing._home
+        place = place_in_folder(thing)
         if place is None or place[0] not in staying or place in claimed:
             new.append(thing)  # a copy of an object knows the same place
         else:
             claimed.add(place)
             staying[place[0]].append(thing)
-    names = FileNames([*origin.others, *origin.unreadable] if home else ())
-    frames = _frames(project, origin)
+    names = FileNames([*source.others, *source.unreadable] if home else ())
+    frames = _frames(project, source)
     planned: list[PlannedDocument] = []
     moving: list[PlannedDocument] = []
     for path, things in staying.items():
-        document = origin.documents[path]
+        document = source.documents[path]
         if document.objects and not things and _says_nothing(frames[path]):
             continue
         here = _parent(path)
@@ -77,11 +82,11 @@ def plan_like(project: Project, origin: FolderOrigin, kind: Format, *, home: boo
         folder = legal_folder(document_moved.things[0].folder or "")
         document_moved.path = names.free(folder, old.stem, old.suffix)
     planned += moving
-    codec = kind.codec()
+    codec = cast("FolderCodec", kind.codec())
     if None in frames:
         planned.append(_project_document(names, kind, frames[None]))
     planned += [
-        PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(origin.version)) for thing in new
+        PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(source.version)) for thing in new
     ]
     return planned
 
@@ -89,7 +94,7 @@ def plan_like(project: Project, origin: FolderOrigin, kind: Format, *, home: boo
 def plan_anew(project: Project, kind: Format, version: str) -> list[PlannedDocument]:
     """A document for each object of a project, in the folders of the tool, and one for what belongs to no object."""
     names = FileNames()
-    codec = kind.codec()
+    codec = cast("FolderCodec", kind.codec())
     planned: list[PlannedDocument] = []
     if not _says_nothing(project) or project.header != codec.new_document(version).header:
         planned.append(_project_document(names, kind, with_objects(project, ())))
@@ -97,8 +102,7 @@ def plan_anew(project: Project, kind: Format, version: str) -> list[PlannedDocum
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(version))
         for thing in project.objects()
     ]
-    added = getattr(codec, "added_objects", None)
-    for thing in added(project) if added is not None else ():
+    for thing in codec.added_objects(project):
         path = _free_path(names, kind, thing)
         planned.append(PlannedDocument(path, [thing], codec.new_document(version), added=True))
     return planned
@@ -109,7 +113,7 @@ def _project_document(names: FileNames, kind: Format, frame: Project) -> Planned
 
 
 def _free_path(names: FileNames, kind: Format, thing: ProjectObject) -> str:
-    folder = thing.folder if thing.folder is not None else kind.codec().standard_folder(thing)
+    folder = thing.folder if thing.folder is not None else cast("FolderCodec", kind.codec()).standard_folder(thing)
     return names.free(legal_folder(folder), thing.name, kind.extensions[0])
 
 
@@ -124,23 +128,23 @@ def _says_nothing(frame: Project) -> bool:
     return is_bare(frame) and (carried is None or not (carried.elements or carried.data))
 
 
-def _frames(project: Project, origin: FolderOrigin) -> dict[str | None, Project]:
+def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]:
     """What is beside the objects of each document, with the edits of the project in it; None: of a new document.
 
     An edit of what belongs to the project goes into the document that had it, or the first that speaks for the project.
     """
-    frames: dict[str | None, Project] = {path: document.frame for path, document in origin.documents.items()}
-    edited = [name for name in SHARED if getattr(project, name) != origin.shared[name]]
+    frames: dict[str | None, Project] = {path: document.frame for path, document in source.documents.items()}
+    edited = [name for name in SHARED if getattr(project, name) != source.shared[name]]
     if not edited:
         return frames
     if "header" in edited:
-        _edit_headers(frames, project, origin)
+        _edit_headers(frames, project, source)
         edited.remove("header")
     for name in edited:
         plain = Project.model_fields[name].get_default(call_default_factory=True)
         owner = next((path for path in frames if _content(frames[path], name) != plain), None)
         if owner is None:
-            owner = next((path for path, document in origin.documents.items() if not document.objects), None)
+            owner = next((path for path, document in source.documents.items() if not document.objects), None)
         if owner is None and owner not in frames:
             frames[None] = Project(dialect=project.dialect, header=project.header)
         for path, frame in frames.items():
@@ -166,12 +170,12 @@ def _carried(frame: Project, value: Carried | None) -> Carried | None:
     )
 
 
-def _edit_headers(frames: dict[str | None, Project], project: Project, origin: FolderOrigin) -> None:
+def _edit_headers(frames: dict[str | None, Project], project: Project, source: FolderSource) -> None:
     """Put what was edited in the header of the project into those of all documents of the same tool.
 
     The version is that of each document: another one is written by saving in that version.
     """
-    before = origin.shared["header"]
+    before = source.shared["header"]
     names = [name for name in type(before).model_fields if name not in ("version", "carried")]
     update = {name: value for name in names if (value := getattr(project.header, name)) != getattr(before, name)}
     for path, frame in frames.items():

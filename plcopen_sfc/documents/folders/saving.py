@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.conversion import compare, executed, report_execution
-from plcopen_sfc.documents import (
+from plcopen_sfc.documents.file import (
     encode,
     names_in_the_source,
     normalized,
@@ -16,16 +17,21 @@ from plcopen_sfc.documents import (
     refuse_reading_errors,
     verify,
 )
+from plcopen_sfc.documents.folders.loading import add_document, files_below, settle
+from plcopen_sfc.documents.folders.merging import merged, shared_fields, with_objects, without_objects
+from plcopen_sfc.documents.folders.planning import PROJECT_DOCUMENT, PlannedDocument, plan_anew, plan_like
+from plcopen_sfc.documents.source import FileSource, FolderSource, SourceDocument
 from plcopen_sfc.errors import FileAccessError, Location, OldVersionError
 from plcopen_sfc.files import read_bytes, write_all
-from plcopen_sfc.folders.loading import add_document, files_below, settle
-from plcopen_sfc.folders.merging import merged, shared_fields, with_objects, without_objects
-from plcopen_sfc.folders.planning import PROJECT_DOCUMENT, PlannedDocument, plan_anew, plan_like
 from plcopen_sfc.formats.base import Format, WriteOptions
+from plcopen_sfc.formats.provenance import put_in_folder, take_provenance
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.model.project import FolderOrigin, Origin, Project, SourceDocument
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport
+
+if TYPE_CHECKING:
+    from plcopen_sfc.formats.xml.codec import FolderCodec
 
 __all__ = ["edited_files", "save_folder"]
 
@@ -54,21 +60,21 @@ def save_folder(
     if not kind.folders:
         message = f"the target is a folder, not a file, and in the format {kind.name} a project is one file"
         raise FileAccessError(message, location=Location(folder), hint="Name a file inside it.")
-    report = ConversionReport(project._origin.format if project._origin is not None else "", name, unchanged=True)
-    origin = _documents_of(project, kind)
-    home = origin is not None and origin is project._origin and _same_folder(origin.path, folder)
-    if origin is None:
+    report = ConversionReport(project.source.format if project.source is not None else "", name, unchanged=True)
+    source = _documents_of(project, kind)
+    home = source is not None and source is project.source and _same_folder(source.path, folder)
+    if source is None:
         planned, contents = _convert(project, kind, version, report, limit)
     else:
-        planned = plan_like(project, origin, kind, home=home)
-        contents = _encode(planned, origin, name, report, flavour=flavour, fresh=fresh)
+        planned = plan_like(project, source, kind, home=home)
+        contents = _encode(planned, source, name, report, flavour=flavour, fresh=fresh)
     if normalize:
         plain, contents = contents, {path: normalized(data, name) for path, data in contents.items()}
         report.unchanged = report.unchanged and contents == plain
     if not home:
         refuse_reading_errors(project, report)
     refuse_losses(report, strict=strict, partial=partial)
-    before = {path: document.origin.content for path, document in origin.documents.items()} if home and origin else {}
+    before = {path: document.source.content for path, document in source.documents.items()} if home and source else {}
     gone = [path for path in before if path not in contents]
     if home:
         changed = {path: data for path, data in contents.items() if before.get(path) != data}
@@ -82,8 +88,8 @@ def save_folder(
     report.written += [str(Path(folder, path)) for path in changed]
     report.removed += [str(Path(folder, path)) for path in gone]
     report.left_alone += [str(Path(folder, path)) for path in files_below(folder) if path not in contents]
-    if home and origin is not None:
-        _remember(project, origin, planned, changed, gone)
+    if home and source is not None:
+        _remember(project, source, planned, changed, gone)
     return report
 
 
@@ -92,33 +98,33 @@ def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, byte
 
     A file that is not there has no bytes.
     """
-    origin = project._origin
-    if isinstance(origin, Origin):
-        yield path, origin.content, encode(project, origin.format, flavour="", fresh=False)[0]
-    if not isinstance(origin, FolderOrigin):
+    source = project.source
+    if isinstance(source, FileSource):
+        yield path, source.content, encode(project, source.format, flavour="", fresh=False)[0]
+    if not isinstance(source, FolderSource):
         return
-    kind = format_named(origin.format)[0]
+    kind = format_named(source.format)[0]
     report = ConversionReport()
-    after = _encode(plan_like(project, origin, kind, home=True), origin, origin.format, report, flavour="", fresh=False)
-    before = {name: document.origin.content for name, document in origin.documents.items()}
+    after = _encode(plan_like(project, source, kind, home=True), source, source.format, report, flavour="", fresh=False)
+    before = {name: document.source.content for name, document in source.documents.items()}
     for name in sorted(before.keys() | after.keys()):
         if before.get(name) != after.get(name):
             yield str(Path(path, name)), before.get(name, b""), after.get(name, b"")
 
 
-def _documents_of(project: Project, kind: Format) -> FolderOrigin | None:
+def _documents_of(project: Project, kind: Format) -> FolderSource | None:
     """The documents that the project was read from; None where they are of another format, or there are none."""
-    origin = project._origin
-    if isinstance(origin, FolderOrigin) and origin.format == kind.name:
-        return origin
-    if not isinstance(origin, Origin) or origin.format != kind.name:
+    source = project.source
+    if isinstance(source, FolderSource) and source.format == kind.name:
+        return source
+    if not isinstance(source, FileSource) or source.format != kind.name:
         return None
-    name = Path(origin.path).name if origin.path else f"{PROJECT_DOCUMENT}{kind.extensions[0]}"
+    name = Path(source.path).name if source.path else f"{PROJECT_DOCUMENT}{kind.extensions[0]}"
     things = list(project.objects())
     for place, thing in enumerate(things):
-        thing._home = (name, place)
+        put_in_folder(thing, name, place, None)
     documents = {name: SourceDocument(without_objects(project), len(things))}
-    return FolderOrigin(kind.name, origin.version, "", documents, shared_fields(project), {}, [], [])
+    return FolderSource(kind.name, source.version, "", documents, shared_fields(project), {}, [], [])
 
 
 def _same_folder(one: str, other: str) -> bool:
@@ -130,7 +136,7 @@ def _same_folder(one: str, other: str) -> bool:
 
 def _encode(
     planned: list[PlannedDocument],
-    origin: FolderOrigin,
+    source: FolderSource,
     name: str,
     report: ConversionReport,
     *,
@@ -140,7 +146,7 @@ def _encode(
     """The bytes of each document, by path."""
 
     def write(document: PlannedDocument) -> bytes:
-        wanted = name if document.source is not None or name != origin.format else f"{name}-{origin.version}"
+        wanted = name if document.source is not None or name != source.format else f"{name}-{source.version}"
         data, found = encode(document.project(), wanted, flavour=flavour, fresh=fresh)
         report.extend(found.items)
         report.unchanged = report.unchanged and found.unchanged and document.path == document.source
@@ -167,9 +173,9 @@ def _convert(
     project: Project, kind: Format, version: str, report: ConversionReport, limit: float
 ) -> tuple[list[PlannedDocument], dict[str, bytes]]:
     """The documents of a project of another format: adapted as a whole, written one by one, read back as a whole."""
-    codec = kind.codec()
+    codec = cast("FolderCodec", kind.codec())
     options = WriteOptions(version)
-    copy, _, options, source = prepared(project, kind, options, report)
+    copy, _, options, behaviour = prepared(project, kind, options, report)
     if not copy.header.product:
         copy.header = codec.new_document(version).header
     planned = plan_anew(copy, kind, version)
@@ -181,10 +187,10 @@ def _convert(
         if not document.added:
             settle(document.things, document.path)
     verify(copy, kind, _read_back(contents, kind, version, as_tool=False), report)
-    if source is not None:
+    if behaviour is not None:
         seen = _read_back(contents, kind, version, as_tool=True)
         called = names_in_the_source(project, copy)
-        report_execution(report, compare(source, executed(seen, lists=source.lists)), kind.tool, called)
+        report_execution(report, compare(behaviour, executed(seen, lists=behaviour.lists)), kind.tool, called)
         if limit:
             from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
 
@@ -195,7 +201,7 @@ def _convert(
 
 def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_tool: bool) -> Project:
     """The project in the documents that are to be written."""
-    back = FolderOrigin(kind.name, version, "", {}, {}, {}, [], [])
+    back = FolderSource(kind.name, version, "", {}, {}, {}, [], [])
     things: list[ProjectObject] = []
     for path, data in contents.items():
         things += add_document(back, path, data, as_tool=as_tool)
@@ -219,17 +225,17 @@ def _refuse_if_changed(folder: str, expected: dict[str, bytes]) -> None:
 
 
 def _remember(
-    project: Project, origin: FolderOrigin, planned: list[PlannedDocument], changed: dict[str, bytes], gone: list[str]
+    project: Project, source: FolderSource, planned: list[PlannedDocument], changed: dict[str, bytes], gone: list[str]
 ) -> None:
     """The folder is what was written now: the next save changes what is edited from here on."""
     for path in gone:
-        del origin.documents[path]
+        del source.documents[path]
     for document in planned:
         if document.path in changed:
-            found = add_document(origin, document.path, changed[document.path])
+            found = add_document(source, document.path, changed[document.path])
             saved = {(type(thing), thing.name): thing for thing in found}
             for thing in document.things:
                 again = saved.get((type(thing), thing.name))
                 if again is not None:
-                    thing.settle_as(again)
-    origin.shared = shared_fields(project)
+                    take_provenance(thing, again)
+    source.shared = shared_fields(project)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcopen_sfc.folders.merging import with_objects
-from plcopen_sfc.model.project import FolderOrigin, Project
+from plcopen_sfc.documents.folders.merging import with_objects
+from plcopen_sfc.documents.source import FolderSource
+from plcopen_sfc.formats.provenance import place_in_folder
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 
 __all__ = ["documents_of"]
@@ -16,16 +18,17 @@ def documents_of(project: Project) -> Iterator[Project]:
 
     A project that was not read from a folder is its one document. Objects that are in no document come last.
     """
-    origin = project._origin
-    if not isinstance(origin, FolderOrigin):
+    source = project.source
+    if not isinstance(source, FolderSource):
         yield project
         return
-    things: dict[str, list[ProjectObject]] = {path: [] for path in origin.documents}
+    things: dict[str, list[ProjectObject]] = {path: [] for path in source.documents}
     new: list[ProjectObject] = []
     for thing in project.objects():
-        path = thing._home[0] if thing._home is not None else ""
+        place = place_in_folder(thing)
+        path = place[0] if place is not None else ""
         things.get(path, new).append(thing)
-    for path, document in origin.documents.items():
+    for path, document in source.documents.items():
         yield with_objects(document.frame, things[path])
     if new:
         yield with_objects(Project(dialect=project.dialect), new)

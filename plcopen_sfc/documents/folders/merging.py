@@ -6,27 +6,26 @@ import copy
 from collections.abc import Iterable
 from typing import Any
 
+from plcopen_sfc.documents.source import SourceDocument
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.model.base import Carried
-from plcopen_sfc.model.project import FileHeader, Project, SourceDocument
+from plcopen_sfc.model.project import FileHeader, Project
 from plcopen_sfc.model.project_object import ProjectObject
 
 __all__ = ["SHARED", "is_bare", "merged", "shared_fields", "with_objects", "without_objects"]
 
-OBJECTS = ("tag_tables", "data_types", "data_blocks", "pous")
-"""The fields of `Project` with objects that have documents of their own."""
-SHARED = tuple(name for name in Project.model_fields if name not in (*OBJECTS, "dialect"))
+SHARED = tuple(name for name in Project.model_fields if name not in (*Project.OBJECTS, "dialect"))
 """The fields with what belongs to the project and to none of its objects."""
 
 
 def without_objects(project: Project) -> Project:
     """A copy of `project` that has nothing but what is beside its objects."""
-    return project.model_copy(update={name: [] for name in OBJECTS})
+    return project.model_copy(update={name: [] for name in Project.OBJECTS})
 
 
 def with_objects(frame: Project, things: Iterable[ProjectObject]) -> Project:
     """A copy of `frame` with `things`, in their order."""
-    lists: dict[str, list[ProjectObject]] = {name: [] for name in OBJECTS}
+    lists: dict[str, list[ProjectObject]] = {name: [] for name in Project.OBJECTS}
     for thing in things:
         lists[_LIST_OF[type(thing).__name__]].append(thing)
     return frame.model_copy(update=lists)

@@ -9,15 +9,17 @@ from typing import BinaryIO, TypeVar
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.documents import read_document
+from plcopen_sfc.documents.file import read_document
+from plcopen_sfc.documents.folders.merging import merged, shared_fields, with_objects, without_objects
+from plcopen_sfc.documents.source import FolderSource, SourceDocument
 from plcopen_sfc.errors import FileAccessError, Location, SfcError, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.files import access_failure, read_bytes
-from plcopen_sfc.folders.merging import merged, shared_fields, with_objects, without_objects
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.formats.head import HEAD
+from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognised_as
 from plcopen_sfc.formats.unread import named_like
-from plcopen_sfc.model.project import FolderOrigin, Project, SourceDocument
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 
 __all__ = ["Progress", "add_document", "files_below", "load_folder", "settle"]
@@ -36,28 +38,29 @@ def load_folder(
     """
     kind = _folder_format(folder, format)
     scan = _Scan(Path(folder))
-    origin = FolderOrigin(kind.name, "", folder, {}, {}, {}, [], [])
+    source = FolderSource(kind.name, "", folder, {}, {}, {}, [], [])
     things: list[ProjectObject] = []
-    origin.unreadable.update(scan.failures)
+    source.unreadable.update(scan.failures)
     with collector_paused():
         for name in progress(scan.files) if progress is not None else scan.files:
             try:
-                things += _read(origin, kind, name, as_tool=as_tool)
+                things += _read(source, kind, name, as_tool=as_tool)
             except SfcError as error:
-                origin.unreadable[name] = error
+                source.unreadable[name] = error
             except (MemoryError, RecursionError) as error:
                 what = "memory" if isinstance(error, MemoryError) else "nesting"
                 place = Location(str(Path(folder, name)))
-                origin.unreadable[name] = SfcError(f"the document takes more {what} than there is", location=place)
-    origin.others += scan.links
-    if not origin.documents:
-        raise _nothing(origin, kind)
-    frame = merged(origin.documents, kind)
+                source.unreadable[name] = SfcError(f"the document takes more {what} than there is", location=place)
+    source.others += scan.links
+    if not source.documents:
+        raise _nothing(source, kind)
+    frame = merged(source.documents, kind)
     project = with_objects(frame, things)
-    origin.version = frame.header.version if frame.header.version in kind.versions else kind.versions[-1]
-    origin.shared = shared_fields(project)
-    origin.own_diagnostics += _findings(origin, project)
-    project._origin = origin
+    project.adopt()
+    source.version = frame.header.version if frame.header.version in kind.versions else kind.versions[-1]
+    source.shared = shared_fields(project)
+    source.own_diagnostics += _findings(source, project)
+    project.source = source
     return project
 
 
@@ -110,16 +113,16 @@ def files_below(folder: str) -> list[str]:
     return [*scan.files, *scan.links]
 
 
-def _read(origin: FolderOrigin, kind: Format, name: str, *, as_tool: bool) -> list[ProjectObject]:
+def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> list[ProjectObject]:
     """Read one file, if it is a document of `kind`; its objects."""
-    path = Path(origin.path, name)
+    path = Path(source.path, name)
     if path.suffix.casefold() not in kind.extensions:
-        origin.others.append(name)
+        source.others.append(name)
         return []
     if not recognised_as(kind, _start(path)):
-        origin.others.append(name)
+        source.others.append(name)
         return []
-    return add_document(origin, name, read_bytes(path), as_tool=as_tool)
+    return add_document(source, name, read_bytes(path), as_tool=as_tool)
 
 
 def _start(path: Path) -> bytes:
@@ -134,11 +137,11 @@ def _start(path: Path) -> bytes:
         raise access_failure(path, error) from error
 
 
-def add_document(origin: FolderOrigin, name: str, data: bytes, *, as_tool: bool = False) -> list[ProjectObject]:
+def add_document(source: FolderSource, name: str, data: bytes, *, as_tool: bool = False) -> list[ProjectObject]:
     """Make `data` the document `name` of the folder; returns its objects, which know where they are from."""
-    part = read_document(data, format=origin.format, path=str(Path(origin.path, name)), as_tool=as_tool)
+    part = read_document(data, format=source.format, path=str(Path(source.path, name)), as_tool=as_tool)
     things = list(part.objects())
-    origin.documents[name] = SourceDocument(without_objects(part), len(things))
+    source.documents[name] = SourceDocument(without_objects(part), len(things))
     settle(things, name)
     return things
 
@@ -147,42 +150,42 @@ def settle(things: Iterable[ProjectObject], name: str) -> None:
     """Let objects know that they are those of the document `name`, in their order."""
     folder = PurePosixPath(name).parent.as_posix()
     for place, thing in enumerate(things):
-        thing.settle((name, place), "" if folder == "." else folder)
+        put_in_folder(thing, name, place, "" if folder == "." else folder)
 
 
-def _nothing(origin: FolderOrigin, kind: Format) -> SfcError:
-    if origin.unreadable:
-        count = len(origin.unreadable)
-        first = next(iter(origin.unreadable.values()))
+def _nothing(source: FolderSource, kind: Format) -> SfcError:
+    if source.unreadable:
+        count = len(source.unreadable)
+        first = next(iter(source.unreadable.values()))
         message = f"none of the {count} documents in this folder can be read; the first: {first.message}"
-        return FileAccessError(message, location=Location(origin.path), hint=first.hint)
+        return FileAccessError(message, location=Location(source.path), hint=first.hint)
     message = f"the folder has no document of {kind.name}"
-    known = next((known for name in origin.others if (known := named_like(name)) is not None), None)
+    known = next((known for name in source.others if (known := named_like(name)) is not None), None)
     if known is not None:
         message = f"{message}; a file in it is {known.title}, which is not read"
-        return UnreadFormatError(message, location=Location(origin.path), hint=known.advice)
+        return UnreadFormatError(message, location=Location(source.path), hint=known.advice)
     hint = "Folders are read as exports of TIA Portal Openness; name files of other formats one by one."
-    return UnknownFormatError(message, location=Location(origin.path), hint=hint)
+    return UnknownFormatError(message, location=Location(source.path), hint=hint)
 
 
-def _findings(origin: FolderOrigin, project: Project) -> list[Diagnostic]:
+def _findings(source: FolderSource, project: Project) -> list[Diagnostic]:
     """What is wrong with the folder as a whole."""
     found = [
-        Diagnostic("DIR101", Severity.ERROR, f"not read: {error.message}", _place(error, Path(origin.path, name)))
-        for name, error in origin.unreadable.items()
+        Diagnostic("DIR101", Severity.ERROR, f"not read: {error.message}", _place(error, Path(source.path, name)))
+        for name, error in source.unreadable.items()
     ]
-    versions = {document.origin.version for document in origin.documents.values()}
+    versions = {document.source.version for document in source.documents.values()}
     if len(versions) > 1:
         message = "the documents are of several versions: " + ", ".join(sorted(versions))
-        found.append(Diagnostic("DIR104", Severity.INFO, message, Location(origin.path)))
+        found.append(Diagnostic("DIR104", Severity.INFO, message, Location(source.path)))
     groups: list[Sequence[ProjectObject]] = [
         [*project.pous, *project.data_blocks, *project.data_types],
         project.tag_tables,
     ]
     for group in groups:
-        found += _twice(origin, group, "DIR102", lambda thing: thing.name.casefold())
-    found += _twice(origin, project.pous, "DIR103", lambda pou: pou.number and (pou.kind, pou.number))
-    found += _twice(origin, project.data_blocks, "DIR103", lambda block: block.number)
+        found += _twice(source, group, "DIR102", lambda thing: thing.name.casefold())
+    found += _twice(source, project.pous, "DIR103", lambda pou: pou.number and (pou.kind, pou.number))
+    found += _twice(source, project.data_blocks, "DIR103", lambda block: block.number)
     return found
 
 
@@ -190,7 +193,7 @@ T = TypeVar("T", bound=ProjectObject)
 
 
 def _twice(
-    origin: FolderOrigin, things: Sequence[T], code: str, key: Callable[[T], Hashable | None]
+    source: FolderSource, things: Sequence[T], code: str, key: Callable[[T], Hashable | None]
 ) -> Iterator[Diagnostic]:
     """Objects that have the same `key` as one before them: its name, its number."""
     first: dict[Hashable, T] = {}
@@ -201,12 +204,13 @@ def _twice(
             message = f"{thing.name} is declared in {_file(other)} too"
             if code == "DIR103":
                 message = f"{other.name}, in {_file(other)}, has the same number"
-            place = Location(str(Path(origin.path, _file(thing))), None, None, thing.name)
+            place = Location(str(Path(source.path, _file(thing))), None, None, thing.name)
             yield Diagnostic(code, Severity.WARNING, message, place)
 
 
 def _file(thing: ProjectObject) -> str:
-    return thing._home[0] if thing._home is not None else ""
+    place = place_in_folder(thing)
+    return place[0] if place is not None else ""
 
 
 def _place(error: SfcError, path: Path) -> Location:

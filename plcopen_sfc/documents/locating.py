@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from plcopen_sfc.documents.folders.parts import documents_of
+from plcopen_sfc.documents.source import FileSource
 from plcopen_sfc.errors import FormatError, Location
-from plcopen_sfc.folders.parts import documents_of
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.model.project import Origin, Project
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import line_of
 
 
 def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
@@ -27,26 +29,17 @@ def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
         if id(document) not in known:
             known[id(document)] = _lines(document)
         file, lines = known[id(document)]
-        found.append(Location(file, _line(path, lines), None, path))
+        found.append(Location(file, line_of(path, lines), None, path))
     return found
 
 
 def _lines(document: Project) -> tuple[str | None, Mapping[str, int]]:
     """The name of the file that a document was read from, and the lines of its objects by their paths."""
-    origin = document._origin
-    if not isinstance(origin, Origin):
+    source = document.source
+    if not isinstance(source, FileSource):
         return None, {}
-    lines_of = getattr(format_named(origin.format)[0].codec(), "lines", None)
+    codec = format_named(source.format)[0].codec()
     try:
-        return origin.path, lines_of(origin.content, document) if lines_of is not None else {}
+        return source.path, codec.lines(source.content, document)
     except FormatError:  # the project was read with another format than its content has
-        return origin.path, {}
-
-
-def _line(path: str, lines: Mapping[str, int]) -> int | None:
-    """The line of an object, or of what is around it."""
-    while path:
-        if path in lines:
-            return lines[path]
-        path = path.rpartition(" / ")[0]
-    return None
+        return source.path, {}

@@ -22,7 +22,7 @@ from plcopen_sfc.errors import (
 from plcopen_sfc.model import Project
 from plcopen_sfc.model.compare import differences
 from tests.corpus import ROOT
-from tests.folders.exports import PLACES, block, changes, contents, export
+from tests.documents.folders.exports import PLACES, block, changes, contents, export
 
 posix_only = pytest.mark.skipif(os.name == "nt", reason="needs POSIX permissions and links")
 not_root = pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may read everything")
@@ -423,7 +423,7 @@ def test_any_names_are_files(tmp_path_factory: pytest.TempPathFactory, many: lis
         new.folder = None
         project.data_blocks.append(new)
     del project.data_blocks[0]
-    project.__pydantic_private__["_origin"] = None  # type: ignore[index]
+    project.source = None
     for data_block in project.data_blocks:
         data_block.__pydantic_private__["_home"] = None  # type: ignore[index]
     sfc.save(project, folder, format="simaticml")

@@ -1,0 +1,158 @@
+"""What readers remember of the objects and charts that they read, to tell later what was edited."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.late import LateElement
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.model.sfc import SfcNetwork
+
+__all__ = [
+    "as_in_file",
+    "content_digest",
+    "is_from",
+    "is_untouched",
+    "place_in_folder",
+    "put_in_folder",
+    "read_later",
+    "remember_body",
+    "take_provenance",
+]
+
+L = TypeVar("L", bound=LateElement)
+P = TypeVar("P", bound=ProjectObject)
+
+
+@dataclass(frozen=True, slots=True)
+class _Provenance:
+    """Where an object or a chart comes from.
+
+    `known` are the fields that were there before it was read; `digest` is that of its content as it was read, None
+    before that. `place` is the document of a folder and the place of the object in it, `folder` what the file itself
+    says of the folder of the object. `body` is the name of the body, and the bytes of the file, that a chart was read
+    from.
+    """
+
+    known: tuple[str, ...] = ()
+    digest: bytes | None = None
+    place: tuple[str, int] | None = None
+    folder: str | None = None
+    body: tuple[str, bytes] | None = None
+
+
+_NOWHERE = _Provenance()
+
+
+def _provenance(thing: LateElement) -> _Provenance:
+    found = thing._provenance
+    return found if isinstance(found, _Provenance) else _NOWHERE
+
+
+def read_later(model: type[L], fields: dict[str, Any], read: Callable[[], L]) -> L:
+    """An element with `fields` that `read` reads when a script looks at more of it."""
+
+    def supply(thing: L) -> L:
+        whole = read()
+        folder = whole.folder if isinstance(whole, ProjectObject) else None
+        thing._provenance = replace(_provenance(thing), digest=_own_digest(whole), folder=folder)
+        return whole
+
+    thing = model.late(fields, supply)
+    thing._provenance = _Provenance(tuple(fields))
+    return thing
+
+
+def is_untouched(thing: ProjectObject | SfcNetwork) -> bool:
+    """True if the content is as it was read. False for what was not read late, such as objects made by scripts."""
+    if thing.is_unread:
+        return True
+    digest = _provenance(thing).digest
+    return digest is not None and digest == _own_digest(thing)
+
+
+def content_digest(thing: ProjectObject) -> bytes:
+    """A digest of the content of an object: the same for an unread one and the same one read and not edited."""
+    if not is_untouched(thing):
+        return _own_digest(thing)
+    known = {name: thing.__dict__[name] for name in _provenance(thing).known}
+    return hashlib.blake2b(repr(("untouched", known)).encode()).digest()
+
+
+def _own_digest(thing: LateElement) -> bytes:
+    """A digest of the fields of an element; untouched charts count by where they were read from and stay unread."""
+    exclude: dict[str, Any] = {}
+    names: list[str] = []
+    if isinstance(thing, Pou):
+        for path, name, body in _charts_in(thing):
+            if is_untouched(body.chart):
+                origin = _provenance(body.chart).body
+                names.append(origin[0] if origin is not None else name)
+                field, index, *rest = path
+                below: dict[Any, Any] = exclude.setdefault(str(field), {})
+                below[index] = {"body": {"chart"}} if rest else {"chart"}
+    content = thing.__pydantic_serializer__.to_json(thing, exclude_none=True, exclude=exclude or None)
+    digest = hashlib.blake2b(content)
+    digest.update("\0".join(names).encode())
+    return digest.digest()
+
+
+def _charts_in(pou: Pou) -> Iterator[tuple[tuple[str | int, ...], str, SfcBody]]:
+    """The SFC bodies of a POU, with where each stands in its fields, and its name."""
+    for index, body in enumerate(pou.bodies):
+        if isinstance(body, SfcBody):
+            yield ("bodies", index), pou.name, body
+    for field in ("actions", "transitions", "methods"):
+        for index, part in enumerate(getattr(pou, field)):
+            if isinstance(part.body, SfcBody):
+                yield (field, index, "body"), f"{pou.name}.{part.name}", part.body
+
+
+def remember_body(body: SfcBody, name: str, content: bytes) -> None:
+    """Remember that the chart of a body was read as `name` from a file with this `content`."""
+    body.chart._provenance = replace(_provenance(body.chart), body=(name, content))
+
+
+def is_from(body: SfcBody, name: str, content: bytes) -> bool:
+    """True if the chart of a body was read as `name` from this very `content` and is untouched."""
+    origin = _provenance(body.chart).body
+    return origin is not None and origin[0] == name and origin[1] is content and is_untouched(body.chart)
+
+
+def put_in_folder(thing: ProjectObject, document: str, place: int, folder: str | None) -> None:
+    """Remember that an object was read from a document of a folder: its `place` in it, and the `folder` around it.
+
+    None for the folder leaves that as the object says it.
+    """
+    thing._provenance = replace(_provenance(thing), place=(document, place))
+    if folder is not None:
+        thing.__dict__["folder"] = folder  # an assignment would read the object
+
+
+def place_in_folder(thing: ProjectObject) -> tuple[str, int] | None:
+    """The document of a folder that an object was read from, and its place in it."""
+    return _provenance(thing).place
+
+
+def as_in_file(thing: P) -> P:
+    """A copy without what the place of its document in the folder says of it."""
+    copy = thing.model_copy()
+    if thing.is_unread and "folder" not in _provenance(thing).known:
+        copy.__dict__.pop("folder", None)
+    else:
+        copy.__dict__["folder"] = _provenance(thing).folder
+    return copy
+
+
+def take_provenance(thing: ProjectObject, saved: ProjectObject) -> None:
+    """The object was saved, and `saved` is what was read of its file: from here on, edits count from this."""
+    found = _provenance(saved)
+    thing.__dict__["folder"] = saved.folder
+    thing._provenance = replace(_provenance(thing), known=found.known, place=found.place)
+    if not thing.is_unread:
+        thing._provenance = replace(_provenance(thing), digest=_own_digest(as_in_file(thing)))

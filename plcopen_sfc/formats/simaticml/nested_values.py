@@ -1,0 +1,169 @@
+"""Start values inside structures: of PLC data types, in ``Sections`` of a member, and of elements of arrays of them.
+
+A member of a PLC data type repeats the members of the type with the start values of this variable. Of an array of
+structures the members have one ``Subelement`` for each element; its path has the indices of the array, then those of
+the member itself, where it is an array too (seen in exports of V16: ``Path="62,13"``).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+from lxml import etree
+from pydantic import TypeAdapter
+
+from plcopen_sfc.formats.simaticml.reading import N, XmlNode, children, local
+from plcopen_sfc.formats.simaticml.types import read_type, write_type
+from plcopen_sfc.formats.simaticml.writing import sub
+from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.languages.start_values import Path, PathError, apart, assembled
+from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, StructType, Value, Variable
+
+_TYPES: TypeAdapter[DataType] = TypeAdapter(DataType)
+_INDICES = re.compile(r"-?\d{1,9}(?:,-?\d{1,9})*")
+
+
+def has_nested(element: XmlNode) -> bool:
+    """True if a member has start values in its parts, which are its own: those of structures belong to their members.
+
+    Types of the system have start values that are of no effect or belong to their blocks.
+    """
+    spelled = element.get("Datatype", "")
+    is_inside = spelled.endswith('"') or spelled.startswith("Array[")
+    has_parts = is_inside and next(_inner(element), None) is not None
+    return has_parts and any(local(each) == "StartValue" for each in element.iter())
+
+
+def read_nested(element: XmlNode) -> Value | None:
+    """The value of a member with its parts; None where it has none, or they do not fit."""
+    try:
+        return assembled(_entries(element, ()), _type_of(element), {})
+    except PathError:
+        return None
+
+
+def _inner(element: N) -> Iterator[N]:
+    """The members that a member lists, of its structure or of its type."""
+    for child in children(element):
+        if local(child) == "Member":
+            yield child
+        elif local(child) == "Sections":
+            for section in children(child):
+                yield from (member for member in children(section) if local(member) == "Member")
+
+
+def _type_of(element: XmlNode) -> DataType:
+    """The type of a member, with the members that it lists in place of the name of a type."""
+    type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
+    members = [Variable(name=each.get("Name", ""), type=_type_of(each)) for each in _inner(element)]
+    return _with_members(type_, members) if members else type_
+
+
+def _with_members(type_: DataType, members: list[Variable]) -> DataType:
+    if isinstance(type_, ArrayType):
+        return ArrayType(dimensions=type_.dimensions, base=_with_members(type_.base, members))
+    return StructType(members=members)
+
+
+def _entries(element: XmlNode, around: tuple[str | int, ...]) -> Iterator[tuple[Path, str]]:
+    """The start values in a member. `around`: names on the way to it, and how many indices the arrays there have."""
+    type_ = read_type(element.get("Datatype", ""))
+    ranks: tuple[int, ...] = ()
+    while type_["kind"] == "array":
+        ranks += (len(type_["dimensions"]),)
+        type_ = type_["base"]
+    way = (*around, *ranks)
+    for child in children(element):
+        if local(child) == "StartValue" and child.text and child.get("Informative") != "true":
+            if any(isinstance(part, int) for part in way):
+                raise PathError("one start value is given to all elements")
+            yield tuple(part for part in way if isinstance(part, str)), child.text
+        elif local(child) == "Subelement":
+            texts = [value.text for value in children(child) if local(value) == "StartValue" and value.text]
+            if len(texts) != 1:
+                raise PathError("an element has no start value, or several")
+            yield _placed(way, child.get("Path", "")), texts[0] or ""
+    for member in _inner(element):
+        yield from _entries(member, (*way, member.get("Name", "")))
+
+
+def _placed(way: tuple[str | int, ...], text: str) -> Path:
+    """A way with the indices of a ``Subelement``."""
+    if not _INDICES.fullmatch(text):
+        raise PathError("the path of an element is no list of indices")
+    indices = [int(index) for index in text.split(",")]
+    found: list[str | tuple[int, ...]] = []
+    for part in way:
+        if isinstance(part, str):
+            found.append(part)
+        else:
+            found.append(tuple(indices[:part]))
+            indices = indices[part:]
+    if indices:
+        raise PathError("the path of an element has too many indices")
+    return tuple(found)
+
+
+def write_nested(element: etree._Element, type_: DataType, value: Value | None, types: Mapping[str, DataType]) -> bool:
+    """Give the parts of a member that is written the start values of `value`; False where TIA Portal has none such.
+
+    The members of a PLC data type are added where it is known.
+    """
+    if read_nested(element) == value:
+        return True
+    if next(_inner(element), None) is not None:
+        type_ = _type_of(element)
+    try:
+        entries = [] if value is None else list(apart(value, type_, types))
+        if value != assembled(entries, type_, types):
+            return False
+        places = [_find(element, path, types) for path, _ in entries]
+    except PathError:
+        return False
+    for old in list(element.iter("{*}StartValue", "{*}Subelement")):
+        parent = old.getparent()
+        if parent is not None:
+            parent.remove(old)
+    for (member, indices), (_, text) in zip(places, entries, strict=True):
+        holder = sub(member, "Subelement", {"Path": indices}) if indices else member
+        sub(holder, "StartValue").text = legal(text)
+    return True
+
+
+def _find(element: etree._Element, path: Path, types: Mapping[str, DataType]) -> tuple[etree._Element, str]:
+    """The member at the end of a way, and the indices of its element."""
+    indices: list[str] = []
+    for part in path:
+        if isinstance(part, tuple):
+            indices += map(str, part)
+            continue
+        found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
+        if found is None:
+            _add_members(element, types)
+            found = next((m for m in _inner(element) if m.get("Name", "").casefold() == part.casefold()), None)
+        if found is None:
+            raise PathError(f"there is no member {part}")
+        element = found
+    return element, ",".join(indices)
+
+
+def _add_members(element: etree._Element, types: Mapping[str, DataType]) -> None:
+    """List the members of the PLC data type of a member."""
+    type_: DataType = _TYPES.validate_python(read_type(element.get("Datatype", "")))
+    while isinstance(type_, ArrayType):
+        type_ = type_.base
+    struct = types.get(type_.name.casefold()) if isinstance(type_, DerivedType) else None
+    if any(True for _ in _inner(element)) or not isinstance(struct, StructType):
+        raise PathError("its type is not known")
+    _list_members(sub(sub(element, "Sections"), "Section", {"Name": "None"}), struct)
+
+
+def _list_members(parent: etree._Element, struct: StructType) -> None:
+    for member in struct.members:
+        inner = sub(parent, "Member", {"Name": member.name, "Datatype": write_type(member.type)})
+        base = member.type
+        while isinstance(base, ArrayType):
+            base = base.base
+        if isinstance(base, StructType):
+            _list_members(inner, base)

@@ -1,0 +1,57 @@
+"""What a POU extends and implements: kept at its interface, or in the text of its declaration."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from plcopen_sfc.languages.declarations.kept import keep, kept
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.declaration_nodes import PouHead
+from plcopen_sfc.languages.st.parsing import parse_declarations
+from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.variables import Interface
+
+
+class Inheritance(NamedTuple):
+    """The names behind EXTENDS (at most one) and IMPLEMENTS."""
+
+    extends: tuple[str, ...] = ()
+    implements: tuple[str, ...] = ()
+
+    def text(self) -> str:
+        """As the header of the POU has it: ``EXTENDS Base IMPLEMENTS IValve, IDrive``."""
+        parts = (("EXTENDS", self.extends), ("IMPLEMENTS", self.implements))
+        return " ".join(f"{word} {', '.join(names)}" for word, names in parts if names)
+
+    def keep(self) -> Carried | None:
+        """What an interface keeps of it."""
+        parts = (("extends", self.extends), ("implements", self.implements))
+        return keep({name: ", ".join(names) for name, names in parts if names})
+
+
+def inheritance(interface: Interface | None) -> Inheritance:
+    """What the POU or the method of this interface extends and implements."""
+    if interface is None:
+        return Inheritance()
+    text = (interface.declaration or "").casefold()
+    if "extends" in text or "implements" in text:
+        tree = parse_declarations(interface.declaration or "", Dialect.CODESYS).tree
+        for head in (item for item in tree.items if isinstance(item, PouHead)):
+            return Inheritance(_names(head.extends), _names(head.implements))
+    return kept_inheritance(interface.carried)
+
+
+def kept_inheritance(carried: Carried | None) -> Inheritance:
+    """What an object keeps of EXTENDS and IMPLEMENTS."""
+    texts = kept(carried)
+    return Inheritance(_listed(texts.get("extends", "")), _listed(texts.get("implements", "")))
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _names(nodes: tuple[n.Expression, ...]) -> tuple[str, ...]:
+    return tuple(map(print_node, nodes))

@@ -1,0 +1,201 @@
+"""Start values that files give to single elements, such as ``u.y[1] := 2.5``, and values of whole variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import product
+
+from plcopen_sfc.languages.s7_types import number_of
+from plcopen_sfc.model.types import (
+    ArrayType,
+    ArrayValue,
+    DataType,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    MemberValue,
+    RepeatedValue,
+    SimpleValue,
+    StringType,
+    StructType,
+    StructValue,
+    Value,
+    Variable,
+)
+
+__all__ = ["Path", "PathError", "Types", "apart", "assembled", "filled"]
+
+Path = tuple[str | tuple[int, ...], ...]
+"""The way to an element: names of members, and indices of elements of arrays."""
+Types = Mapping[str, DataType]
+"""The types that a project declares, by name in lower case."""
+_DEEPEST = 32
+_MOST = 100_000
+"""More elements than that are not listed one by one."""
+
+
+class PathError(ValueError):
+    """A way leads to nothing that a type has, or to an element twice."""
+
+
+def _plain_type(type_: DataType | None, types: Types) -> DataType | None:
+    """A type, or what its name stands for; None for a name that nothing declares."""
+    for _ in range(_DEEPEST):
+        if not isinstance(type_, DerivedType):
+            break
+        type_ = types.get(type_.name.replace('"', "").casefold())
+    return type_
+
+
+def _member_type(type_: DataType | None, name: str, types: Types) -> DataType | None:
+    struct = _plain_type(type_, types)
+    if not isinstance(struct, StructType):
+        return None
+    return next((each.type for each in struct.members if each.name.casefold() == name.casefold()), None)
+
+
+def _ranges(type_: DataType | None, types: Types) -> list[range] | None:
+    """The indices of an array; None where it is none, or its bounds are no numbers."""
+    array = _plain_type(type_, types)
+    if not isinstance(array, ArrayType):
+        return None
+    bounds = [(number_of(d.lower), number_of(d.upper)) for d in array.dimensions]
+    found = [range(lower, upper + 1) for lower, upper in bounds if lower is not None and upper is not None]
+    return found if len(found) == len(bounds) else None
+
+
+def assembled(entries: Iterable[tuple[Path, str]], type_: DataType | None, types: Types) -> Value | None:
+    """The value of a variable of which single elements have start values; None where there are none.
+
+    Elements of an array without one of their own are values without text. Raises `PathError`.
+    """
+    whole: SimpleValue | None = None
+    members: dict[str, tuple[str, list[tuple[Path, str]]]] = {}
+    elements: dict[tuple[int, ...], list[tuple[Path, str]]] = {}
+    for path, text in entries:
+        if not path:
+            if whole is not None:
+                raise PathError("a start value is given twice")
+            whole = SimpleValue(text=text)
+        elif isinstance(path[0], str):
+            members.setdefault(path[0].casefold(), (path[0], []))[1].append((path[1:], text))
+        else:
+            elements.setdefault(path[0], []).append((path[1:], text))
+    if sum(map(bool, (whole, members, elements))) > 1:
+        raise PathError("a start value is given to a whole and to a part of it")
+    if members:
+        found = [(name, assembled(inner, _member_type(type_, name, types), types)) for name, inner in members.values()]
+        return StructValue(
+            members=[MemberValue(member=name, value=value) for name, value in found if value is not None]
+        )
+    return _array(elements, type_, types) if elements else whole
+
+
+def _array(elements: dict[tuple[int, ...], list[tuple[Path, str]]], type_: DataType | None, types: Types) -> ArrayValue:
+    ranges, array = _ranges(type_, types), _plain_type(type_, types)
+    if ranges is None or not isinstance(array, ArrayType):
+        raise PathError("the bounds of an array are not known")
+    items: list[RepeatedValue] = []
+    following = 0
+    places = {indices: _place(indices, ranges) for indices in elements}
+    for indices, place in sorted(places.items(), key=lambda each: each[1]):
+        value = assembled(elements[indices], array.base, types) or SimpleValue()
+        _append(items, SimpleValue(), place - following)
+        _append(items, value, 1)
+        following = place + 1
+    return ArrayValue(items=items)
+
+
+def _append(items: list[RepeatedValue], value: Value, count: int) -> None:
+    if not count:
+        return
+    if items and items[-1].value == value:
+        count += int(items.pop().repetitions or 1)
+    items.append(RepeatedValue(value=value, repetitions=str(count) if count > 1 else None))
+
+
+def _place(indices: tuple[int, ...], ranges: list[range]) -> int:
+    """The place of an element among all: the last index counts first."""
+    if len(indices) != len(ranges):
+        raise PathError("an array has another number of dimensions")
+    place = 0
+    for index, indexes in zip(indices, ranges, strict=True):
+        if index not in indexes:
+            raise PathError(f"an array has no element {index}")
+        place = place * len(indexes) + index - indexes.start
+    return place
+
+
+def apart(value: Value, type_: DataType | None, types: Types) -> Iterator[tuple[Path, str]]:
+    """The single elements that a value gives start values to. Raises `PathError` where there is no way to them."""
+    if isinstance(value, SimpleValue):
+        if (value.text or "").strip():
+            yield (), value.text or ""
+    elif isinstance(value, StructValue):
+        for member in value.members:
+            for path, text in apart(member.value, _member_type(type_, member.member, types), types):
+                yield (member.member, *path), text
+    else:
+        ranges, array = _ranges(type_, types), _plain_type(type_, types)
+        counts = [number_of(item.repetitions) if item.repetitions is not None else 1 for item in value.items]
+        if ranges is None or not isinstance(array, ArrayType) or None in counts or sum(c or 0 for c in counts) > _MOST:
+            raise PathError("the elements of an array are not known")
+        ways = product(*ranges)
+        for item, count in zip(value.items, counts, strict=True):
+            inner = list(apart(item.value, array.base, types))
+            for _ in range(count or 0):
+                indices = next(ways, None)
+                if indices is None:
+                    raise PathError("an array has fewer elements")
+                yield from (((indices, *path), text) for path, text in inner)
+
+
+def filled(value: Value, type_: DataType | None, types: Types) -> Value:
+    """A value in which the elements of arrays without a text have the start value of their type."""
+    if isinstance(value, StructValue):
+        members = [
+            MemberValue(member=m.member, value=filled(m.value, _member_type(type_, m.member, types), types))
+            for m in value.members
+        ]
+        return StructValue(members=members)
+    if isinstance(value, ArrayValue):
+        array = _plain_type(type_, types)
+        base = array.base if isinstance(array, ArrayType) else None
+        items = []
+        for item in value.items:
+            is_given = not isinstance(item.value, SimpleValue) or (item.value.text or "").strip()
+            new = filled(item.value, base, types) if is_given else _usual(base, types)
+            items.append(RepeatedValue(value=new or item.value, repetitions=item.repetitions))
+        return ArrayValue(items=items)
+    return value
+
+
+def _usual(type_: DataType | None, types: Types, depth: int = 0) -> Value | None:
+    """The start value of a type, written out; of a structure that of its first member, which says all of it."""
+    found = _plain_type(type_, types)
+    if isinstance(found, StructType) and found.members and depth < _DEEPEST:
+        return _of_first(found.members[0], types, depth)
+    if isinstance(found, StringType):
+        return SimpleValue(text='""' if found.wide else "''")
+    if isinstance(found, ElementaryType):
+        return SimpleValue(text=_ZEROS.get(found.name, "0"))
+    return None
+
+
+def _of_first(member: Variable, types: Types, depth: int) -> Value | None:
+    value = member.initial or _usual(member.type, types, depth + 1)
+    return None if value is None else StructValue(members=[MemberValue(member=member.name, value=value)])
+
+
+_ZEROS = {
+    Elementary.BOOL: "FALSE",
+    Elementary.REAL: "0.0",
+    Elementary.LREAL: "0.0",
+    Elementary.TIME: "T#0s",
+    Elementary.LTIME: "LTIME#0s",
+    Elementary.DATE: "D#1970-01-01",
+    Elementary.TOD: "TOD#00:00:00",
+    Elementary.DT: "DT#1970-01-01-00:00:00",
+    Elementary.CHAR: "' '",
+    Elementary.WCHAR: '" "',
+}

@@ -1,0 +1,101 @@
+"""Elements whose content is supplied when a script first looks at it.
+
+A project can have thousands of blocks and charts, and most scripts look at a few. The model only knows that content
+can come later and from whom; what a reader supplies, and what it remembers of that, is the reader's affair
+(`plcopen_sfc.formats.provenance`). The type of an element is the same before and after: code that asks for it, such as
+renaming, must not miss an element because it has not been read. See docs/decisions/0003.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Any, Self
+
+from pydantic import PrivateAttr, SerializerFunctionWrapHandler, model_serializer
+
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.owners import Owned
+
+
+class LateElement(Owned, Element):
+    """An element that may be unread: then it has the fields that `late` got, and asks for the rest."""
+
+    _supply: Callable[[Any], Any] | None = PrivateAttr(default=None)
+    _provenance: Any = PrivateAttr(default=None)
+    """What a reader remembers of it. No method of the model looks at it, and equal elements may differ in it."""
+
+    @classmethod
+    def late(cls, fields: dict[str, Any], supply: Callable[[Self], Self]) -> Self:
+        """An unread element with `fields`; `supply` gets it and returns the whole when a script asks for more."""
+        thing: Self = _bare(cls).model_copy(update=fields)
+        thing._supply = supply
+        return thing
+
+    @property
+    def is_unread(self) -> bool:
+        """True until a script looks at more than the fields that are known from the start."""
+        return self._supply is not None
+
+    def read(self) -> None:
+        """Read the element if it is unread."""
+        supply = self._supply
+        if supply is None:
+            return
+        whole: Self = supply(self)
+        self._supply = None
+        known = dict(self.__dict__)
+        self.__dict__.clear()  # its order is that of the fields in JSON
+        self.__dict__.update(whole.__dict__ | known)
+        self.__pydantic_fields_set__.update(whole.__pydantic_fields_set__)
+        del whole  # what is in it is in this element now
+        self.adopt()
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            # Python calls this for what is not in the instance: the fields that are unread
+            if name in type(self).__pydantic_fields__ and self.__pydantic_private__ and self._supply is not None:
+                self.read()
+                return getattr(self, name)
+            return super().__getattr__(name)
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if name in type(self).__pydantic_fields__ and name not in self.__dict__ and self.__pydantic_private__:
+                self.read()
+            super().__setattr__(name, value)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, read or not, wherever it was read from."""
+        if not isinstance(other, LateElement) or type(self) is not type(other):
+            return False
+        self.read()
+        other.read()
+        return self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """A copy that is read: two that are not would share what their reader has prepared."""
+        self.read()
+        return super().__deepcopy__(memo)
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """What is pickled: the content, not the file that it may still stand in."""
+        self.read()
+        return super().__getstate__()
+
+    @model_serializer(mode="wrap")
+    def _serialize(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        self.read()
+        content: dict[str, Any] = handler(self)
+        return content
+
+
+@cache
+def _bare(model: type[LateElement]) -> Any:
+    """An object without any field, to be copied: pydantic takes long to make one."""
+    thing: Any = model.model_construct()
+    thing.__dict__.clear()
+    thing.__pydantic_fields_set__.clear()
+    return thing

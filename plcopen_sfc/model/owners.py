@@ -1,0 +1,154 @@
+"""Weak links from the parts of a project to what they are in: from a step to its chart, from that to its POU, and up.
+
+A link is set where an object is put in: by a constructor, an assignment, or a change of a list. It never contradicts
+the lists: an object that was taken out has no owner, and one that two objects have is owned by the first of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, ClassVar, Self, SupportsIndex
+from weakref import ref
+
+from pydantic import PrivateAttr
+
+from plcopen_sfc.model.base import Model
+
+if TYPE_CHECKING:
+    from plcopen_sfc.model.project import Project
+
+__all__ = ["Owned"]
+
+
+class Owned(Model):
+    """An object that knows what it is in, and tells those in its fields `OWNS` that they are in it."""
+
+    OWNS: ClassVar[tuple[str, ...]] = ()
+
+    _owner: ref[Owned] | None = PrivateAttr(default=None)
+
+    @property
+    def owner(self) -> Owned | None:
+        """The object that this one is in; None where it is in none, or that is gone."""
+        owner = self._owner() if self._owner is not None else None
+        return owner if owner is not None and owner._holds(self) else None
+
+    @property
+    def project(self) -> Project | None:
+        """The project that the object is in, however deep."""
+        owner = self.owner
+        return owner.project if owner is not None else None
+
+    def adopt(self) -> None:
+        """Tell the objects in this one that they are in it: for copies that were given other lists."""
+        for name in self.OWNS:
+            self._adopt_field(name)
+
+    def _adopt_field(self, name: str) -> None:
+        value = self.__dict__.get(name)
+        if isinstance(value, list):
+            self.__dict__[name] = _OwnedList(self, value)
+            for thing in value:
+                _adopt(self, thing)
+        elif value is not None:
+            _adopt(self, value)
+
+    def _holds(self, thing: object) -> bool:
+        values = (self.__dict__.get(name) for name in self.OWNS)
+        return any(
+            value is thing or (isinstance(value, list) and any(each is thing for each in value)) for value in values
+        )
+
+    def model_post_init(self, context: Any, /) -> None:
+        """Adopt what the object was made of."""
+        super().model_post_init(context)
+        if self.OWNS:
+            self.adopt()
+
+    if not TYPE_CHECKING:
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            super().__setattr__(name, value)
+            if name in self.OWNS:
+                self._adopt_field(name)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal content, wherever the objects are."""
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as every pydantic model
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        """A copy that is in nothing, and has copies of its own."""
+        owner, self._owner = self._owner, None
+        try:
+            copy = super().__deepcopy__(memo)
+        finally:
+            self._owner = owner
+        copy.adopt()
+        return copy
+
+    def __getstate__(self) -> dict[Any, Any]:
+        """What is pickled: the object, not where it is."""
+        owner, self._owner = self._owner, None
+        try:
+            state = super().__getstate__()
+            return {**state, "__pydantic_private__": dict(state["__pydantic_private__"])}
+        finally:
+            self._owner = owner
+
+    def __setstate__(self, state: dict[Any, Any]) -> None:
+        super().__setstate__(state)
+        self.adopt()
+
+
+def _adopt(owner: Owned, thing: object) -> None:
+    private = thing.__pydantic_private__ if isinstance(thing, Owned) else None
+    if private is None:
+        return
+    link = private["_owner"]
+    before = link() if link is not None else None
+    if before is not owner and (before is None or not before._holds(thing)):
+        private["_owner"] = ref(owner)  # an assignment would take ten times as long
+
+
+class _OwnedList(list[Any]):
+    """The list of an owner: what is put in gets to know it."""
+
+    __slots__ = ("_owner",)
+
+    def __init__(self, owner: Owned, things: Iterable[Any]) -> None:
+        super().__init__(things)
+        self._owner = ref(owner)
+
+    def _adopt(self, things: Iterable[Any]) -> None:
+        owner = self._owner()
+        if owner is not None:
+            for thing in things:
+                _adopt(owner, thing)
+
+    def append(self, thing: Any, /) -> None:
+        super().append(thing)
+        self._adopt((thing,))
+
+    def extend(self, things: Iterable[Any], /) -> None:
+        added = list(things)
+        super().extend(added)
+        self._adopt(added)
+
+    def insert(self, index: SupportsIndex, thing: Any, /) -> None:
+        super().insert(index, thing)
+        self._adopt((thing,))
+
+    def __setitem__(self, index: Any, value: Any, /) -> None:
+        value = list(value) if isinstance(index, slice) else value
+        super().__setitem__(index, value)
+        self._adopt(value if isinstance(index, slice) else (value,))
+
+    def __iadd__(self, things: Iterable[Any], /) -> Self:  # type: ignore[misc]  # list.__add__ takes lists alone
+        self.extend(things)
+        return self
+
+    def __reduce__(self) -> tuple[type[list[Any]], tuple[list[Any]]]:
+        """A copy or a pickle is a plain list: who gets it adopts what is in it."""
+        return list, (list(self),)

@@ -1,0 +1,217 @@
+"""Declarations that other tools do not have, and what nothing in the written file declares: never lost unsaid."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.report import ConversionReport, Outcome
+
+TARGETS = ("codesys", "plcopen-1.01", "plcopen-2.01", "simaticml", "scl")
+HEAD = "{plcopen_sfc format := 1}\n{plcopen_sfc project.dialect := 'codesys'}\n"
+MAIN = "PROGRAM Main\nVAR n : INT; %s END_VAR\n%s\nEND_PROGRAM\n"
+
+
+def losses(text: str, target: str, flavour: str = "") -> dict[tuple[str, str], str]:
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, flavour=flavour, partial=True)
+    return {(i.path, i.what): i.why for i in report.with_outcome(Outcome.NOT_EXECUTED) if i.what != "program"}
+
+
+BASES = """TYPE Base : STRUCT x : INT := 2; END_STRUCT; END_TYPE
+TYPE Der EXTENDS Base : STRUCT y : INT := 4; END_STRUCT; END_TYPE
+FUNCTION_BLOCK FbBase
+VAR_OUTPUT o : INT; END_VAR
+o := o + 1;
+END_FUNCTION_BLOCK
+FUNCTION_BLOCK FbDer EXTENDS FbBase IMPLEMENTS IThing
+VAR n : INT; END_VAR
+n := n + 1;
+END_FUNCTION_BLOCK
+"""
+
+
+@pytest.mark.parametrize("target", ["plcopen-1.01", "plcopen-2.01", "simaticml", "scl"])
+def test_what_types_and_blocks_extend_is_named_where_the_target_has_no_such(target: str) -> None:
+    found = losses(HEAD + BASES + MAIN % ("d : Der; f : FbDer;", "n := d.x + f.o;"), target)
+    assert "does not extend `Base`" in found["type Der", "extends"]
+    assert "does not extend `FbBase`" in found["POU FbDer", "extends"]
+    assert "does not implement `IThing`" in found["POU FbDer", "implements"]
+    assert not any("please report" in why for why in found.values())
+
+
+def test_codesys_has_what_types_and_blocks_extend() -> None:
+    project = sfc.loads((HEAD + BASES + MAIN % ("d : Der; f : FbDer;", "n := d.x + f.o;")).encode(), format="iec-text")
+    data, report = sfc.convert(project, "codesys")
+    assert [item for item in report.items if item.outcome not in (Outcome.KEPT, Outcome.EXTENSION_DATA)] == []
+    text = data.decode("utf-8-sig")
+    assert text.count("<Extends>Base</Extends>") == text.count("<Extends>FbBase</Extends>") == 1
+    assert "<Implements>IThing</Implements>" in text
+    assert "urn:plcopen-sfc:declaration" not in text
+    result = sfc.loads(data, as_tool=True)
+    assert sfc.simulate(result, pou="FbDer", scans=2)["n"] == [1, 2]
+    back, _ = sfc.convert(result, "iec-text")
+    assert "FUNCTION_BLOCK FbDer EXTENDS FbBase IMPLEMENTS IThing\n" in back.decode()
+    assert "Der EXTENDS Base : STRUCT" in " ".join(back.decode().split())
+
+
+def test_what_codesys_extends_is_read_edited_and_written_back() -> None:
+    project = sfc.loads((HEAD + BASES + MAIN % ("d : Der; f : FbDer;", "n := d.x + f.o;")).encode(), format="iec-text")
+    data, _ = sfc.convert(project, "codesys")
+    edited = data.replace(b"<Extends>FbBase</Extends>", b"<Extends>Other</Extends>")
+    again = sfc.loads(edited)
+    again.pou("Main").variables()[0].name = "number"
+    saved = sfc.dumps(again)
+    assert saved.count(b"<Extends>Other</Extends>") == 1
+    assert len(saved.splitlines()) == len(edited.splitlines())
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_union_is_named_where_the_target_writes_a_structure(target: str) -> None:
+    union = "TYPE U : UNION a : DWORD; b : ARRAY[0..3] OF BYTE; END_UNION; END_TYPE\n"
+    found = losses(HEAD + union + MAIN % ("u : U;", "u.a := 1;"), target)
+    assert "do not share their memory" in found["type U", "union"]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_properties_are_named(target: str) -> None:
+    block = """FUNCTION_BLOCK Fb
+VAR v : INT; END_VAR
+PROPERTY PUBLIC Val : INT
+GET
+Val := v * 2;
+END_GET
+END_PROPERTY
+END_FUNCTION_BLOCK
+"""
+    found = losses(HEAD + block + MAIN % ("f : Fb;", "n := f.Val;"), target)
+    assert "property `Val` is not declared in" in found["POU Fb / property Val", "property"]
+
+
+UNITS = """INTERFACE IThing
+METHOD M : BOOL END_METHOD
+END_INTERFACE
+CLASS Motor
+VAR PUBLIC speed : INT; END_VAR
+METHOD PUBLIC Run speed := speed + 1; END_METHOD
+END_CLASS
+NAMESPACE Plant
+FUNCTION_BLOCK Inner
+VAR_OUTPUT q : BOOL; END_VAR
+q := NOT q;
+END_FUNCTION_BLOCK
+END_NAMESPACE
+"""
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_units_that_are_kept_as_text_are_named_and_so_are_the_types_that_they_declare(target: str) -> None:
+    text = UNITS + MAIN % ("m : Motor; i : Plant.Inner;", "m.Run(); i(); n := m.speed;")
+    found = losses(text, target)
+    assert {"INTERFACE IThing", "CLASS Motor", "NAMESPACE Plant"} == {path for path, what in found if what == "unit"}
+    types = [why for (_, what), why in found.items() if what == "undeclared type"]
+    assert len(types) == 2
+    assert "the type `Motor` is not declared" in types[0]
+
+
+@pytest.mark.parametrize(("target", "flavour"), [("iec-text", "matiec"), ("plcopen-2.01", "beremiz")])
+def test_a_type_that_nothing_declares_is_told_once(target: str, flavour: str) -> None:
+    found = losses(UNITS + MAIN % ("m : Motor; i : Plant.Inner;", "i();"), target, flavour)
+    assert len([why for why in found.values() if "`Motor`" in why]) == 1
+    assert len([why for why in found.values() if "`Plant.Inner`" in why]) == 1
+
+
+@pytest.mark.parametrize("first", ["CLASS Motor\nEND_CLASS\n", UNITS, "NAMESPACE N\nEND_NAMESPACE\n"])
+def test_a_text_that_begins_with_such_a_unit_is_recognised(first: str) -> None:
+    project = sfc.loads((first + MAIN % ("", "n := 1;")).encode())
+    assert project.source is not None
+    assert project.source.format == "iec-text"
+    assert [pou.name for pou in project.pous] == ["Main"]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_library_blocks_of_another_tool_are_not_declared(target: str) -> None:
+    text = HEAD + MAIN % ("b : BLINK; t : TON;", "b(ENABLE := TRUE); t(IN := TRUE); n := MyLibrary(n);")
+    found = losses(text, target)
+    if target == "codesys":  # the tool of the source, which has the library
+        assert not found
+        return
+    why = next(why for (_, what), why in found.items() if what == "undeclared type")
+    assert "the type `BLINK` is not declared" in why
+    assert any("MyLibrary" in why for why in found.values())
+    assert not any("`TON`" in why for why in found.values())
+
+
+@pytest.mark.parametrize("target", ["codesys", "simaticml", "scl"])
+def test_what_the_source_does_not_declare_either_needs_a_library(target: str) -> None:
+    project = sfc.loads((MAIN % ("b : BLINK;", "b(ENABLE := TRUE);")).encode(), format="iec-text")
+    _, report = sfc.convert(project, target, partial=True)
+    (item,) = [item for item in report.losses if item.what == "undeclared type"]
+    assert item.outcome is Outcome.APPROXIMATED
+    assert "`BLINK` is declared neither in the source nor in" in item.why
+
+
+def test_own_data_of_codesys_is_executed_by_no_other_tool() -> None:
+    project = sfc.loads(BLOCKS_WITH_DATA.encode())
+    names = {"property Val", "inputassignments", "newerthanthis"}
+    for target in ("plcopen-2.01", "simaticml", "scl", "iec-text"):
+        _, report = sfc.convert(project, target, partial=True)
+        assert {name for name in names if _is_named(report, name)} == names, target
+    _, report = sfc.convert(project, "codesys")
+    assert report.losses == []
+
+
+def _is_named(report: ConversionReport, name: str) -> bool:
+    return any(item.path.endswith(name) for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
+_DATA = "http://www.3s-software.com/plcopenxml/"
+BLOCKS_WITH_DATA = f"""<?xml version="1.0" encoding="utf-8"?>
+<project xmlns="http://www.plcopen.org/xml/tc6_0200">
+  <fileHeader companyName="" productName="CODESYS" productVersion="CODESYS V3.5 SP16"
+    creationDateTime="2024-01-01T00:00:00" />
+  <contentHeader name="p.project"><coordinateInfo><fbd><scaling x="1" y="1" /></fbd><ld><scaling x="1" y="1" /></ld>
+    <sfc><scaling x="1" y="1" /></sfc></coordinateInfo></contentHeader>
+  <types><dataTypes /><pous>
+    <pou name="Fb" pouType="functionBlock">
+      <interface><localVars><variable name="v"><type><INT /></type></variable></localVars></interface>
+      <body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">v := v + 1;</xhtml></ST></body>
+      <addData>
+        <data name="{_DATA}property" handleUnknown="implementation">
+          <Property name="Val" ObjectId="1"><interface><returnType><INT /></returnType></interface>
+            <GetAccessor><interface /><body>
+              <ST><xhtml xmlns="http://www.w3.org/1999/xhtml">Val := v;</xhtml></ST></body>
+            </GetAccessor><addData /></Property>
+        </data>
+        <data name="{_DATA}newerthanthis" handleUnknown="implementation"><Something /></data>
+        <data name="{_DATA}objectid" handleUnknown="discard"><ObjectId>2</ObjectId></data>
+      </addData>
+    </pou>
+    <pou name="Main" pouType="program">
+      <interface><localVars><variable name="f"><type><derived name="Fb" /></type>
+        <addData><data name="{_DATA}inputassignments" handleUnknown="implementation"><InputAssignments>
+          <InputAssignment><Name>v</Name><Value>3</Value></InputAssignment></InputAssignments></data></addData>
+      </variable></localVars></interface>
+      <body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">f();</xhtml></ST></body>
+      <addData><data name="{_DATA}objectid" handleUnknown="discard"><ObjectId>3</ObjectId></data></addData>
+    </pou>
+  </pous></types>
+  <instances><configurations /></instances>
+</project>
+"""
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_no_message_shows_objects_of_python(target: str) -> None:
+    union = "TYPE U : UNION a : DWORD; b : ARRAY[0..3] OF BYTE; END_UNION; END_TYPE\n"
+    text = HEAD + union + BASES + UNITS + MAIN % ("u : U;", "u.a := 1;")
+    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
+    for item in report.items:
+        assert "Carried(" not in item.why
+        assert "=[" not in item.why
+
+
+def test_a_function_that_the_source_does_not_declare_either_is_told_in_words() -> None:
+    source = b"FUNCTION_BLOCK Main VAR_OUTPUT q : BOOL; END_VAR q := Mystery(TRUE); END_FUNCTION_BLOCK"
+    (item,) = sfc.convert(sfc.loads(source), "codesys")[1].losses
+    assert item.outcome is Outcome.APPROXIMATED
+    assert item.why.startswith("the name `Mystery` is declared neither in the source nor in CODESYS")

@@ -1,0 +1,156 @@
+"""The items of a report are what an engineer would find by comparing the source with the written file."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.report import Item, Outcome
+from tests.samples import FIXTURES
+
+CHART = """{declared}FUNCTION_BLOCK Main
+VAR_INPUT a, b, c : BOOL; END_VAR
+VAR_OUTPUT q, r : BOOL; END_VAR
+VAR n : INT; END_VAR
+{chart}
+END_FUNCTION_BLOCK
+"""
+PAIR = """INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO S1 := {condition}; END_TRANSITION
+STEP S1: {actions} END_STEP
+TRANSITION FROM S1 TO S0 := b; END_TRANSITION
+"""
+
+
+def project(chart: str, declared: str = "") -> m.Project:
+    return sfc.loads(CHART.format(chart=chart, declared=declared).encode(), format="iec-text")
+
+
+def losses(source: m.Project, target: str = "simaticml") -> list[Item]:
+    """The losses of a conversion, but for those of the block around the chart."""
+    report = sfc.convert(source, target, partial=True)[1]
+    return [item for item in report.losses if item.what not in ("program", "task")]
+
+
+def chart_of(source: m.Project) -> m.SfcNetwork:
+    return next(source.charts()).network
+
+
+def test_rows_of_one_operand_are_compared_by_what_they_do() -> None:
+    source = project(PAIR.format(condition="a", actions="q(N);"))
+    step = chart_of(source).step("S1")
+    step.entry_action = m.StBody(text="q := a;")
+    step.exit_action = m.StBody(text="q := b;")
+    source.dialect = m.Dialect.CODESYS
+    assert losses(source) == []
+
+
+def test_an_action_that_is_not_written_is_not_mistaken_for_a_row_of_another() -> None:
+    source = project(PAIR.format(condition="a", actions="q(SD, T#1s); r(N);"))
+    chart_of(source).step("S1").entry_action = m.StBody(text="q := a;")
+    source.dialect = m.Dialect.CODESYS
+    found = losses(source)
+    assert [(item.what, item.path) for item in found] == [("action", "POU Main / step S1 / action q")]
+    assert "no qualifier SD" in found[0].why
+
+
+def test_steps_that_s7_graph_wants_between_branches_are_one_item_each() -> None:
+    chart = """INITIAL_STEP S0: END_STEP
+TRANSITION FROM S0 TO (One, Two) := a; END_TRANSITION
+STEP One: END_STEP
+STEP Two: END_STEP
+TRANSITION FROM (One, Two) TO S1 := b; END_TRANSITION
+TRANSITION FROM (One, Two) TO S2 := c; END_TRANSITION
+STEP S1: q(N); END_STEP
+STEP S2: r(N); END_STEP
+TRANSITION FROM S1 TO S0 := a; END_TRANSITION
+TRANSITION FROM S2 TO S0 := a; END_TRANSITION
+"""
+    (item,) = losses(project(chart))
+    assert (item.outcome, item.what) == (Outcome.APPROXIMATED, "step")
+    assert item.path.startswith("POU Main / step Wait")
+    assert "one cycle later" in item.why
+
+
+def test_the_end_of_a_sequence_is_no_transition_that_the_source_does_not_have() -> None:
+    chart = "INITIAL_STEP S0: END_STEP TRANSITION FROM S0 TO S1 := a; END_TRANSITION STEP S1: q(N); END_STEP"
+    assert losses(project(chart)) == []
+
+
+def test_a_transition_that_got_a_name_is_still_compared() -> None:
+    report = sfc.convert(project(PAIR.format(condition="a", actions="q(N);")), "simaticml", partial=True)[1]
+    names = [item for item in report.with_outcome(Outcome.TRANSLATED) if "got a name" in item.why]
+    assert names
+    assert {item.what for item in names} == {"name"}
+
+
+def test_a_condition_that_cannot_be_written_is_one_item() -> None:
+    source = project(PAIR.format(condition="a", actions=""))
+    chart_of(source).transitions[0].condition = m.BodyCondition(body=m.IlBody(text="LD a"))
+    (item,) = losses(source)
+    assert item.what == "condition of the transition"
+    assert "NOT_TRANSLATED_Trans1" in item.why
+
+
+def test_a_constant_is_its_value() -> None:
+    constant = m.VariableSection(
+        constant=True,
+        variables=[
+            m.Variable(name="Most", type=m.ElementaryType(name=m.Elementary.INT), initial=m.SimpleValue(text="10"))
+        ],
+    )
+    source = project(PAIR.format(condition="n < Most", actions="q(N);"))
+    source.configurations = [m.Configuration(name="Plant", global_variables=[constant])]
+    assert losses(source) == []
+
+
+def test_flags_of_codesys_are_reported_once() -> None:
+    found = losses(sfc.load(FIXTURES / "codesys" / "distribution_belt.xml"))
+    flags = [item for item in found if "SFCReset" in (item.what, item.path.rpartition(" / ")[2])]
+    assert [item.what for item in flags] == ["flag"]
+
+
+def test_lists_with_retain_keep_their_values() -> None:
+    source = sfc.load(FIXTURES / "codesys" / "distribution_belt.xml")
+    assert not [item for item in losses(source) if item.what == "retain"]
+    data = sfc.convert(source, "simaticml", partial=True)[0].decode("utf-8-sig")
+    assert 'Name="udiTeile" Datatype="UDInt" Remanence="Retain"' in data
+
+
+def test_long_texts_are_shown_where_they_differ() -> None:
+    found = losses(sfc.load(FIXTURES / "plcopen" / "every_element_2.01.xml"))
+    (item,) = [item for item in found if item.what == "type" and item.path == "type RecipeRecord"]
+    assert "Next : Variant" in item.why
+    assert "Next : POINTER" in item.why
+
+
+def test_generic_types_are_no_types_of_tia_portal() -> None:
+    report = sfc.convert(sfc.load(FIXTURES / "plcopen" / "every_element_2.01.xml"), "simaticml", partial=True)[1]
+    generic = [item for item in report.items if item.path == "POU Largest / InNum" and item.outcome is not Outcome.KEPT]
+    assert [(item.outcome, item.what) for item in generic] == [(Outcome.NOT_EXECUTED, "data type")]
+
+
+def test_items_are_grammatical() -> None:
+    for path in sorted((FIXTURES / "plcopen").glob("*.xml")):
+        assert not [item for item in losses(sfc.load(path)) if " a action" in item.why or "action `#" in item.why]
+
+
+@pytest.mark.parametrize("target", ["simaticml", "scl"])
+def test_an_action_that_nothing_executes_is_no_loss(target: str) -> None:
+    source = project(PAIR.format(condition="a", actions="Steps(N); In_text(N);"))
+    source.pou("Main").actions = [
+        m.Action(name=name, body=m.StBody(text=text))
+        for name, text in (
+            ("Steps", "n := n + 1;"),
+            ("In_text", "Called();"),
+            ("Called", "n := 2;"),
+            ("Unused", "n := 3;"),
+        )
+    ]
+    report = sfc.convert(source, target, partial=True)[1]
+    told = {item.path.rpartition(" ")[2]: item.outcome for item in report.items if item.what == "POU action"}
+    assert told["Called"] is Outcome.NOT_EXECUTED
+    assert told["Unused"] is Outcome.EXTENSION_DATA
+    back = sfc.loads(sfc.dumps(source, format=target, partial=True), format=target)
+    assert [action.name for action in back.pou("Main").actions] == ["Steps", "In_text", "Called", "Unused"]

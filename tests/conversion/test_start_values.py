@@ -1,0 +1,183 @@
+"""Start values and retention of data blocks in other tools: those of every element, wherever the source says them."""
+
+from __future__ import annotations
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.api import convert
+from plcopen_sfc.conversion import compare, executed
+from plcopen_sfc.report import Outcome
+
+TARGETS = ("codesys", "plcopen-2.01", "plcopen-1.01", "scl", "simaticml")
+BLOCK = """
+FUNCTION_BLOCK "Counter"
+   VAR_OUTPUT
+      o : Int;
+   END_VAR
+   VAR
+      n : Int := 5;
+      row : Array[1..3] of Int;
+   END_VAR
+BEGIN
+   #o := #n;
+END_FUNCTION_BLOCK
+"""
+SOURCES = {
+    "BEGIN counts, not the declaration": """
+DATA_BLOCK "Recipe"
+   STRUCT
+      limit : Int := 100;
+      time : Time;
+   END_STRUCT;
+BEGIN
+   limit := 2000;
+   time := T#5s;
+END_DATA_BLOCK
+""",
+    "RETAIN": """
+DATA_BLOCK "Recipe"
+RETAIN
+   STRUCT
+      limit : Int;
+   END_STRUCT;
+BEGIN
+   limit := 2000; // litres
+END_DATA_BLOCK
+""",
+    "elements": """
+TYPE "Entry"
+   STRUCT
+      x : Int := 3;
+      y : Array[0..2] of Real;
+   END_STRUCT;
+END_TYPE
+DATA_BLOCK "Recipe"
+   VAR
+      u : "Entry";
+      v : Array[1..2] of "Entry";
+      s : Struct
+         z : Array[0..1] of Struct
+            k : Int;
+         END_STRUCT;
+      END_STRUCT;
+   END_VAR
+BEGIN
+   u.x := 9;
+   u.y[1] := 2.5;
+   v[2].y[0] := 4.5;
+   s.z[1].k := 31;
+END_DATA_BLOCK
+""",
+    "instance": BLOCK
+    + """
+DATA_BLOCK "Counter_1"
+"Counter"
+BEGIN
+   n := 11;
+   row[2] := 7;
+END_DATA_BLOCK
+""",
+    "retained instance": BLOCK
+    + """
+DATA_BLOCK "Counter_1"
+RETAIN
+"Counter"
+BEGIN
+   n := 11;
+END_DATA_BLOCK
+""",
+    "of a data type": """
+TYPE "Entry"
+   STRUCT
+      x : Int := 3;
+      y : Array[0..2] of Real;
+   END_STRUCT;
+END_TYPE
+DATA_BLOCK "Recipe"
+"Entry"
+BEGIN
+   x := 9;
+   y[1] := 2.5;
+END_DATA_BLOCK
+""",
+}
+
+
+def load(text: str) -> sfc.Project:
+    return sfc.loads(text.encode(), format="scl")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("what", SOURCES)
+def test_start_values_arrive(what: str, target: str) -> None:
+    project = load(SOURCES[what])
+    data, report = convert(project, target)
+    assert not report.losses, report.losses
+    assert b"16#0" not in data
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("what", SOURCES)
+def test_start_values_come_back(what: str, target: str) -> None:
+    project = load(SOURCES[what])
+    back = sfc.loads(convert(project, target)[0])
+    again = sfc.loads(convert(back, "scl")[0], as_tool=True)
+    assert not list(compare(executed(load(SOURCES[what])), executed(again)))
+
+
+LOST = {
+    "initial value": "   limit := 2000;\n",
+    "one element": "   row[2] := 7;\n",
+    "one member": "   u.x := 9;\n",
+    "retain": "RETAIN\n",
+    "instance": "   n := 11;\n",
+}
+
+
+@pytest.mark.parametrize("what", LOST)
+def test_the_comparison_sees_each_start_value(what: str) -> None:
+    for text in (text for text in SOURCES.values() if LOST[what] in text):
+        found = list(compare(executed(load(text)), executed(load(text.replace(LOST[what], "")))))
+        assert found, text
+
+
+def test_the_simulation_starts_with_the_values_of_an_instance() -> None:
+    text = BLOCK + 'DATA_BLOCK "Counter_1"\n"Counter"\nBEGIN\n   n := 11;\nEND_DATA_BLOCK\n'
+    text += 'FUNCTION_BLOCK "Main"\nVAR_OUTPUT\n  q : Int;\nEND_VAR\nBEGIN\n  "Counter_1"();\n'
+    text += '  #q := "Counter_1".o;\nEND_FUNCTION_BLOCK\n'
+    trace = sfc.simulate(load(text), pou="Main", scans=1)
+    assert trace["q"][0] == 11
+
+
+def test_start_values_that_are_not_read_are_not_lost_without_a_word() -> None:
+    text = 'DATA_BLOCK "Recipe"\n   STRUCT\n      a : Int;\n   END_STRUCT;\nBEGIN\n   b := 1;\nEND_DATA_BLOCK\n'
+    report = convert(load(text), "codesys", partial=True)[1]
+    assert any(item.what == "start values" for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
+NESTED = """<?xml version="1.0" encoding="utf-8"?>
+<Document><Engineering version="V20" /><SW.Blocks.GlobalDB ID="0"><AttributeList><Interface><Sections
+xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v5"><Section Name="Static">
+<Member Name="u" Datatype="Array[1..2] of &quot;Entry&quot;"><Sections><Section Name="None">
+<Member Name="x" Datatype="Int"><Subelement Path="2"><StartValue>9</StartValue></Subelement></Member>
+<Member Name="y" Datatype="Array[0..2] of Real"><Subelement Path="1,2"><StartValue>2.5</StartValue></Subelement>
+</Member>
+</Section></Sections></Member></Section></Sections></Interface><Name>Recipe</Name><Number>5</Number>
+<ProgrammingLanguage>DB</ProgrammingLanguage></AttributeList></SW.Blocks.GlobalDB></Document>
+"""
+
+
+def test_start_values_in_members_of_simaticml_are_edited() -> None:
+    project = sfc.loads(NESTED.encode())
+    interface = project.data_blocks[0].interface
+    assert interface is not None
+    variable = interface.variables()[0]
+    assert isinstance(variable.initial, m.ArrayValue)
+    second = variable.initial.items[1].value
+    assert isinstance(second, m.StructValue)
+    assert [(each.member, each.value) for each in second.members] == [("x", m.SimpleValue(text="9"))]
+    second.members[0].value = m.SimpleValue(text="10")
+    data = sfc.dumps(project)
+    assert data.decode() == NESTED.replace(">9<", ">10<")

@@ -1,0 +1,60 @@
+"""Boxes of conditions of other tools: their types, and what TIA Portal has no network for."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc.api import convert
+
+CHART = """FUNCTION_BLOCK Chart
+  VAR_INPUT i : INT; d : DINT; u : UDINT; r : REAL; w : WORD; b : BYTE; t : TIME; x : BOOL; END_VAR
+  INITIAL_STEP S1: END_STEP
+  TRANSITION FROM S1 TO S2 := {condition}; END_TRANSITION
+  STEP S2: END_STEP
+  TRANSITION FROM S2 TO S1 := x; END_TRANSITION
+END_FUNCTION_BLOCK
+"""
+SAID = {
+    "INT_TO_REAL(i) > r * 2.0 + 1.0": ["Convert Int Real", "Mul Real", "Add Real", "Gt Real"],
+    "(w AND 16#0F) = 3": ["And Word", "Eq Word"],
+    "i > d": ["Gt DInt"],
+    "i > r": ["Gt Real"],
+    "i > 2.5": ["Gt Real"],
+    "(b OR w) <> w": ["Or Word", "Ne Word"],
+    "REAL_TO_DINT(r) = d + 1": ["Convert Real DInt", "Add DInt", "Eq DInt"],
+    "t > T#5s": ["Gt Time"],
+    "x AND i + 1 > 3": ["Add Int", "Gt Int"],
+}
+"""Conditions, and the boxes that say them, each with its types."""
+REFUSED = ["d > r", "u > i", "ABS(i) > 3", "SEL(x, i, 3) = 1", "(NOT w) = 1", "w = i", "DINT_TO_REAL(u) > r"]
+"""Conditions that no network of TIA Portal says as they are."""
+
+
+def converted(condition: str) -> tuple[bytes, sfc.ConversionReport]:
+    return convert(sfc.loads(CHART.format(condition=condition).encode(), format="iec-text"), "simaticml", partial=True)
+
+
+@pytest.mark.parametrize("condition", SAID)
+def test_boxes_have_one_type_that_holds_all_values(condition: str) -> None:
+    data, report = converted(condition)
+    assert not report.losses, report.losses
+    parts = re.findall(r'<Part Name="(\w+)" UId="\d+">(.*?)</Part>', data.decode(), re.DOTALL)
+    found = [" ".join([name, *re.findall(r'Type="Type">(\w+)<', inside)]) for name, inside in parts]
+    assert [each for each in found if " " in each] == SAID[condition]
+
+
+@pytest.mark.parametrize("condition", REFUSED)
+def test_what_has_no_network_does_not_compile_and_is_reported(condition: str) -> None:
+    data, report = converted(condition)
+    assert [item.what for item in report.losses] == ["condition of the transition"], report.losses
+    assert b"NOT_TRANSLATED" in data
+
+
+def test_conversions_come_back() -> None:
+    data, _ = converted("INT_TO_REAL(i) > r")
+    seen = sfc.loads(data, as_tool=True)
+    back = convert(seen, "iec-text", partial=True)[0].decode()
+    assert "INT_TO_REAL(" in back
