@@ -327,8 +327,8 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
     options = replace(options, marks=marks)
     # a format without ids has branches of its own instead of the bars of others
     other = project.source is None or project.source.format != kind.name
-    anew = bool(options.flavour) or (not kind.ids and other)
-    prepare(copy, style, positions=kind.positions, anew=anew, foreign=True)
+    replaced = bool(options.flavour) or (not kind.ids and other)
+    prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
     kind.codec().adapt(copy, options, report)
     return Prepared(copy, meant, options, behaviour)
 

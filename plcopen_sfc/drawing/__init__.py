@@ -1,12 +1,19 @@
-"""Drawings of charts: derives them, keeps them up to date after edits, and places symbols."""
+"""Drawings of charts: derived from a chart, kept up to date after its edits, placed on the page.
 
-from plcopen_sfc.drawing.draw import draw, limits
-from plcopen_sfc.drawing.fits import fits
-from plcopen_sfc.drawing.layout import has_positions, layout
-from plcopen_sfc.drawing.prepare import all_charts, prepare, prepare_body
-from plcopen_sfc.drawing.redraw import redraw
-from plcopen_sfc.drawing.renumber import renumber
-from plcopen_sfc.drawing.style import DrawingStyle
+* `drawing_upkeep`: every chart of a project gets a drawing that fits it before a writer needs it
+* `drawing_style`: the two styles, and whether a drawing fits its chart
+* `new_drawing` from `chart_nesting` (a chart as nested branches) from `chart_graph` (forward edges, dominators)
+* `redrawing`: an old drawing follows the edits of its chart, with `attached_symbols`: action blocks and expressions
+* `symbol_layout` with `symbol_wires`: places and sizes of symbols, pins and wires
+* `document_order`: symbols and logic in document order, and new ids in that order
+"""
+
+from plcopen_sfc.drawing.document_order import renumber
+from plcopen_sfc.drawing.drawing_style import DrawingStyle, fits
+from plcopen_sfc.drawing.drawing_upkeep import all_charts, prepare, prepare_body
+from plcopen_sfc.drawing.new_drawing import draw, limits
+from plcopen_sfc.drawing.redrawing import redraw
+from plcopen_sfc.drawing.symbol_layout import has_positions, layout
 
 __all__ = [
     "DrawingStyle",

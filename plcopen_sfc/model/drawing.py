@@ -80,7 +80,7 @@ class Symbol(Element):
 
 
 class Places(StrEnum):
-    """Where the places of symbols come from: nowhere, a file, or `plcopen_sfc.drawing.layout`.
+    """Where the places of symbols come from: nowhere, a file, or `plcopen_sfc.drawing.symbol_layout`.
 
     Computed places are no work of a person; a format without places may forget them.
     """

@@ -1,23 +1,62 @@
-"""Whether a drawing still means its chart."""
+"""The two ways to draw a chart, and whether a drawing still means its chart in one of them."""
 
 from __future__ import annotations
 
 from collections.abc import Set
+from enum import StrEnum
 
-from plcopen_sfc.drawing.style import STEPS, DrawingStyle
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import Drawing, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork, Transition
 from plcopen_sfc.model.wiring import Link, trace_drawing
 
+STEPS = frozenset({SymbolKind.STEP, SymbolKind.MACRO_STEP})
+DIVERGENCES = frozenset({SymbolKind.SELECTION_DIVERGENCE, SymbolKind.SIMULTANEOUS_DIVERGENCE})
+CONVERGENCES = frozenset({SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SIMULTANEOUS_CONVERGENCE})
+BARS = DIVERGENCES | CONVERGENCES
+
+
+class DrawingStyle(StrEnum):
+    """A way to draw charts.
+
+    PLAIN is what TC6 editors take: bars only where wires meet or part, bars of one kind not nested, conditions written
+    at their transition. STRUCTURED is what CODESYS and TwinCAT export and import: every divergence has its convergence,
+    branches that end in a jump are wired into it too, conditions are symbols of their own, and the order of the symbols
+    is a depth-first walk through the nested branches.
+    """
+
+    PLAIN = "plain"
+    STRUCTURED = "structured"
+
+    @property
+    def structured(self) -> bool:
+        """True if every divergence has its convergence."""
+        return self is DrawingStyle.STRUCTURED
+
+    @property
+    def output_name(self) -> str:
+        """The name of the flow outputs of steps and divergences (TC6 requires the attribute)."""
+        return "sfc" if self.structured else ""
+
+    @property
+    def action_output_name(self) -> str:
+        """The name of the output of a step to its action block."""
+        return "x" if self.structured else ""
+
+    def wire_name(self, consumer: SymbolKind) -> str | None:
+        """The output name that a wire into a symbol of this kind gives for where it starts."""
+        if self.structured and (consumer is SymbolKind.TRANSITION or consumer in CONVERGENCES):
+            return "sfc"
+        return None
+
 
 def fits(chart: SfcNetwork, style: DrawingStyle | None = None) -> bool:
-    """Whether the chart has a drawing that means exactly the chart.
+    """True if the chart has a drawing that means exactly the chart.
 
     Every step, transition and association is drawn once and nothing else is; the wires lead from where to where the
-    transitions lead; conditions are wired in the form that they have. Wires that come from nothing are no matter: files
-    have them, and they mean nothing. An expression that stands in its transition where most are symbols of their own
-    does not fit. In `style` STRUCTURED rivals have to stand in the order of their priority too.
+    transitions lead; conditions are wired in the form that they have. Wires that come from nothing do not count: files
+    have them, and they mean nothing. An expression inside its transition where most are symbols of their own
+    does not fit. In `style` STRUCTURED competing transitions have to be in the order of their priority too.
     """
     drawing = chart.drawing
     if drawing is None or not _complete(chart, drawing) or not _linked(chart, drawing):
@@ -26,9 +65,9 @@ def fits(chart: SfcNetwork, style: DrawingStyle | None = None) -> bool:
 
 
 def in_order(chart: SfcNetwork, drawing: Drawing) -> bool:
-    """Whether rivals are drawn in the order in which they are tried, from left to right.
+    """True if competing transitions are drawn from left to right in the order in which they are tried.
 
-    Transitions that wait for several steps stand where these come together, whatever their rivals are.
+    Transitions that wait for several steps are drawn where these come together, whatever they compete with.
     """
     place: dict[int, int] = {}
     for symbol in drawing.symbols:
@@ -96,7 +135,7 @@ def _complete(chart: SfcNetwork, drawing: Drawing) -> bool:
 
 
 def same_drawn(one: Transition, other: Transition) -> bool:
-    """Whether one symbol can stand for both: they differ in nothing but their id and their sources."""
+    """True if one symbol can show both: they differ in nothing but their id and their sources."""
     if one is other:
         return True
     same = {"id": 0, "sources": []}
@@ -119,6 +158,6 @@ def _linked(chart: SfcNetwork, drawing: Drawing) -> bool:
 
 
 def link_fits(transition: Transition, link: Link, steps: Set[int]) -> bool:
-    """Whether a transition leads from where to where the wires lead, as far as there are such `steps`."""
+    """True if a transition leads from where to where the wires lead, as far as `steps` has these."""
     sources, targets = steps & set(transition.sources), steps & set(transition.targets)
     return sources == set(link.sources) and targets == set(link.targets)

@@ -1,26 +1,183 @@
 """Brings a drawing up to date after edits of its chart, and leaves alone what the edits do not concern.
 
-The chart is drawn anew beside its drawing, and both are cut into clusters of wires. A cluster in which a transition
-leads from or to other steps than it did is *stale*, and with it every cluster of the one drawing that shares a step or
-transition with a stale cluster of the other. Stale clusters are taken from the new drawing, all others stay as they
-are, symbol by symbol. New steps, transitions, bars and jumps stand behind the symbol they follow in the new drawing.
+The chart is drawn a second time beside its drawing, and both are cut into clusters of wires. Between steps and
+transitions lie bars and jumps; what hangs together by wires, without passing through a step or transition, is a
+cluster: the outputs of some steps with the inputs of the transitions they lead to, or the outputs of some transitions
+with the inputs of the steps they lead to. Where a transition leads from depends on one cluster only, and where it leads
+to on one.
+
+A cluster in which a transition leads from or to other steps than it did is *stale*, and with it every cluster of the
+one drawing that shares a step or transition with a stale cluster of the other. Stale clusters are taken from the new
+drawing, all others stay as they are, symbol by symbol. New steps, transitions, bars and jumps go behind the symbol they
+follow in the new drawing.
 """
 
 from __future__ import annotations
 
-from plcopen_sfc.drawing.clusters import Clusters, entry, exit_
-from plcopen_sfc.drawing.draw import draw, sketch
-from plcopen_sfc.drawing.fits import fits, in_order, link_fits
-from plcopen_sfc.drawing.layout import has_positions
-from plcopen_sfc.drawing.nearby import place_nearby
-from plcopen_sfc.drawing.parts import Parts, block_owner
-from plcopen_sfc.drawing.reuse import rewired, take_over
-from plcopen_sfc.drawing.style import BARS, STEPS, DrawingStyle
-from plcopen_sfc.drawing.symbols import Pen, highest_id
+from collections.abc import Iterable, Mapping
+
+from plcopen_sfc.drawing.attached_symbols import AttachedSymbols, block_owner
+from plcopen_sfc.drawing.drawing_style import (
+    BARS,
+    CONVERGENCES,
+    DIVERGENCES,
+    STEPS,
+    DrawingStyle,
+    fits,
+    in_order,
+    link_fits,
+)
+from plcopen_sfc.drawing.new_drawing import Pen, draw, highest_id, sketch
+from plcopen_sfc.drawing.symbol_layout import has_positions, place_nearby
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
+from plcopen_sfc.model.network import InputPin
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.wiring import trace_drawing
+
+_TWO_SIDED = STEPS | {SymbolKind.TRANSITION}
+
+
+def entry(number: int) -> int:
+    """The input side of a symbol. A bar or jump has no other."""
+    return 2 * number
+
+
+def exit_(number: int) -> int:
+    """The output side of a step or transition."""
+    return 2 * number + 1
+
+
+class WireClusters:
+    """The clusters of a list of symbols. Sides of steps and transitions, bars and jumps are its members."""
+
+    def __init__(self, symbols: Iterable[Symbol]) -> None:
+        self.parent: dict[int, int] = {}
+        symbols = list(symbols)
+        kinds = {symbol.id: symbol.kind for symbol in symbols}
+        for symbol in symbols:
+            if symbol.kind in _TWO_SIDED:
+                self.parent[entry(symbol.id)] = entry(symbol.id)
+                self.parent[exit_(symbol.id)] = exit_(symbol.id)
+            elif symbol.kind in BARS or symbol.kind is SymbolKind.JUMP:
+                self.parent[entry(symbol.id)] = entry(symbol.id)
+        for symbol in symbols:
+            if entry(symbol.id) not in self.parent:
+                continue
+            for pin in symbol.inputs:
+                for connection in pin.connections:
+                    kind = kinds.get(connection.source)
+                    side = exit_(connection.source) if kind in _TWO_SIDED else entry(connection.source)
+                    if side in self.parent:
+                        self._unite(side, entry(symbol.id))
+            if symbol.kind is SymbolKind.JUMP and symbol.target is not None and kinds.get(symbol.target) in BARS:
+                self._unite(entry(symbol.id), entry(symbol.target))
+        self.members: dict[int, list[int]] = {}
+        for side in self.parent:
+            self.members.setdefault(self.root(side), []).append(side)
+
+    def root(self, side: int) -> int:
+        """The side that represents the cluster of `side`."""
+        parent = self.parent
+        while parent[side] != side:
+            parent[side] = side = parent[parent[side]]
+        return side
+
+    def around(self, side: int) -> list[int]:
+        """The cluster of `side`; nothing where the drawing has no such side."""
+        return self.members[self.root(side)] if side in self.parent else []
+
+    def _unite(self, one: int, other: int) -> None:
+        self.parent[self.root(one)] = self.root(other)
+
+
+_FIELDS = ("position", "width", "height", "execution_order", "exclude", "local_id", "comment", "global_id", "carried")
+
+
+def take_over(
+    gone: list[Symbol], fresh: list[Symbol], old: Mapping[int, Symbol], new: Mapping[int, Symbol]
+) -> dict[int, int]:
+    """Give each of `fresh` what one of `gone` with the same role had. Returns the ids that changed."""
+    before, after = _Roles(old), _Roles(new)
+    free: dict[object, list[Symbol]] = {}
+    for symbol in gone:
+        free.setdefault(before.role(symbol), []).append(symbol)
+    pairs: list[tuple[Symbol, Symbol]] = []
+    for symbol in fresh:
+        candidates = free.get(after.role(symbol))
+        if candidates:
+            pairs.append((symbol, candidates.pop(0)))
+    numbers = {symbol.id: other.id for symbol, other in pairs}
+    for symbol, other in pairs:
+        symbol.id = other.id
+        for name in _FIELDS:
+            setattr(symbol, name, getattr(other, name))
+        if symbol.kind in BARS:
+            symbol.name = other.name
+            if len(symbol.outputs) == len(other.outputs):
+                symbol.outputs = other.outputs
+    for symbol in new.values():
+        for pin in symbol.inputs:
+            for connection in pin.connections:
+                connection.source = numbers.get(connection.source, connection.source)
+    for symbol, other in pairs:
+        symbol.inputs = rewired(other.inputs, symbol.inputs)
+    return numbers
+
+
+def rewired(before: list[InputPin], after: list[InputPin]) -> list[InputPin]:
+    """The pins `after`, but those of `before` that have the same wires. A pin that gets other wires keeps its place."""
+    same = {_wires(pin): pin for pin in reversed(before)}
+    pins: list[InputPin] = []
+    for position, pin in enumerate(after):
+        kept = same.get(_wires(pin))
+        if kept is None and len(before) == len(after):
+            kept = before[position].model_copy(update={"connections": pin.connections})
+        pins.append(kept or pin)
+    return pins
+
+
+def _wires(pin: InputPin) -> tuple[int, ...]:
+    return tuple(connection.source for connection in pin.connections)
+
+
+class _Roles:
+    """Roles of the bars and jumps of one drawing: from where or to where they lead."""
+
+    def __init__(self, symbols: Mapping[int, Symbol]) -> None:
+        self.symbols = symbols
+        self.producers = {i: [c.source for pin in s.inputs for c in pin.connections] for i, s in symbols.items()}
+        self.consumers: dict[int, list[int]] = {}
+        for consumer, sources in self.producers.items():
+            for source in sources:
+                self.consumers.setdefault(source, []).append(consumer)
+
+    def role(self, symbol: Symbol) -> object:
+        if symbol.kind is SymbolKind.JUMP:
+            return symbol.kind, symbol.target, self.reach(symbol.id, self.producers)
+        if symbol.kind in DIVERGENCES:
+            return symbol.kind, self.reach(symbol.id, self.producers)
+        return symbol.kind, self.reach(symbol.id, self.consumers)
+
+    def reach(self, number: int, neighbours: Mapping[int, Iterable[int]]) -> frozenset[int]:
+        """The steps and transitions next to a bar or jump in one direction; to jumps, what they lead to."""
+        found: set[int] = set()
+        seen = {number}
+        pending = [number]
+        while pending:
+            for other in neighbours.get(pending.pop(), ()):
+                symbol = self.symbols.get(other)
+                if symbol is None or other in seen:
+                    continue
+                seen.add(other)
+                if symbol.kind in DIVERGENCES or symbol.kind in CONVERGENCES:
+                    pending.append(other)
+                elif symbol.kind is SymbolKind.JUMP:
+                    found.add(-1 if symbol.target is None else symbol.target)
+                else:
+                    found.add(other)
+        return frozenset(found)
+
 
 _FLOW = BARS | {SymbolKind.JUMP}
 
@@ -50,7 +207,7 @@ class _Redrawing:
 
     def run(self) -> None:
         """Put the drawing together from what stays and what is new."""
-        stale = self.stale(Clusters(self.old.values()), Clusters(self.new.values()))
+        stale = self.stale(WireClusters(self.old.values()), WireClusters(self.new.values()))
         kept = {i for i in self.old if self.keeps(i, stale)}
         gone = [s for i, s in self.old.items() if s.kind in _FLOW and i not in kept]
         fresh = [s for i, s in self.new.items() if s.kind in _FLOW and entry(i) in stale]
@@ -66,9 +223,9 @@ class _Redrawing:
                     self.update(self.old[number], symbol, rewire=entry(number) in stale)
                 else:
                     symbols[number] = symbol
-        parts = Parts(self.chart, self.old, self.new, symbols, wired=self.wired)
+        parts = AttachedSymbols(self.chart, self.old, self.new, symbols, wired=self.wired)
         parts.settle()
-        self.arrange(symbols, parts.stands_for)
+        self.arrange(symbols, parts.kept_for)
 
     def update(self, present: Symbol, symbol: Symbol, *, rewire: bool) -> None:
         """Let a step or transition that stays follow its chart."""
@@ -80,7 +237,7 @@ class _Redrawing:
             present.inputs = rewired(present.inputs, symbol.inputs)
 
     def keeps(self, number: int, stale: set[int]) -> bool:
-        """Whether a symbol of the old drawing stays. Action blocks and expressions follow what they belong to."""
+        """True if a symbol of the old drawing stays. Action blocks and expressions follow what they belong to."""
         symbol = self.old[number]
         if symbol.kind in _FLOW:
             return entry(number) not in stale
@@ -90,7 +247,7 @@ class _Redrawing:
             return number in self.new and self.new[number].kind is SymbolKind.TRANSITION
         return False
 
-    def stale(self, old: Clusters, new: Clusters) -> set[int]:
+    def stale(self, old: WireClusters, new: WireClusters) -> set[int]:
         """The sides of symbols in all stale clusters of both drawings."""
         found: set[int] = set()
         pending = self.changed(old)
@@ -102,8 +259,8 @@ class _Redrawing:
                 pending += new.around(side)
         return found
 
-    def changed(self, old: Clusters) -> list[int]:
-        """The sides of steps and transitions at which the chart says something else than the old drawing."""
+    def changed(self, old: WireClusters) -> list[int]:
+        """The sides of steps and transitions at which the chart differs from the old drawing."""
         transitions = {t.id: t for t in self.chart.transitions}
         steps = {step.id for step in self.chart.steps}
         links = trace_drawing(self.drawing).links
@@ -135,9 +292,9 @@ class _Redrawing:
                     sides.append(entry(number))
         return sides
 
-    def arrange(self, symbols: dict[int, Symbol], stands_for: dict[int, int]) -> None:
-        """Put the symbols in order: old ones as they stood, each new one behind what it follows in the new drawing."""
-        names = [stands_for.get(i, i) for i in self.new]
+    def arrange(self, symbols: dict[int, Symbol], kept_for: dict[int, int]) -> None:
+        """Put the symbols in order: old ones as they were, new ones behind those they follow in the new drawing."""
+        names = [kept_for.get(i, i) for i in self.new]
         sequence = [i for i in (names if self.reorder else self.old) if i in symbols]
         present = set(sequence)
         owners = {c.source: s.id for s in symbols.values() if s.condition is not None for c in s.condition.connections}
@@ -179,7 +336,7 @@ class _Redrawing:
 
 
 def expressions_are_wired(drawing: Drawing, chart: SfcNetwork, style: DrawingStyle) -> bool:
-    """Whether the drawing shows expressions as symbols of their own: what most of its transitions do."""
+    """True if most transitions of the drawing show their expressions as symbols of their own."""
     conditions = {t.id: t.condition for t in chart.transitions}
     votes = 0
     for symbol in drawing.symbols:
@@ -191,7 +348,7 @@ def expressions_are_wired(drawing: Drawing, chart: SfcNetwork, style: DrawingSty
 
 
 def _merged(before: list[int], symbols: list[int], nodes: set[int]) -> list[int]:
-    """The order of symbols and logic: logic stands behind the symbol that it stood behind."""
+    """The order of symbols and logic: logic stays behind the symbol that it was behind."""
     place: dict[int | None, list[int]] = {}
     present = set(symbols)
     last: int | None = None

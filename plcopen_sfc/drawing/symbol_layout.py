@@ -1,22 +1,22 @@
-"""Places every symbol of a drawing.
+"""Places of the symbols of a drawing: of all of them, or of single new ones near what they follow.
 
 The wires of a drawing are taken as a graph again, and its dominator tree as a nest of boxes. The box of a symbol holds
 the symbol with what belongs to it on top; below, side by side, the boxes of what only this symbol leads to; below
 those, one under the other, the boxes of what several of them lead to. Boxes lie inside boxes and beside boxes and never
-overlap, the flow runs down, and each leg is as wide as what stands in it. One pass up for the sizes and one down for
+overlap, the flow runs down, and each branch is as wide as its symbols. One pass up for the sizes and one down for
 the places.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.drawing.logic import feeding, node_inputs
-from plcopen_sfc.drawing.parts import block_owner
-from plcopen_sfc.drawing.sizes import Sizes, node_size, text_width
-from plcopen_sfc.drawing.style import BARS
-from plcopen_sfc.drawing.survey import ROOT, Survey
-from plcopen_sfc.drawing.wires import Wires
+from plcopen_sfc.drawing.attached_symbols import block_owner
+from plcopen_sfc.drawing.chart_graph import ROOT, ForwardEdges
+from plcopen_sfc.drawing.document_order import feeding, node_inputs
+from plcopen_sfc.drawing.drawing_style import BARS
+from plcopen_sfc.drawing.symbol_wires import SymbolSizes, WireRouting, node_size, text_width
 from plcopen_sfc.model.conditions import WiredCondition
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.network import Node
@@ -25,10 +25,14 @@ from plcopen_sfc.model.sfc import SfcNetwork
 _MARGIN = 20
 _DOWN = 30
 _ASIDE = 40
+_GAP = 30  # between a new symbol and the one it follows
+
+_Area = tuple[float, float, float, float]
+"""Left, top, width and height."""
 
 
 def has_positions(drawing: Drawing) -> bool:
-    """Whether the drawing says where its symbols stand: some position is not 0, 0."""
+    """True if the drawing has places for its symbols: some position is not 0, 0."""
     return any(symbol.position != (0, 0) for symbol in drawing.symbols)
 
 
@@ -40,20 +44,20 @@ def layout(chart: SfcNetwork) -> None:
 
 @dataclass(slots=True)
 class _Box:
-    """A symbol with what stands below it. `left` and `right` are counted from the axis that the flow runs along."""
+    """A symbol with everything below it. `left` and `right` are counted from the axis that the flow runs along."""
 
     left: int
     right: int
     own_height: int
     height: int
-    legs: list[int] = field(default_factory=list)
+    branches: list[int] = field(default_factory=list)
     merges: list[int] = field(default_factory=list)
 
 
 class _Layout:
     def __init__(self, chart: SfcNetwork, drawing: Drawing) -> None:
         self.chart = chart
-        self.sizes = Sizes(chart)
+        self.sizes = SymbolSizes(chart)
         self.symbols = {symbol.id: symbol for symbol in drawing.symbols}
         self.nodes: dict[int, Node] = {node.id: node for node in chart.logic}
         self.blocks: dict[int, list[Symbol]] = {}
@@ -65,17 +69,17 @@ class _Layout:
     def run(self) -> None:
         self.assign()
         flow = [s for s in self.symbols.values() if s.kind not in (SymbolKind.ACTION_BLOCK, SymbolKind.EXPRESSION)]
-        self.survey = Survey(
+        self.edges = ForwardEdges(
             {s.id: targets for s, targets in zip(flow, self.targets(flow), strict=True)}, self.starts(flow)
         )
-        order = sorted(self.survey.rank, key=self.survey.rank.__getitem__)
+        order = sorted(self.edges.rank, key=self.edges.rank.__getitem__)
         self.boxes = {number: self.own_box(self.symbols[number]) for number in order}
         self.boxes[ROOT] = _Box(0, 0, 0, 0)
         for number in order:
-            parent = self.boxes[self.survey.dominator[number]]
-            (parent.legs if self.survey.forward_inputs[number] < 2 else parent.merges).append(number)
+            parent = self.boxes[self.edges.dominator[number]]
+            (parent.branches if self.edges.forward_inputs[number] < 2 else parent.merges).append(number)
         for box in self.boxes.values():
-            box.legs.sort(key=self.leg_key)
+            box.branches.sort(key=self.branch_key)
         for number in reversed(order):
             self.measure(self.boxes[number])
         self.measure(self.boxes[ROOT])
@@ -85,10 +89,10 @@ class _Layout:
             self.place(number)
         self.stretch_bars()
         self.place_rest(_MARGIN + root.height + _DOWN)
-        Wires(self.chart).run()
+        WireRouting(self.chart).run()
 
     def assign(self) -> None:
-        """Find out which blocks, expressions and elements of logic stand beside which symbol."""
+        """Find out which blocks, expressions and elements of logic belong beside which symbol."""
         for symbol in self.symbols.values():
             owner = block_owner(symbol, self.symbols)
             if owner is not None:
@@ -123,8 +127,8 @@ class _Layout:
         self.consumers = consumers
         return [consumers.get(symbol.id, []) for symbol in flow]
 
-    def leg_key(self, number: int) -> tuple[bool, int, int]:
-        """Rivals stand from left to right in the order in which they are tried; else legs stand as they are drawn."""
+    def branch_key(self, number: int) -> tuple[bool, int, int]:
+        """Order competing transitions from left to right as they are tried, other branches as they are drawn."""
         priority = self.priority(number)
         return (priority is None, priority or 0, self.position(number))
 
@@ -145,7 +149,7 @@ class _Layout:
         return self._priorities.get(number) if self.symbols[number].kind is SymbolKind.TRANSITION else None
 
     def own_box(self, symbol: Symbol) -> _Box:
-        """The room for a symbol and what stands beside it."""
+        """Return the room for a symbol and the blocks, expressions and logic beside it."""
         width, height = self.sizes.of(symbol)
         left = right = width // 2
         row = max(height, 10)
@@ -184,11 +188,11 @@ class _Layout:
     def measure(self, box: _Box) -> None:
         """The size of a box from its own row and the boxes inside it, which are measured already."""
         height = box.own_height + _DOWN
-        if box.legs:
-            legs = [self.boxes[i] for i in box.legs]
-            box.left = max(box.left, legs[0].left)
-            box.right = max(box.right, sum(leg.left + leg.right for leg in legs) - legs[0].left)
-            height += max(leg.height for leg in legs)
+        if box.branches:
+            branches = [self.boxes[i] for i in box.branches]
+            box.left = max(box.left, branches[0].left)
+            box.right = max(box.right, sum(branch.left + branch.right for branch in branches) - branches[0].left)
+            height += max(branch.height for branch in branches)
         for number in box.merges:
             merge = self.boxes[number]
             box.left, box.right = max(box.left, merge.left), max(box.right, merge.right)
@@ -196,7 +200,7 @@ class _Layout:
         box.height = height
 
     def place(self, number: int) -> None:
-        """Place a symbol whose box has its place, with what stands beside it, and the boxes inside."""
+        """Place a symbol whose box has its place, with the symbols beside it, and the boxes inside."""
         symbol, box = self.symbols[number], self.boxes[number]
         axis, top = self.axes[number], self.tops[number]
         width, height = self.sizes.of(symbol)
@@ -230,13 +234,13 @@ class _Layout:
             self.tops: dict[int, int] = {}
         box = self.boxes[number]
         x = axis
-        for position, leg in enumerate(box.legs):
-            inside = self.boxes[leg]
+        for position, branch in enumerate(box.branches):
+            inside = self.boxes[branch]
             if position:
                 x += inside.left
-            self.axes[leg], self.tops[leg] = x, top
+            self.axes[branch], self.tops[branch] = x, top
             x += inside.right
-        y = top + max((self.boxes[leg].height for leg in box.legs), default=0)
+        y = top + max((self.boxes[branch].height for branch in box.branches), default=0)
         for merge in box.merges:
             self.axes[merge], self.tops[merge] = axis, y
             y += self.boxes[merge].height
@@ -246,12 +250,12 @@ class _Layout:
         for number, symbol in self.symbols.items():
             if symbol.kind not in BARS:
                 continue
-            rank = self.survey.rank
+            rank = self.edges.rank
             axes = [self.axes[number]]
-            axes += [self.axes[i] for i in self.boxes[number].legs]
-            if self.survey.forward_inputs[number] > 1:
+            axes += [self.axes[i] for i in self.boxes[number].branches]
+            if self.edges.forward_inputs[number] > 1:
                 sources = [c.source for pin in symbol.inputs for c in pin.connections if c.source in self.axes]
-                axes += [self.axes[i] for i in sources if rank[i] < rank[number] and self.survey.is_forward(i, number)]
+                axes += [self.axes[i] for i in sources if rank[i] < rank[number] and self.edges.is_forward(i, number)]
             start, end = min(axes), max(axes)
             symbol.position = (start - 10, symbol.position[1])
             symbol.width = end - start + 20
@@ -271,3 +275,54 @@ class _Layout:
             width, height = self.sizes.of(one) if isinstance(one, Symbol) else node_size(one)
             one.position, one.width, one.height = (x, top), width, height
             x += width + _ASIDE
+
+
+def place_nearby(chart: SfcNetwork, followed: Mapping[int, int | None]) -> None:
+    """Place the symbols that are keys of `followed`; the value is the symbol that each follows. Nothing else moves."""
+    drawing = chart.drawing
+    if drawing is None:
+        return
+    sizes = SymbolSizes(chart)
+    symbols = {symbol.id: symbol for symbol in drawing.symbols}
+    boxes: dict[int, _Area] = {}
+    for symbol in drawing.symbols:
+        if symbol.id not in followed:
+            width, height = sizes.of(symbol)
+            boxes[symbol.id] = (*symbol.position, symbol.width or width, symbol.height or height)
+    for node in chart.logic:
+        width, height = node_size(node)
+        boxes[node.id] = (*node.position, node.width or width, node.height or height)
+    below = max((box[1] + box[3] for box in boxes.values()), default=0) + _GAP
+    owners = {c.source: s.id for s in drawing.symbols if s.condition is not None for c in s.condition.connections}
+    late = [i for i in followed if symbols[i].kind is SymbolKind.EXPRESSION]
+    for number in (*(i for i in followed if i not in late), *late):
+        symbol = symbols[number]
+        width, height = sizes.of(symbol)
+        symbol.width, symbol.height = width, height
+        anchor = boxes.get(owners.get(number, -1)) or boxes.get(_or(followed[number], -1))
+        x, y = _wish(symbol, width, anchor) if anchor is not None else (20, below)
+        boxes[number] = _next_free_place((x, y, width, height), list(boxes.values()))
+        symbol.position = boxes[number][:2]
+    WireRouting(chart, only=frozenset(followed)).run()
+
+
+def _or(number: int | None, default: int) -> int:
+    return default if number is None else number
+
+
+def _wish(symbol: Symbol, width: int, anchor: _Area) -> tuple[float, float]:
+    x, y, anchor_width, anchor_height = anchor
+    if symbol.kind is SymbolKind.ACTION_BLOCK:
+        return (x + anchor_width + _GAP, y)
+    if symbol.kind is SymbolKind.EXPRESSION:
+        return (x - width - _GAP, y - 10)
+    return (int(x + (anchor_width - width) // 2), y + anchor_height + _GAP)
+
+
+def _next_free_place(box: _Area, taken: list[_Area]) -> _Area:
+    """Return the first free area at the wished one or to the right of it."""
+    x, y, width, height = box
+    for other in sorted(b for b in taken if b[1] < y + height and y < b[1] + b[3]):
+        if other[0] < x + width and x < other[0] + other[2]:
+            x = other[0] + other[2] + 10
+    return (max(x, 0), y, width, height) if x >= 0 else _next_free_place((0, y, width, height), taken)

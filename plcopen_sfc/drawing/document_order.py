@@ -1,15 +1,62 @@
-"""Gives everything in a chart new ids in the order of its drawing."""
+"""The order of symbols and logic in a document, and new ids in that order."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.drawing.logic import node_inputs
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.model.conditions import Condition, WiredCondition
-from plcopen_sfc.model.drawing import Symbol
-from plcopen_sfc.model.network import InputPin
+from plcopen_sfc.model.drawing import Symbol, SymbolKind
+from plcopen_sfc.model.network import Block, InputPin, Node, RightPowerRail
 from plcopen_sfc.model.sfc import SfcNetwork
+
+
+def node_inputs(node: Node) -> Iterator[InputPin]:
+    """The input pins of an element of logic."""
+    if isinstance(node, Block):
+        parameters = node.parameters
+        for variable in (*parameters.inputs, *parameters.in_outs, *parameters.outputs):
+            if variable.input is not None:
+                yield variable.input
+    elif isinstance(node, RightPowerRail):
+        yield from node.inputs
+    else:
+        pin = getattr(node, "input", None)
+        if pin is not None:
+            yield pin
+
+
+def feeding(pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
+    """The elements of logic that the `pins` depend on, producers first."""
+    found: list[int] = []
+    seen: set[int] = set()
+    stack = [(c.source, False) for pin in pins for c in reversed(pin.connections)]
+    while stack:
+        number, done = stack.pop()
+        if done:
+            found.append(number)
+        elif number in nodes and number not in seen:
+            seen.add(number)
+            stack.append((number, True))
+            for pin in node_inputs(nodes[number]):
+                stack += [(c.source, False) for c in pin.connections]
+    return found
+
+
+def logic_order(chart: SfcNetwork, symbols: list[Symbol]) -> list[int] | None:
+    """The order of symbols and logic: logic that feeds a condition is before its transition, the rest at the end."""
+    if not chart.logic:
+        return None
+    nodes: dict[int, Node] = {node.id: node for node in chart.logic}
+    conditions = {t.id: t.condition for t in chart.transitions}
+    order: dict[int, None] = {}
+    for symbol in symbols:
+        condition = conditions.get(symbol.id) if symbol.kind is SymbolKind.TRANSITION else None
+        if isinstance(condition, WiredCondition):
+            order.update(dict.fromkeys(feeding([condition.input], nodes)))
+        order[symbol.id] = None
+    order.update(dict.fromkeys(nodes))
+    return list(order)
 
 
 def renumber(chart: SfcNetwork) -> dict[int, int]:
@@ -33,14 +80,14 @@ def renumber(chart: SfcNetwork) -> dict[int, int]:
     undrawn = [step.id for step in chart.steps] + [transition.id for transition in chart.transitions]
     for number in undrawn + [association.id for _, association in chart.associations()]:
         numbers.setdefault(number, len(numbers))
-    _apply(chart, list(symbols.values()), numbers)
+    _give_numbers(chart, list(symbols.values()), numbers)
     if drawing.order is not None:
         drawing.order = [numbers[i] for i in order]
     return numbers
 
 
-def _apply(chart: SfcNetwork, symbols: list[Symbol], numbers: dict[int, int]) -> None:
-    for pin in _pins(chart, symbols):
+def _give_numbers(chart: SfcNetwork, symbols: list[Symbol], numbers: dict[int, int]) -> None:
+    for pin in _input_pins(chart, symbols):
         for connection in pin.connections:
             connection.source = numbers.get(connection.source, connection.source)
     for step in chart.steps:
@@ -68,7 +115,7 @@ def _apply(chart: SfcNetwork, symbols: list[Symbol], numbers: dict[int, int]) ->
             entry.local_id = None
 
 
-def _pins(chart: SfcNetwork, symbols: Iterable[Symbol]) -> Iterator[InputPin]:
+def _input_pins(chart: SfcNetwork, symbols: Iterable[Symbol]) -> Iterator[InputPin]:
     """Every input pin once: symbol and condition may share theirs."""
     seen: set[int] = set()
     conditions: list[Condition | None] = [t.condition for t in chart.transitions]
