@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from plcopen_sfc.api import check_syntax, convert, dumps, load, loads, save
     from plcopen_sfc.checking import check
     from plcopen_sfc.diagnostics import Diagnostic, Severity
+    from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
     from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, OldVersionError, SfcError
     from plcopen_sfc.lowering.lower import LoweredPou, lower
     from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
@@ -42,8 +43,10 @@ _HOMES = {
     "ModelError": "errors",
     "OldVersionError": "errors",
     "SfcError": "errors",
+    "LoweredFile": "documents.lowered",
     "LoweredPou": "lowering.lower",
     "lower": "lowering.lower",
+    "lower_to_file": "documents.lowered",
     "Project": "model",
     "SfcNetwork": "model",
     "Step": "model",
@@ -61,6 +64,7 @@ __all__ = [
     "FormatError",
     "Location",
     "LossError",
+    "LoweredFile",
     "LoweredPou",
     "ModelError",
     "OldVersionError",
@@ -81,6 +85,7 @@ __all__ = [
     "load",
     "loads",
     "lower",
+    "lower_to_file",
     "save",
     "simulate",
 ]

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.documents.file import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.documents.source import FileSource, FolderSource
-from plcopen_sfc.errors import UnknownFormatError
-from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
+from plcopen_sfc.documents.storage import SaveOptions, Source, format_to_write, load_project, save_project
 from plcopen_sfc.formats.base import Format
-from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
+from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folders.loading import Progress
-
-Source = str | os.PathLike[str] | BinaryIO
+    from plcopen_sfc.lowering.lower import LoweredPou
 
 
 def load(
@@ -32,15 +28,7 @@ def load(
     this package carries in files of a format that has no place for it (comments, pragmas and foreign data of its own)
     is ignored, and is gone where the project is saved. Raises `FileAccessError` or `FormatError`.
     """
-    if isinstance(source, str | os.PathLike):
-        path = os.fspath(source)
-        refuse_empty(path)
-        if Path(path).is_dir():
-            from plcopen_sfc.documents.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
-
-            return load_folder(path, format=format, progress=progress, as_tool=as_tool)
-        return loads(read_bytes(path), format=format, path=path, as_tool=as_tool)
-    return loads(source.read(), format=format, path=getattr(source, "name", None), as_tool=as_tool)
+    return load_project(source, format=format, progress=progress, as_tool=as_tool)
 
 
 def loads(data: bytes, *, format: str | None = None, path: str | None = None, as_tool: bool = False) -> Project:
@@ -49,8 +37,8 @@ def loads(data: bytes, *, format: str | None = None, path: str | None = None, as
 
 
 def save(
-    project: Project,
-    target: str | os.PathLike[str] | BinaryIO,
+    project: Project | LoweredPou,
+    target: Source,
     *,
     format: str | None = None,
     flavour: str = "",
@@ -69,6 +57,9 @@ def save(
     the tool ignores is left out, such as the time of an export: files can be compared then. A path is written to a
     temporary file and renamed: the old file stays whole whatever happens.
 
+    Given what `lower` returned, the file is read back as its tool reads it and compared with the chart before it is put
+    in place; `compared` of the report has the verdict. Code that was not to be verified is saved without that.
+
     With a `limit` in seconds the charts of a conversion are also run in both tools, as `equivalent` does; a difference
     is an approximated item, and `compared` of the report says what was found of each chart.
 
@@ -78,37 +69,23 @@ def save(
 
     Raises `OldVersionError` where the content needs a newer TIA Portal than the one that is written for,
     `DamagedSourceError` where reading the source found errors and it is written in another format (see
-    `Project.accept_errors`).
+    `Project.accept_errors`), `LoweringError` and `UntestedError` where the written code of a chart is not proven.
     """
-    path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
-    if path is not None:
-        refuse_empty(path)
-    name = _name(project, format, tia, Path(path) if path is not None else None)
-    if path is not None and _is_folder(path, project, name):
-        from plcopen_sfc.documents.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
+    writing: SaveOptions = {
+        "format": format,
+        "flavour": flavour,
+        "tia": tia,
+        "strict": strict,
+        "partial": partial,
+        "fresh": fresh,
+        "normalize": normalize,
+        "limit": limit,
+    }
+    if not isinstance(project, Project):
+        from plcopen_sfc.documents.lowered import save_lowered  # noqa: PLC0415  # brings the interpreter
 
-        return save_folder(
-            project,
-            path,
-            name,
-            flavour=flavour,
-            strict=strict,
-            partial=partial,
-            fresh=fresh,
-            normalize=normalize,
-            limit=limit,
-        )
-    data, report = encode(project, name, flavour=flavour, fresh=fresh, limit=limit)
-    if normalize:
-        before, data = data, normalized(data, name)
-        report.unchanged = report.unchanged and data == before
-    refuse_losses(report, strict=strict, partial=partial)
-    if isinstance(target, str | os.PathLike):
-        write_atomic(target, data)
-        report.written.append(os.fspath(target))
-    else:
-        target.write(data)
-    return report
+        return save_lowered(project, target, **writing)
+    return save_project(project, target, **writing)
 
 
 def dumps(
@@ -122,7 +99,7 @@ def dumps(
     normalize: bool = False,
 ) -> bytes:
     """The bytes that `save` would write. Raises what it raises."""
-    name = _name(project, format, tia, None)
+    name = format_to_write(project, format, tia)
     data, report = encode(project, name, flavour=flavour, fresh=fresh)
     refuse_losses(report, strict=False, partial=partial)
     return normalized(data, name) if normalize else data
@@ -139,35 +116,6 @@ def convert(
     data, report = encode(project, format, flavour=flavour, fresh=False)
     refuse_losses(report, strict=False, partial=partial)
     return data, report
-
-
-def _name(project: Project, format: str | None, tia: str, path: Path | None) -> str:
-    """The name of the format to write."""
-    if tia:
-        return for_tia(format or TIA_FORMAT, tia)
-    return format or _format_for(project, path)
-
-
-def _format_for(project: Project, path: Path | None) -> str:
-    if project.source is not None:
-        return project.source.format
-    if path is not None:
-        by_extension = [f.name for f in FORMATS if path.suffix.lower() in f.extensions]
-        if len(by_extension) == 1:
-            return by_extension[0]
-    raise UnknownFormatError(
-        "say in which format to save: the project was not loaded from a file", hint='For example format="plcopen".'
-    )
-
-
-def _is_folder(path: str, project: Project, name: str) -> bool:
-    """Whether `path` is a folder, or is meant to become one."""
-    if Path(path).exists():
-        return Path(path).is_dir()
-    if path.endswith(("/", os.sep)):
-        return True
-    folders = isinstance(project.source, FolderSource) and format_named(name)[0].folders
-    return folders and not Path(path).suffix
 
 
 def check_syntax(project: Project) -> list[Diagnostic]:

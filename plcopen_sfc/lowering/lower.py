@@ -23,7 +23,7 @@ from plcopen_sfc.lowering.leftovers import without_leftovers
 from plcopen_sfc.lowering.losses import losses
 from plcopen_sfc.lowering.nested import with_actions
 from plcopen_sfc.lowering.placing import errors_of
-from plcopen_sfc.lowering.proving import prove, refuse_untested
+from plcopen_sfc.lowering.proving import ProofOptions, prove, refuse_untested
 from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
 from plcopen_sfc.lowering.step_data import ContactError
 from plcopen_sfc.lowering.texts import TEXTS
@@ -53,7 +53,8 @@ class LoweredPou:
     ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too. `following` is the address behind
     its flags, if they have some. `step_numbers` are those that steps have in the code, by their paths: as states of a
     CASE, or because they are selected by them; else there are none. `losses` are what the chart held and the code does
-    not.
+    not. `chart` is what was lowered, and what the code in a file is compared with when it is saved, as `proof_options`
+    say; None where no proof was wanted.
     """
 
     project: Project
@@ -72,6 +73,8 @@ class LoweredPou:
     following: str = ""
     step_numbers: Mapping[str, int] = field(default_factory=dict)
     losses: tuple[Item, ...] = ()
+    chart: Subject = field(kw_only=True, repr=False)
+    proof_options: ProofOptions | None = field(default=None, kw_only=True, repr=False)
 
     @property
     def code(self) -> Body | None:
@@ -232,6 +235,8 @@ def lower(
         made.flags.following if made.flags is not None else "",
         made.step_numbers,
         losses(found, [lowered_pou, *made.blocks], semantics, lang),
+        chart=found,
+        proof_options=ProofOptions(accept_untested, searching) if verify else None,
     )
     return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
 

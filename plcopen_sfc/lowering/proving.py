@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from time import monotonic
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching, equivalent
 from plcopen_sfc.analysis.limits import seconds
@@ -28,6 +28,13 @@ from plcopen_sfc.semantics.subjects import Subject
 _LEAST_LIMIT = 0.1
 _STATES = 20_000
 """What is searched in seconds to minutes, according to the size of the chart."""
+
+
+class ProofOptions(NamedTuple):
+    """What a user wants of a proof: to take code of which not all was reached, and how to search (`equivalent`)."""
+
+    accept_untested: bool = False
+    searching: Searching = {}  # noqa: RUF012  # nothing writes it
 
 
 def prove(

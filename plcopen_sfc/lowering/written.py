@@ -18,6 +18,7 @@ from plcopen_sfc.lowering.proving import prove
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
 _NO_CODE = frozenset(
@@ -62,6 +63,17 @@ def prove_written(
             f"read back, the code does not do what the chart does: {found}", hint="Please report it with the chart."
         )
     return found
+
+
+def refuse_comments(report: ConversionReport, pou: str) -> None:
+    """Raise `LoweringError` where a network of `pou` would be in a comment: the proof finds that too, but not why."""
+    for item in report.with_outcome(Outcome.EXTENSION_DATA, Outcome.NOT_EXECUTED):
+        if item.what in ("network", "body") and item.path == f"POU {pou}":
+            raise LoweringError(
+                f"a network would stand in a comment only: {item.why}",
+                location=Location(path=item.path),
+                hint="Structured text can hold it: --language ST.",
+            )
 
 
 def _proved(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> Verdict:

@@ -19,12 +19,13 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.api import convert
-from plcopen_sfc.cli.commands.lower import first_chart, refuse_comments
 from plcopen_sfc.errors import LoweringError, ModelError, OldVersionError, SfcError
 from plcopen_sfc.formats.plcopen.versions import version_of
 from plcopen_sfc.lowering.code.targets import without_version
 from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.lowering.proving import prove
+from plcopen_sfc.lowering.whole_project import next_chart
+from plcopen_sfc.lowering.written import refuse_comments
 from plcopen_sfc.report import ConversionReport
 from plcopen_sfc.semantics.subjects import Subject, resolve
 from tests.corpus import corpus_files, require_official_schema
@@ -188,7 +189,7 @@ class Sweep:
         lowered: list[LoweredPou] = []
         left = set(names)
         refused = {}
-        while (name := first_chart(chart for chart in project.charts() if chart.name in left)) is not None:
+        while (name := next_chart(chart for chart in project.charts() if chart.name in left)) is not None:
             left.remove(name)
             try:
                 made = lower(project, construction, pou=name, language=language, target=tool, verify=False)
@@ -231,7 +232,7 @@ class Sweep:
         self, lowered: LoweredPou, report: ConversionReport, seen: m.Project, content: bytes, target: str
     ) -> tuple[str, str]:
         try:
-            refuse_comments(report, [lowered])
+            refuse_comments(report, lowered.name)
             outcome = self._verdict(lowered, seen)
             if outcome[0] not in ("different", "incomparable"):
                 return outcome

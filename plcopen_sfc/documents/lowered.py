@@ -1,0 +1,193 @@
+"""Lowered code in files: written as a draft, read back as its tool reads it, proven, and only then put in place.
+
+A proof of the code in memory proves nothing of the file: a format may have no place for a part of it, and our readers
+restore from comments what the tool never sees.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Unpack
+
+from plcopen_sfc.analysis.equivalence import Searching
+from plcopen_sfc.analysis.limits import SearchProgress
+from plcopen_sfc.documents.storage import (
+    SaveOptions,
+    Source,
+    format_to_write,
+    is_folder,
+    load_project,
+    save_project,
+)
+from plcopen_sfc.errors import LoweringError, UntestedError
+from plcopen_sfc.files import refuse_empty, write_atomic
+from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.lowering.lower import LoweredPou, faults_of
+from plcopen_sfc.lowering.placing import errors_of
+from plcopen_sfc.lowering.proving import ProofOptions, refuse_untested
+from plcopen_sfc.lowering.whole_project import LoweringOptions, lower_project
+from plcopen_sfc.lowering.written import prove_written, refuse_comments
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport, Outcome
+
+
+@dataclass(frozen=True)
+class LoweredFile:
+    """A file with code of charts, or why there is none.
+
+    `path`: the file or folder; None where nothing was written. `pous`: the charts that were lowered, with the proofs of
+    the code in the file. `refused`: the errors of all others by the names of the charts. `report`: what became of the
+    items of the project in the format.
+    """
+
+    path: str | None
+    pous: tuple[LoweredPou, ...]
+    refused: dict[str, LoweringError]
+    report: ConversionReport
+
+
+def save_lowered(lowered: LoweredPou, target: Source, **options: Unpack[SaveOptions]) -> ConversionReport:
+    """Save a project with lowered code, which is compared with its chart as the tool of the file reads it.
+
+    Nothing is written where it is not proven. Code that was lowered with ``verify=False`` is saved as it is.
+
+    Raises what `save_project` raises, `LoweringError` where exact code is different or not in the file as code, and
+    `UntestedError` where not all of it was reached.
+    """
+    if lowered.proof_options is None:
+        return save_project(lowered.project, target, **options)
+    with tempfile.TemporaryDirectory() as folder:
+        draft = _Draft(lowered.project, target, Path(folder), options)
+        proven = draft.proven(lowered, lowered.proof_options)
+        report = draft.put_in_place()
+    report.compared[lowered.pou.report_path_of(lowered.name)] = str(proven.proof)
+    return report
+
+
+def lower_to_file(
+    project: Project,
+    target: str,
+    construction: str = "auto",
+    *,
+    format: str | None = None,
+    tia: str = "",
+    pou: str | None = None,
+    skip_refused: bool = False,
+    verify: bool = True,
+    accept_untested: bool = False,
+    free_inputs: Iterable[str] | str = (),
+    limit: float | str | None = None,
+    progress: Callable[[SearchProgress], None] | None = None,
+    **options: Unpack[LoweringOptions],
+) -> LoweredFile:
+    """Lower all charts of a project, or the one called `pou`, save the project, and prove the file.
+
+    `construction`, `verify` to `progress` and `options` as in `lower`, `format` and `tia` as in `save`. What the format
+    does not hold is reported. Nothing is written where a chart is refused, in lowering or because its code in the file
+    is not proven; with `skip_refused` such charts stay charts and the others are written.
+    """
+    name = format_to_write(project, format, tia, target)
+    searching: Searching = {"free_inputs": free_inputs, "limit": limit, "progress": progress}
+    proof_options = ProofOptions(accept_untested, searching) if verify else None
+    refused: dict[str, LoweringError] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        while True:
+            lowered = lower_project(project, construction, pou=pou, without=refused, target=name, **options)
+            refused |= lowered.refused
+            if not lowered.pous:
+                return LoweredFile(None, (), refused, ConversionReport())
+            place = Path(folder) / str(len(refused))
+            place.mkdir()
+            asked_for, left_out = _asked_for(lowered.project, name, pou)
+            draft = _Draft(asked_for, target, place, {"format": name, "partial": True})
+            for each in left_out:
+                why = "it was not asked for, and SCL has no charts: the file has no such block"
+                draft.report.add(Outcome.NOT_EXECUTED, "chart", each.report_path, why)
+            pous, late = draft.all_proven(lowered.pous, proof_options)
+            refused |= late
+            stopped = any(isinstance(error, UntestedError) and error.verdict.interrupted for error in late.values())
+            if late and skip_refused and not stopped:
+                continue  # code of a refused chart is in the draft: all is lowered again without it
+            if not pous or stopped or (refused and not skip_refused):
+                return LoweredFile(None, pous, refused, draft.report)
+            return LoweredFile(target, pous, refused, draft.put_in_place())
+
+
+class _Draft:
+    """A project as it would be written to `target`, in a temporary `place`."""
+
+    def __init__(self, project: Project, target: Source, place: Path, options: SaveOptions) -> None:
+        self._project, self._target, self._options = project, target, options
+        path = os.fspath(target) if isinstance(target, str | os.PathLike) else None
+        if path is not None:
+            refuse_empty(path)
+        name = format_to_write(project, options.get("format"), options.get("tia", ""), path)
+        self._format = format_named(name)[0].name
+        self._is_folder = path is not None and is_folder(path, project, name)
+        self._path = place / (Path(path).resolve().name if path is not None else "draft")
+        self.report = save_project(project, f"{self._path}/" if self._is_folder else self._path, **options)
+
+    def all_proven(
+        self, lowered: Iterable[LoweredPou], options: ProofOptions | None
+    ) -> tuple[tuple[LoweredPou, ...], dict[str, LoweringError]]:
+        """Return the same with the proofs of their code in the draft, and errors by the names of charts.
+
+        None as `options`: there are no proofs. After an interruption all others are returned as they were given.
+        """
+        seen = self._seen() if options is not None else None
+        found: dict[str, LoweredPou] = {each.name: each for each in lowered}
+        refused: dict[str, LoweringError] = {}
+        for name, each in list(found.items()):
+            try:
+                found[name] = self.proven(each, options, seen)
+            except LoweringError as error:
+                refused[name] = error
+                del found[name]
+                if isinstance(error, UntestedError) and error.verdict.interrupted:
+                    break
+        return tuple(found.values()), refused
+
+    def proven(self, lowered: LoweredPou, options: ProofOptions | None, seen: Project | None = None) -> LoweredPou:
+        """Return the same with the proof of its code in the draft, which `seen` is as its tool reads it."""
+        chart = lowered.chart
+        with errors_of(chart.project, chart.pou, chart.name):
+            refuse_comments(self.report, lowered.name)
+            if options is None:
+                return lowered
+            whole = partial(load_project, self._path, format=self._format)
+            proof = prove_written(chart, lowered, seen or self._seen(), whole, **options.searching)
+            refuse_untested(lowered.name, proof, accepted=options.accept_untested)
+        return replace(lowered, proof=proof, faults=faults_of(chart, lowered))
+
+    def _seen(self) -> Project:
+        return load_project(self._path, format=self._format, as_tool=True)
+
+    def put_in_place(self) -> ConversionReport:
+        """Write what the draft holds to the target."""
+        if self._is_folder:  # a folder that exists keeps the files that are none of the project's
+            return save_project(self._project, self._target, **self._options)
+        content = self._path.read_bytes()
+        if isinstance(self._target, str | os.PathLike):
+            write_atomic(self._target, content)
+            self.report.written = [os.fspath(self._target)]
+        else:
+            self._target.write(content)
+            self.report.written = []
+        return self.report
+
+
+def _asked_for(project: Project, name: str, pou: str | None) -> tuple[Project, list[Pou]]:
+    """Return the project without the charts that were not asked for, and these, where they would be empty blocks."""
+    left_out = [each for each in project.pous if each.sfc is not None] if pou is not None and name == "scl" else []
+    if not left_out:
+        return project, []
+    copy = project.model_copy(deep=True)
+    names = {each.name for each in left_out}
+    copy.pous = [each for each in copy.pous if each.name not in names]
+    return copy, left_out

@@ -1,0 +1,114 @@
+"""Lowered code is proven as it is in the file, in Python as on the command line."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+from plcopen_sfc import model as m
+from plcopen_sfc.analysis import VerdictKind
+from plcopen_sfc.errors import LoweringError, UntestedError
+from tests.lowering.charts import boolean, training_chain
+
+
+def plant(*names: str) -> m.Project:
+    """A project of CODESYS with a training chain under each of these names."""
+    return m.Project(
+        name="Plant",
+        pous=[training_chain().model_copy(deep=True, update={"name": name}) for name in names],
+        dialect=m.Dialect.CODESYS,
+    )
+
+
+def with_action(text: str) -> m.Project:
+    project = plant("Ablauf")
+    (pou,) = project.pous
+    assert pou.sfc is not None
+    assert pou.interface is not None
+    pou.sfc.steps[1].main_action = "Blink"
+    pou.actions = [m.Action(name="Blink", body=m.StBody(text=text))]
+    pou.interface.sections[1].variables += [boolean("Q5")]
+    return project
+
+
+def test_saved_code_is_proven_as_its_tool_reads_it(tmp_path: Path) -> None:
+    lowered = sfc.lower(plant("Ablauf"), "case", target="scl")
+    report = sfc.save(lowered, tmp_path / "chain.scl", format="scl", partial=True)
+    assert list(report.compared) == ["POU Ablauf"]
+    assert report.compared["POU Ablauf"].startswith("equal (proof: ")
+    assert report.written == [str(tmp_path / "chain.scl")]
+    assert "CASE" in (tmp_path / "chain.scl").read_text(encoding="utf-8-sig")
+
+
+def test_code_that_only_we_read_is_not_saved(tmp_path: Path) -> None:
+    """SCL has no actions: the one that returns stays a call, and its statements would be in a comment."""
+    project = with_action("IF NOT B5 THEN RETURN; END_IF\nQ5 := NOT Q5;")
+    lowered = sfc.lower(project, "case", target="scl")
+    assert lowered.proof is not None
+    assert lowered.proof.proven
+    with pytest.raises(LoweringError, match=r"comments or data of ours only.*POU Ablauf / actions") as caught:
+        sfc.save(lowered, tmp_path / "chain.scl", format="scl", partial=True)
+    assert caught.value.location.path == "POU Ablauf"
+    assert list(tmp_path.iterdir()) == []
+    sfc.save(lowered, tmp_path / "chain.xml", format="codesys")
+    assert sfc.load(tmp_path / "chain.xml").pou("Ablauf").actions
+
+
+def test_networks_in_comments_are_not_saved(tmp_path: Path) -> None:
+    lowered = sfc.lower(plant("Ablauf"), "flipflop", language="FBD")
+    with pytest.raises(LoweringError, match="a network would stand in a comment only"):
+        sfc.save(lowered, tmp_path / "chain.scl", format="scl", partial=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_was_not_to_be_verified_is_saved_as_it_is() -> None:
+    lowered = sfc.lower(with_action("IF NOT B5 THEN RETURN; END_IF\nQ5 := NOT Q5;"), "case", target="scl", verify=False)
+    content = io.BytesIO()
+    report = sfc.save(lowered, content, format="scl", partial=True)
+    assert b"CASE" in content.getvalue()
+    assert report.compared == {}
+
+
+def test_saving_accepts_untested_code_as_lowering_did(tmp_path: Path) -> None:
+    """The second step needs a variable that nothing writes and that is no input."""
+    project = plant("Ablauf")
+    (pou,) = project.pous
+    assert pou.interface is not None
+    inputs = next(s for s in pou.interface.sections if s.kind is m.SectionKind.INPUT)
+    frozen = [v for v in inputs.variables if v.name == "B1"]
+    inputs.variables = [v for v in inputs.variables if v.name != "B1"]
+    pou.interface.sections.append(m.VariableSection(kind=m.SectionKind.LOCAL, variables=frozen))
+    with pytest.raises(UntestedError):
+        sfc.lower(project, "case")
+    content = io.BytesIO()
+    report = sfc.save(sfc.lower(project, "case", accept_untested=True), content, format="codesys")
+    assert "not all was reached" in report.compared["POU Ablauf"] or "not reached" in report.compared["POU Ablauf"]
+    free = sfc.lower(project, "case", free_inputs=["B1"])
+    assert "proof" in sfc.save(free, io.BytesIO(), format="codesys").compared["POU Ablauf"]
+
+
+def test_all_charts_of_a_project_go_into_one_file(tmp_path: Path) -> None:
+    target = tmp_path / "plant.xml"
+    made = sfc.lower_to_file(plant("One", "Two"), str(target), "case", format="codesys")
+    assert made.path == str(target)
+    assert made.refused == {}
+    assert [each.name for each in made.pous] == ["One", "Two"]
+    assert all(each.proof is not None and each.proof.kind is VerdictKind.PROVEN for each in made.pous)
+    assert list(sfc.load(target).charts()) == []
+
+
+def test_a_chart_whose_code_is_not_in_the_file_is_refused_and_can_be_skipped(tmp_path: Path) -> None:
+    project = with_action("IF NOT B5 THEN RETURN; END_IF\nQ5 := NOT Q5;")
+    project.pous += plant("Other").pous
+    target = tmp_path / "plant.scl"
+    made = sfc.lower_to_file(project, str(target), "case", format="scl")
+    assert made.path is None
+    assert list(made.refused) == ["Ablauf"]
+    assert list(tmp_path.iterdir()) == []
+    made = sfc.lower_to_file(project, str(target), "case", format="scl", skip_refused=True)
+    assert made.path == str(target)
+    assert [each.name for each in made.pous] == ["Other"]
+    assert list(made.refused) == ["Ablauf"]
