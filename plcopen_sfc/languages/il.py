@@ -12,7 +12,7 @@ from itertools import pairwise
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.st.lexer import Token, tokenize
-from plcopen_sfc.languages.st.nodes import Span
+from plcopen_sfc.languages.st.nodes import Expression, Span
 from plcopen_sfc.languages.st.parsing import Parsed, parse_expression
 
 JUMPS = frozenset({"JMP", "JMPC", "JMPCN"})
@@ -29,6 +29,9 @@ OPERATORS = JUMPS | frozenset(
 CALLS = frozenset({"CAL", "CALC", "CALCN"})
 """Operators that call a function block."""
 
+STORING = frozenset({"ST", "STN", "STQ", "S", "R"})
+"""Operators that write their operand."""
+
 _SYMBOLS = frozenset({"OPERATOR", "NOT", "RPAR"})
 
 
@@ -36,7 +39,7 @@ _SYMBOLS = frozenset({"OPERATOR", "NOT", "RPAR"})
 class Operand:
     """An operand: its tree, whose spans count from `start` in the text of the body."""
 
-    parsed: Parsed[object]
+    parsed: Parsed[Expression]
     start: int
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-
+from plcopen_sfc.languages.binding import called_actions
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition
@@ -16,7 +15,7 @@ def without_leftovers(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
     In IEC 61131-3 they are a part of a chart (6.7.4.2, 6.7.3): nothing else can call them, and textual declarations
     with a body of statements have no place for them. In other dialects an action is called from anywhere, and stays.
     """
-    called = _called(lowered)
+    called = _called(lowered, dialect)
     charts = [body for body in (*lowered.bodies, *(called.values())) if isinstance(body, SfcBody)]
     if dialect is not Dialect.IEC or charts:
         return lowered
@@ -40,19 +39,13 @@ def _used(pou: Pou) -> tuple[set[str], set[str]]:
     return actions, transitions
 
 
-def _called(pou: Pou) -> dict[str, Body | None]:
-    """The actions whose names the code says, and those that these name: their bodies by name."""
+def _called(pou: Pou, dialect: Dialect) -> dict[str, Body | None]:
+    """The actions that the code calls, and those that these call: their bodies by name."""
     by_name = {action.name.casefold(): action.body for action in pou.actions}
     called: dict[str, Body | None] = {}
     bodies: list[Body | None] = [*pou.bodies]
     while bodies:
-        for name in sorted(_named(bodies.pop()) & by_name.keys() - called.keys()):
+        for name in sorted(called_actions(bodies.pop(), pou, dialect) - called.keys()):
             called[name] = by_name[name]
             bodies.append(by_name[name])
     return called
-
-
-def _named(body: Body | None) -> set[str]:
-    """What a body calls, or a box of it is: titles and comments say the names of actions too, in sentences."""
-    text = body.model_dump_json().casefold() if body is not None else ""
-    return {called or alone for called, alone in re.findall(r'(\w+)\s*\(|"(\w+)"', text)}

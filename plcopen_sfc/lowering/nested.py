@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 
+from plcopen_sfc.languages.binding import called_actions
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.lowering.constructing import Constructed, construct
 from plcopen_sfc.lowering.forms import Construction, Language
 from plcopen_sfc.lowering.placing import errors_of
 from plcopen_sfc.lowering.rules import LoweringRules
 from plcopen_sfc.lowering.step_data import with_step_data
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.project import Project
 
@@ -33,10 +33,10 @@ def with_actions(
     done: set[str] = set()
     calling = [body]
     while calling:
-        words = _words(calling.pop())
+        called = called_actions(calling.pop(), pou, dialect)
         for action in list(pou.actions):
             key = action.name.casefold()
-            if key in done or key not in words:
+            if key in done or key not in called:
                 continue
             done.add(key)
             if isinstance(action.body, SfcBody):
@@ -66,8 +66,3 @@ def _by_name(flags: Mapping[str, str]) -> dict[str, str]:
 
 def _named(pou: Pou, name: str) -> Action:
     return next(action for action in pou.actions if action.name == name)
-
-
-def _words(body: Body | None) -> set[str]:
-    """All words of a body, among which are the names of what it calls."""
-    return set(re.findall(r"\w+", body.model_dump_json().casefold())) if body is not None else set()

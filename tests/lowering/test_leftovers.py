@@ -34,6 +34,46 @@ def test_textual_code_of_iec_61131_3_has_no_actions_that_only_the_chart_used(con
     assert "ACTION Counting" not in text
 
 
+RELAYED = PRESS.replace(b"STEP Work: Counting(N);", b"STEP Work: Relayed(N); Counting(N);").replace(
+    b"END_PROGRAM", b"ACTION Relayed: Relay(); END_ACTION ACTION Relay: ; END_ACTION END_PROGRAM"
+)
+
+
+@pytest.mark.parametrize(
+    ("instructions", "calls"),
+    [
+        ("LD Down\nCALC Counting", True),
+        ("CAL Press.Counting", True),
+        ("LD Down (* Counting(x) *)\nST Lamp", False),
+        ("LD 'Counting()'\nST Text", False),
+    ],
+)
+def test_actions_that_instruction_list_calls_stay(instructions: str, *, calls: bool) -> None:
+    project = sfc.loads(RELAYED, format="iec-text")
+    relay = project.pou("Press").action("Relay")
+    assert relay is not None
+    relay.body = m.IlBody(text=instructions)
+    actions = [action.name for action in sfc.lower(project, "case", verify=False).pou.actions]
+    assert actions == ["Counting", "Spare", "Relay"] if calls else ["Spare", "Relay"]
+
+
+@pytest.mark.parametrize(("text", "calls"), [("CAL Inner", True), ("LD Even (* Inner *)\nST Lamp", False)])
+def test_charts_of_actions_are_lowered_where_instruction_list_calls_them(text: str, *, calls: bool) -> None:
+    project = sfc.loads(RELAYED, format="iec-text")
+    project.dialect = Dialect.CODESYS
+    pou = project.pou("Press")
+    inner = sfc.SfcNetwork()
+    first, second = inner.add_step("One", initial=True), inner.add_step("Two")
+    inner.add_transition(first, second, "Down")
+    pou.actions.append(m.Action(name="Inner", body=m.SfcBody(chart=inner)))
+    relay = pou.action("Relay")
+    assert relay is not None
+    relay.body = m.IlBody(text=text)
+    lowered = sfc.lower(project, "case", pou="Press", verify=False).pou.action("Inner")
+    assert lowered is not None
+    assert isinstance(lowered.body, m.StBody if calls else m.SfcBody)
+
+
 def test_actions_of_codesys_stay_as_programs_call_them_from_anywhere() -> None:
     project = sfc.loads(PRESS, format="iec-text")
     project.dialect = Dialect.CODESYS

@@ -56,6 +56,17 @@ def test_every_body_of_the_project_follows() -> None:
     assert text_of(made, "Other") == "y := Main.Neu.x AND S1.x;"
 
 
+def test_calls_in_instruction_list_call_the_action_and_not_the_step_of_its_name() -> None:
+    main = sfc("Main", "S1 Fill", actions={"Fill": "y := TRUE;", "Work": ""})
+    work = main.action("Work")
+    assert work is not None
+    work.body = m.IlBody(text="LD Fill.X\nCALC Fill")
+    made = project(main)
+    assert main.sfc is not None
+    main.sfc.rename_step("Fill", "Filling")
+    assert text_of(made, "Main.Work") == "LD Filling.X\nCALC Fill"
+
+
 def test_what_nobody_can_tell_is_listed_and_left() -> None:
     main = sfc("Main", "S1 S2")
     made = project(main, pou("Other", "y := somewhere.S1.x;"))

@@ -11,9 +11,9 @@ from plcopen_sfc.analysis.checks.surroundings import stored
 from plcopen_sfc.analysis.exclusivity import Truth
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks import NetworkExpression
-from plcopen_sfc.languages.networks.effects import reads
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.languages.st.effects import reads
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.body import Body, IlBody
 from plcopen_sfc.model.conditions import BodyCondition, NamedCondition, WiredCondition

@@ -10,9 +10,9 @@ from plcopen_sfc.analysis.checks.charts import CheckedChart, Place
 from plcopen_sfc.analysis.checks.operands import Manner, assignments, body_named, constant, operand, uses
 from plcopen_sfc.analysis.checks.rules import Finding, Rule
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.languages.networks.effects import Path, path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.effects import Path, path_of
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.net import NetStep
 

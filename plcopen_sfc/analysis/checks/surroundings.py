@@ -10,9 +10,9 @@ from plcopen_sfc.languages.il import instructions
 from plcopen_sfc.languages.names.scopes import charts_inside
 from plcopen_sfc.languages.names.uses import dialect_of
 from plcopen_sfc.languages.networks import body_statements
-from plcopen_sfc.languages.networks.effects import path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, parse_statements, walk
+from plcopen_sfc.languages.st.effects import path_of
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Coil, Node, OutputVariable
 from plcopen_sfc.model.pou import Pou

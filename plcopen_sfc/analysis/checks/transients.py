@@ -10,7 +10,7 @@ from plcopen_sfc.analysis.checks.rules import Finding, Rule
 from plcopen_sfc.analysis.exclusivity import Truth, covered
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.networks import NetworkExpression
-from plcopen_sfc.languages.networks.effects import reads
+from plcopen_sfc.languages.st.effects import reads
 
 
 def cycles(chart: CheckedChart) -> Iterator[tuple[int, ...]]:

@@ -12,9 +12,9 @@ from plcopen_sfc.analysis.slicing.parts import NOTHING, NotDivisibleError, Part,
 from plcopen_sfc.analysis.slicing.programs import statements_of
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.languages.networks import condition_reader
-from plcopen_sfc.languages.networks.effects import path_of
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
+from plcopen_sfc.languages.st.effects import path_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import Condition

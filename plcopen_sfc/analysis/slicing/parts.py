@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from plcopen_sfc.errors import SimulationError
-from plcopen_sfc.languages.networks.effects import ANYTHING, Path, is_standard_call, path_of, reads, writes
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import ANYTHING, Path, is_standard_call, path_of, reads, writes
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.programs.addresses import address_of
@@ -120,7 +120,7 @@ class Uses:
 
     def of(self, node: n.Statement | n.Expression) -> Part:
         """A statement or an expression."""
-        written = self.names(writes(node, self._blocks))  # type: ignore[arg-type]  # it walks through any node
+        written = self.names(writes(node, self._blocks))
         harmless = all(self._is_harmless(each) for each in walk(node))
         return Part(self.names(reads(node)), written, always=not harmless)
 

@@ -256,6 +256,11 @@ def pieces(project: Project) -> Iterator[Piece]:
     yield from _fields(project, _Where(Site(), "", "project"))
 
 
+def pieces_in(thing: Model) -> Iterator[Piece]:
+    """Every text in an object of the model that may name something, as if nothing were around it."""
+    yield from _walk(thing, _Where(Site(), "", ""))
+
+
 def _walk(thing: Any, where: _Where) -> Iterator[Piece]:
     entering = _ENTERING.get(type(thing))
     if entering is not None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.il import JUMPS, instructions
+from plcopen_sfc.languages.il import CALLS, JUMPS, instructions
 from plcopen_sfc.languages.names.pieces import Piece, Reading, Role
 from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements
 from plcopen_sfc.languages.st import nodes as n
@@ -194,10 +194,10 @@ def _in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
             yield Reference(instruction.operator, instruction.operator_span, Role.ACTION)
         if instruction.operator.upper() in JUMPS:
             continue
+        calls = instruction.operator.upper() in CALLS
         for operand in instruction.operands:
             tree = operand.parsed.tree
-            if isinstance(tree, n.Node):
-                yield from moved(in_tree(tree, dialect), operand.start)
+            yield from moved(in_tree(n.CallStatement(tree) if calls else tree, dialect), operand.start)
 
 
 def unread(text: str, start: int, reason: str, dialect: Dialect | None = None) -> Iterator[Reference]:

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import is_variable
 from plcopen_sfc.languages.networks.graph import (
     EDGE_COILS,
     EDGE_CONTACTS,
@@ -30,6 +29,7 @@ from plcopen_sfc.languages.networks.values import (
 )
 from plcopen_sfc.languages.networks.wires import Wires
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import is_variable
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.standard_blocks import StandardBlock, standard_block
 from plcopen_sfc.model.network import (

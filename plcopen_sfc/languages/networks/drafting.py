@@ -11,7 +11,6 @@ from typing import NamedTuple
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks.drawable import by_name, constant_of, is_harmless, is_power
-from plcopen_sfc.languages.networks.effects import Path, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.networks.graph import MEMORY_PINS
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
@@ -29,6 +28,7 @@ from plcopen_sfc.languages.networks.results import NetworkProblem
 from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, joined
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import Path, is_impure, is_repeatable, path_of, reads
 from plcopen_sfc.languages.st.nodes import AssignmentKind, Expression, Operator, Statement
 from plcopen_sfc.languages.st.printing import print_node
 from plcopen_sfc.languages.st.walking import transform

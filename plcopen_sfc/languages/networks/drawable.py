@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from plcopen_sfc.languages.networks.effects import is_variable
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import is_variable
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.standard_blocks import StandardBlock, operator_block, standard_block

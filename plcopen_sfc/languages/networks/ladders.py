@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from plcopen_sfc.languages.networks.drafting import Drafter
 from plcopen_sfc.languages.networks.drawable import is_boolean_result
-from plcopen_sfc.languages.networks.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.networks.normal_form import normal_form
 from plcopen_sfc.languages.networks.pictures import (
     GRID,
@@ -24,6 +23,7 @@ from plcopen_sfc.languages.networks.pictures import (
 from plcopen_sfc.languages.networks.rules import DrawingRules
 from plcopen_sfc.languages.networks.values import TRUE, is_true, joined
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import is_repeatable, is_variable, path_of
 from plcopen_sfc.languages.st.nodes import Expression, Operator
 from plcopen_sfc.languages.standard_blocks import operator_block, standard_block
 from plcopen_sfc.model.network import (

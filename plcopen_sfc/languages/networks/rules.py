@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import Path, path_of
+from plcopen_sfc.languages.st.effects import Path, path_of
 from plcopen_sfc.languages.st.parsing import parse_expression
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes

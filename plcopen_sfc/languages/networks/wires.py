@@ -11,7 +11,12 @@ from functools import lru_cache
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks.effects import (
+from plcopen_sfc.languages.networks.graph import Graph, Source
+from plcopen_sfc.languages.networks.normal_form import normal_form
+from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
+from plcopen_sfc.languages.networks.values import Factor, Product, expression_of
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import (
     Path,
     is_impure,
     is_repeatable,
@@ -21,11 +26,6 @@ from plcopen_sfc.languages.networks.effects import (
     reads,
     writes,
 )
-from plcopen_sfc.languages.networks.graph import Graph, Source
-from plcopen_sfc.languages.networks.normal_form import normal_form
-from plcopen_sfc.languages.networks.results import Helper, NetworkProblem
-from plcopen_sfc.languages.networks.values import Factor, Product, expression_of
-from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.st.parsing import parse_expression, parse_statements
 from plcopen_sfc.languages.standard_blocks import standard_block

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import dedent
 
-from plcopen_sfc.languages.networks.effects import Path, path_of, reads, writes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.effects import Path, path_of, reads, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.actions.control import ActionControl
 from plcopen_sfc.lowering.actions.ownership import OwnVariables, WrittenPaths, standard_instances

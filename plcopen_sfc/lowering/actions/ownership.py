@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from plcopen_sfc.languages.networks.effects import ANYTHING, Path, path_of, writes
+from plcopen_sfc.languages.st.effects import ANYTHING, Path, path_of, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.lowering.reading.source import ChartSource

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
-from plcopen_sfc.languages.networks.effects import is_impure
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.effects import is_impure
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.logic import (
     FALSE,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import SimulationError
 from plcopen_sfc.languages.il import Instruction, instructions
@@ -99,7 +99,7 @@ class InstructionTranslator:
         for operand in instruction.operands:
             if operand.parsed.problems:
                 raise SimulationError(operand.parsed.problems[0].message)
-            trees.append(cast("n.Expression", operand.parsed.tree))
+            trees.append(operand.parsed.tree)
         base = word.removesuffix("N")
         if word in ("LD", "LDN"):
             self._load(self._value(trees, word == "LDN"))

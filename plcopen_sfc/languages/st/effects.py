@@ -1,8 +1,9 @@
-"""What expressions read and statements write, as far as names tell: whether a value may change before it is used."""
+"""Effects of syntax trees as far as names tell: the variables they read and write, and what they call."""
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterable, Set
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -42,15 +43,37 @@ def is_variable(expression: Expression) -> bool:
     return isinstance(expression, n.Name | n.Member | n.Index | n.Dereference | n.Peripheral | n.Address)
 
 
+@dataclass(frozen=True, slots=True)
+class Effects:
+    """The variables that are read and written, and the names by which something is called (see `calls`)."""
+
+    reads: frozenset[Path] = frozenset()
+    writes: frozenset[Path] = frozenset()
+    calls: frozenset[Path] = frozenset()
+
+    def __or__(self, other: Effects) -> Effects:
+        return Effects(self.reads | other.reads, self.writes | other.writes, self.calls | other.calls)
+
+
+def effects(nodes: Iterable[Expression | Statement], standard_instances: Set[Path] = frozenset()) -> Effects:
+    """Return the effects of expressions and statements together. `standard_instances` as in `writes`."""
+    found = Effects()
+    for node in nodes:
+        found |= Effects(reads(node), writes(node, standard_instances), calls(node))
+    return found
+
+
 @lru_cache(maxsize=4096)
-def reads(expression: Expression | Statement) -> frozenset[Path]:
-    """The variables that an expression reads; of a statement also those that it writes."""
+def reads(node: Expression | Statement) -> frozenset[Path]:
+    """Return the variables that an expression or a statement reads."""
     found: set[Path] = set()
-    waiting: list[Any] = [expression]
+    waiting: list[Any] = [node]
     while waiting:
         item = waiting.pop()
         if isinstance(item, tuple):
             waiting.extend(item)
+        elif isinstance(item, n.Assignment | n.AssignmentExpression):
+            waiting += [item.value, *_read_to_find(item.target)]
         elif isinstance(item, n.Index):
             found.add(path_of(item))
             waiting += [item.base, item.indices]
@@ -62,11 +85,51 @@ def reads(expression: Expression | Statement) -> frozenset[Path]:
             waiting.append(item.arguments)
             if not isinstance(item.callee, n.Name):
                 found.add(path_of(item.callee))
+        elif isinstance(item, n.CallStatement) and isinstance(item.call, n.Name):
+            pass  # an action
         elif isinstance(item, n.Argument):
-            waiting.append(item.value)
+            waiting.extend(_read_to_find(item.value) if item.output and item.value is not None else (item.value,))
         elif isinstance(item, n.Node):
             waiting.extend(children(item))
     return frozenset(found)
+
+
+def _read_to_find(target: Expression) -> list[Expression]:
+    """What is read to find the variable that is written: indices, pointers."""
+    found: list[Expression] = []
+    at = n.bare(target)
+    while isinstance(at, n.Member | n.Index):
+        if isinstance(at, n.Index):
+            found += at.indices
+        at = n.bare(at.base)
+    return found if isinstance(at, n.Name | n.Address) else [*found, at]
+
+
+@lru_cache(maxsize=4096)
+def calls(node: Expression | Statement) -> frozenset[Path]:
+    """Return the names by which functions, instances, methods and actions are called.
+
+    Indices are left out, and what is in front of a pointer or of a call: ``THIS^.Fill()`` calls ``Fill`` of something.
+    """
+    found: set[Path] = set()
+    for each in walk(node):
+        if isinstance(each, n.Call):
+            found.add(_called(each.callee))
+        elif isinstance(each, n.CallStatement) and not isinstance(each.call, n.Call):
+            found.add(_called(each.call))
+    return frozenset(found - {ANYTHING})
+
+
+def _called(callee: Expression) -> Path:
+    names: list[str] = []
+    at = n.bare(callee)
+    while isinstance(at, n.Member | n.Index):
+        if isinstance(at, n.Member):
+            names.append(at.name.identifier.casefold())
+        at = n.bare(at.base)
+    if isinstance(at, n.Name):
+        names.append(at.identifier.casefold())
+    return tuple(reversed(names))
 
 
 @lru_cache(maxsize=4096)
@@ -99,10 +162,10 @@ def is_standard_call(call: n.Call) -> bool:
     return block is not None and not block.stateful
 
 
-def writes(statement: Statement, standard_instances: Set[Path]) -> frozenset[Path]:
-    """The variables that a statement writes. `standard_instances`: those of standard function blocks."""
+def writes(tree: Expression | Statement, standard_instances: Set[Path]) -> frozenset[Path]:
+    """The variables that a statement or expression writes. `standard_instances`: those of standard function blocks."""
     found: set[Path] = set()
-    for node in walk(statement):
+    for node in walk(tree):
         if isinstance(node, n.Assignment | n.AssignmentExpression):
             found.add(path_of(node.target))
         elif isinstance(node, n.For):

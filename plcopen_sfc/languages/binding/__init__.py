@@ -1,0 +1,10 @@
+"""Binding of program text: the names that a body in any language uses, and its effects.
+
+`bind` gives the view of a body that renaming, checks, analysis and lowering ask: its statements, its name sites
+(`BoundBody.uses`), what it reads, writes and calls (`BoundBody.effects`), and what of it is not known.
+"""
+
+from plcopen_sfc.languages.binding.bodies import BoundBody, Unknown, bind, called_actions
+from plcopen_sfc.languages.st.effects import ANYTHING, Effects, Path
+
+__all__ = ["ANYTHING", "BoundBody", "Effects", "Path", "Unknown", "bind", "called_actions"]

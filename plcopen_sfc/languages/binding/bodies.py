@@ -1,0 +1,161 @@
+"""Bodies of every language as their names tell: trees, name sites, effects, and what is not known of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any
+from weakref import ref
+
+from plcopen_sfc.languages.binding.charts import ChartTexts
+from plcopen_sfc.languages.binding.instructions import effects_of_instructions
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.il import instructions
+from plcopen_sfc.languages.names.pieces import pieces_in
+from plcopen_sfc.languages.names.references import Reference, references
+from plcopen_sfc.languages.names.scopes import charts_inside
+from plcopen_sfc.languages.networks import Helper, body_statements
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.late import LateElement
+from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.pou import Pou
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A part of a body that cannot be bound: its effects are not known. `reason` tells why."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class BoundBody:
+    """A body, and what can be told of it without declarations.
+
+    `statements` are those of ST, FBD and LD in their order; `trees` are all expressions and statements of the body, in
+    charts and instruction list in no order. `helpers` and `instances` are those of networks, as in `NetworkText`.
+    Where `unknown` is empty, nothing of the body is missing in all this.
+    """
+
+    body: Body
+    dialect: Dialect
+    statements: Sequence[n.Statement] = ()
+    trees: Sequence[n.Expression | n.Statement] = ()
+    unknown: tuple[Unknown, ...] = ()
+    helpers: tuple[Helper, ...] = ()
+    instances: Mapping[str, str] = field(default_factory=dict)
+    charts: tuple[ChartTexts, ...] = ()
+
+    @cached_property
+    def uses(self) -> tuple[Reference, ...]:
+        """The name sites of the body, those in text that cannot be read too; none is in a comment or a string."""
+        return tuple(each for piece in pieces_in(self.body) for each in references(piece, self.dialect))
+
+    @cached_property
+    def effects(self) -> Effects:
+        """What the body reads, writes and calls.
+
+        The target of an action association is written and called: only declarations tell a variable from an action.
+        """
+        if isinstance(self.body, IlBody):
+            return effects_of_instructions(self.body.text, self.dialect)
+        instances = (name for name, type_ in self.instances.items() if standard_block(type_) is not None)
+        standard = {path_of(parse_expression(name, self.dialect).tree) for name in instances}
+        found = effects(self.trees, standard)
+        for chart in self.charts:
+            found |= chart.acting
+            for inner in chart.bodies:
+                found |= bind(inner, self.dialect).effects
+        if isinstance(self.body, FbdBody | LdBody) and self.unknown:  # a box that has no statement is called too
+            boxes = [node for network in self.body.networks for node in network.nodes if isinstance(node, Block)]
+            names = [name for box in boxes for name in (box.instance, box.type_name) if name]
+            called = [calls(n.CallStatement(parse_expression(name, self.dialect).tree)) for name in names]
+            found |= Effects(calls=frozenset().union(*called))
+        return found
+
+    def every_tree(self) -> Iterator[n.Expression | n.Statement]:
+        """Every expression and statement, also those in bodies that a chart holds."""
+        yield from self.trees
+        for inner in self._inner():
+            yield from inner.every_tree()
+
+    def every_unknown(self) -> Iterator[Unknown]:
+        """What is not known of the body and of those that a chart holds."""
+        yield from self.unknown
+        for inner in self._inner():
+            yield from inner.every_unknown()
+
+    def _inner(self) -> Iterator[BoundBody]:
+        return (bind(inner, self.dialect) for chart in self.charts for inner in chart.bodies)
+
+
+def bind(body: Body, dialect: Dialect) -> BoundBody:
+    """Return the bound view of a body, made once for as long as the body stays as it is."""
+    key, state = id(body), (dialect, _content(body))
+    kept = _KEPT.get(key)
+    if kept is None or kept[0]() is not body or kept[1] != state:
+        kept = _KEPT[key] = (ref(body, partial(_forget, _KEPT, key)), state, _bound(body, dialect))
+    return kept[2]
+
+
+def _forget(kept: dict[int, Any], key: int, _: object) -> None:
+    kept.pop(key, None)
+
+
+_KEPT: dict[int, tuple[ref[Any], Any, BoundBody]] = {}
+_DRAWN = frozenset({"drawing", "position", "points", "width", "height", "comment", "global_id"})
+"""Fields that change no binding."""
+
+
+def _content(value: Any) -> Any:
+    """What a body consists of now: it can be changed without notice."""
+    if isinstance(value, LateElement):
+        value.read()
+    if isinstance(value, Model):
+        return tuple([_content(each) for name, each in value.__dict__.items() if name not in _DRAWN and each])
+    return tuple(map(_content, value)) if isinstance(value, list) else value
+
+
+def _bound(body: Body, dialect: Dialect) -> BoundBody:
+    if isinstance(body, StBody):
+        parsed = parse_statements(body.text, dialect)
+        if not parsed.problems:
+            return BoundBody(body, dialect, parsed.tree.statements, parsed.tree.statements)
+        condition = parse_condition(body.text, dialect)  # of a transition, with nothing around it
+        if not condition.problems:
+            return BoundBody(body, dialect, trees=(condition.tree,))
+        unknown = tuple(Unknown(problem.message) for problem in parsed.problems)
+        return BoundBody(body, dialect, parsed.tree.statements, parsed.tree.statements, unknown)
+    if isinstance(body, FbdBody | LdBody):
+        read = body_statements(body, dialect)
+        unknown = tuple(Unknown(problem.message) for problem in read.obstacles)
+        trees = (*read.tree.statements, *(value for _, value in read.open_ends))
+        return BoundBody(body, dialect, read.tree.statements, trees, unknown, read.helpers, read.instances)
+    if isinstance(body, IlBody):
+        operands = [operand.parsed for each in instructions(body.text, dialect) for operand in each.operands]
+        unknown = tuple(Unknown(problem.message) for parsed in operands for problem in parsed.problems)
+        return BoundBody(body, dialect, trees=tuple(parsed.tree for parsed in operands), unknown=unknown)
+    if isinstance(body, SfcBody):
+        charts = tuple(ChartTexts(chart, dialect) for chart in charts_inside(body))
+        trees = tuple(tree for chart in charts for tree in chart.trees)
+        unknown = tuple(Unknown(reason) for chart in charts for reason in chart.unknown)
+        helpers = tuple(helper for chart in charts for helper in chart.helpers)
+        return BoundBody(body, dialect, (), trees, unknown, helpers, charts=charts)
+    return BoundBody(body, dialect, unknown=(Unknown(f"a body in the form of {body.source} cannot be read"),))
+
+
+def called_actions(body: Body | None, pou: Pou, dialect: Dialect) -> set[str]:
+    """The actions of a POU (names in lower case) that a body in it calls, or may call where it cannot be read."""
+    if body is None:
+        return set()
+    bound = bind(body, dialect)
+    own = {"this", "super", pou.name.casefold()}
+    called = {path[-1] for path in bound.effects.calls if len(path) == 1 or path[-2] in own}
+    called |= {each.name.casefold() for each in bound.uses if each.unread}
+    return called & {action.name.casefold() for action in pou.actions}
