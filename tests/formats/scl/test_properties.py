@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.scl.codec import CODEC
+from plcopen_sfc.formats.scl.scl_codec import CODEC
 from plcopen_sfc.formats.text import decode
 from plcopen_sfc.report import LOSSES, ConversionReport
 from tests import strategies as random_model

@@ -8,18 +8,17 @@ from itertools import count
 
 from pydantic import BaseModel
 
-from plcopen_sfc.formats.iectext.chart_reader import (
+from plcopen_sfc.formats.iectext.chart_text_reader import (
     STEP_ACTIONS,
     association_fields,
     body_fields,
     ids_within,
     unnegated,
 )
-from plcopen_sfc.formats.iectext.drawn import drawn_changes, shown_condition
-from plcopen_sfc.formats.iectext.layout import INDENT, format_comment, indented
-from plcopen_sfc.formats.iectext.outline import KEYWORDS
-from plcopen_sfc.formats.iectext.printing import (
-    Printer,
+from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes, shown_condition
+from plcopen_sfc.formats.iectext.text_outline import KEYWORDS
+from plcopen_sfc.formats.iectext.text_printing import (
+    TextPrinter,
     comment_lines,
     foreign_pragmas,
     is_text_body,
@@ -30,7 +29,7 @@ from plcopen_sfc.formats.iectext.printing import (
     pragmas,
     split,
 )
-from plcopen_sfc.formats.iectext.source import unwrapped, wrapped
+from plcopen_sfc.formats.iectext.text_source import INDENT, format_comment, indented, unwrapped, wrapped
 from plcopen_sfc.formats.text import Key
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
@@ -48,10 +47,10 @@ WriteAction = Callable[[str, Body, str], str]
 
 
 @dataclass(slots=True)
-class ChartWriter:
+class ChartTextWriter:
     """Writes one chart of the POU or action at `path`. `objects` are the transition objects of the POU."""
 
-    printer: Printer
+    printer: TextPrinter
     chart: SfcNetwork
     path: str
     objects: list[NamedTransition]

@@ -9,36 +9,35 @@ from typing import Any
 from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.iectext.chart_reader import (
+from plcopen_sfc.formats.iectext.chart_text_reader import (
+    ChartReferences,
     ChartText,
-    Surroundings,
+    apply_change,
     body_fields,
-    change,
     chart_fields,
     condition_fields,
     number,
     read_step,
     read_transition,
 )
-from plcopen_sfc.formats.iectext.declarations_reader import read_return_type, read_section
-from plcopen_sfc.formats.iectext.drawn import put_drawing
-from plcopen_sfc.formats.iectext.layout import Block, newlines, taken
-from plcopen_sfc.formats.iectext.outline import Kind, Part
-from plcopen_sfc.formats.iectext.source import Remark, Source, is_own, wrapped
+from plcopen_sfc.formats.iectext.drawings_in_pragmas import put_drawing
+from plcopen_sfc.formats.iectext.text_declarations import read_return_type, read_section
+from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart
+from plcopen_sfc.formats.iectext.text_source import Annotations, TextBlock, TextSource, is_own, newlines, taken, wrapped
 from plcopen_sfc.languages.declarations.inheritance import Inheritance
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.model.pou import Pou
 
-_KINDS = {Kind.PROGRAM: "program", Kind.FUNCTION_BLOCK: "functionBlock", Kind.FUNCTION: "function"}
+_KINDS = {PartKind.PROGRAM: "program", PartKind.FUNCTION_BLOCK: "functionBlock", PartKind.FUNCTION: "function"}
 
 
 @dataclass(slots=True)
-class Container:
+class UnitText:
     """What stands in a POU, a method or an action: `fields` of its own, its parts, and its body."""
 
     path: str
     fields: Fields
-    remark: Remark
+    remark: Annotations
     chart: ChartText = field(default_factory=ChartText)
     body: Fields | None = None
     sections: list[Fields] = field(default_factory=list)
@@ -51,7 +50,7 @@ class Container:
     start: int = 0
 
 
-def read_pou(src: Source, part: Part, gap: tuple[int, int]) -> Pou:
+def read_pou(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Pou:
     """A program, function block or function; `gap` is what stands before it."""
     while True:
         fields = _pou_fields(src, part, gap)
@@ -62,7 +61,7 @@ def read_pou(src: Source, part: Part, gap: tuple[int, int]) -> Pou:
                 raise
 
 
-def _pou_fields(src: Source, part: Part, gap: tuple[int, int]) -> Fields:
+def _pou_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
     src.named = frozenset(_object_names(src, part))
     container = _container(src, part, gap, "POU ")
     container.fields["kind"] = _KINDS.get(part.kind, part.kind)  # a pragma may say better
@@ -84,7 +83,7 @@ def _body(body: Fields | None, chart: Fields | None) -> Fields | None:
     return body if chart is None else body | {"chart": chart}
 
 
-def _leave_out(src: Source, part: Part, gap: tuple[int, int], error: ValidationError) -> bool:
+def _leave_out(src: TextSource, part: TextPart, gap: tuple[int, int], error: ValidationError) -> bool:
     """Find the pragma that does not fit the model and leave it out from now on; False where there is none."""
     before = set(src.ignored)
     offsets = [c.span[0] for c in src.outline.comments(gap[0], part.end) if is_own(c)]
@@ -110,22 +109,22 @@ def _leave_out(src: Source, part: Part, gap: tuple[int, int], error: ValidationE
 # -- containers -------------------------------------------------------------------------------------------------------
 
 
-def _container(src: Source, part: Part, gap: tuple[int, int], prefix: str) -> Container:
+def _container(src: TextSource, part: TextPart, gap: tuple[int, int], prefix: str) -> UnitText:
     """Read what stands in `part`, up to its END."""
     path = f"{prefix}{part.name}"
     remark = src.remark(*gap, path)
-    container = Container(path, {"name": part.name}, remark, start=part.start)
+    container = UnitText(path, {"name": part.name}, remark, start=part.start)
     _take_declaration(src, part, gap, container)
-    if part.kind is not Kind.ACTION:
+    if part.kind is not PartKind.ACTION:
         container.fields["interface"] = {}
     if part.return_type is not None:
         container.fields["interface"]["return_type"] = read_return_type(src, part.return_type, path)
     if not _is_as_typed(container.remark):
         _keep_header_rest(src, part, container)
-    has_chart = any(p.kind is Kind.STEP or (p.kind is Kind.TRANSITION and _leads(src, p)) for p in part.parts)
+    has_chart = any(p.kind is PartKind.STEP or (p.kind is PartKind.TRANSITION and _leads(src, p)) for p in part.parts)
     position, loose = part.inside[0], False
     for inner in part.parts:
-        if inner.kind is Kind.LOOSE:
+        if inner.kind is PartKind.LOOSE:
             loose = True
             continue
         above = _body_region(src, container, (position, inner.start), inner, loose=loose, chart=has_chart)
@@ -138,7 +137,7 @@ def _container(src: Source, part: Part, gap: tuple[int, int], prefix: str) -> Co
     return container
 
 
-def _take_declaration(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
+def _take_declaration(src: TextSource, part: TextPart, gap: tuple[int, int], container: UnitText) -> None:
     """Where the text of the declaration begins and ends, if it is to be kept as it was typed."""
     own = [c.span[1] for c in src.outline.comments(*gap) if is_own(c)]
     start = own[-1] if own else gap[0]
@@ -146,24 +145,24 @@ def _take_declaration(src: Source, part: Part, gap: tuple[int, int], container: 
         start += 1
     end = part.inside[0]
     for inner in part.parts:
-        if inner.kind is not Kind.VAR:
+        if inner.kind is not PartKind.VAR:
             break
         end = inner.end
     container.declared = (start, end)
     if _is_as_typed(container.remark):
         container.remark.comments, container.remark.pragmas = [], []
         for comment in src.outline.comments(gap[0], own[0] if own else gap[0]):
-            container.remark.extend(src.remark(*comment.span, container.path) if not is_own(comment) else Remark())
+            container.remark.extend(src.remark(*comment.span, container.path) if not is_own(comment) else Annotations())
 
 
-def _is_as_typed(remark: Remark) -> bool:
+def _is_as_typed(remark: Annotations) -> bool:
     return any(c.path[-1] == "declaration_ends" for c, _ in remark.changes)
 
 
-def _keep_header_rest(src: Source, part: Part, container: Container) -> None:
+def _keep_header_rest(src: TextSource, part: TextPart, container: UnitText) -> None:
     """What the model has no field for: EXTENDS and IMPLEMENTS, and what stands before the name."""
     tokens = src.outline.tokens(part.head)
-    if part.kind is not Kind.ACTION:
+    if part.kind is not PartKind.ACTION:
         extends, implements = _behind(tokens, "EXTENDS"), _behind(tokens, "IMPLEMENTS")
         carried = Inheritance(extends, implements).keep()
         if carried is not None:
@@ -181,7 +180,7 @@ def _behind(tokens: list[Any], word: str) -> tuple[str, ...]:
     return tuple(filter(None, "".join(values[start : next(ends, len(values))]).split(",")))
 
 
-def _name_start(tokens: list[Any], part: Part) -> int:
+def _name_start(tokens: list[Any], part: TextPart) -> int:
     first = part.name.split(".")[0]
     return int(next((t.span[0] for t in tokens[1:] if t.value == first), 0))
 
@@ -190,7 +189,7 @@ def _carry(fields: Fields, place: str, text: str) -> None:
     fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(place, text))
 
 
-def _leads(src: Source, part: Part) -> bool:
+def _leads(src: TextSource, part: TextPart) -> bool:
     """Whether a transition is one of a chart; a transition object of the POU has no FROM and no TO."""
     depth = 0
     for token in src.outline.tokens(part.tokens):
@@ -202,21 +201,21 @@ def _leads(src: Source, part: Part) -> bool:
     return False
 
 
-def _object_names(src: Source, part: Part) -> Iterator[str]:
+def _object_names(src: TextSource, part: TextPart) -> Iterator[str]:
     """The names of the transition objects of a POU."""
     for inner in part.parts:
-        if inner.kind is Kind.TRANSITION and not _leads(src, inner):
+        if inner.kind is PartKind.TRANSITION and not _leads(src, inner):
             yield from (token.value.casefold() for token in src.outline.tokens(inner.tokens)[:1])
 
 
 def _body_region(
-    src: Source, container: Container, gap: tuple[int, int], following: Part | None, *, loose: bool, chart: bool
+    src: TextSource, container: UnitText, gap: tuple[int, int], following: TextPart | None, *, loose: bool, chart: bool
 ) -> int:
     """Take the body from the gap before a part or before the END, and return where the rest of the gap begins."""
     start, end = gap
     above = src.attached(start, end) if following is not None else src.core(start, end)[1]
     comments = [c for c in src.outline.comments(start, above) if not is_own(c)]
-    if not loose and (chart or not comments or (following is not None and following.kind is Kind.VAR)):
+    if not loose and (chart or not comments or (following is not None and following.kind is PartKind.VAR)):
         return start
     begin = src.core(start, above)[0]
     container.remark.extend(src.remark(start, begin, container.path))
@@ -231,21 +230,21 @@ def _body_region(
     return above
 
 
-def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Container) -> None:
+def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container: UnitText) -> None:
     place = container.path
-    if part.kind is Kind.VAR:
+    if part.kind is PartKind.VAR:
         sections = read_section(src, part, gap, place)
         if not sections:
             src.note("IEC108", f"{part.keyword} cannot stand in a POU", part.start, place)
             _carry(container.fields, "section", newlines(src.text[part.start : part.end]))
         container.sections += sections
-    elif part.kind is Kind.STEP:
+    elif part.kind is PartKind.STEP:
         container.chart.steps.append(read_step(src, part, src.remark(*gap, place), place))
-    elif part.kind is Kind.TRANSITION and (_leads(src, part) or not part.closed):
+    elif part.kind is PartKind.TRANSITION and (_leads(src, part) or not part.closed):
         container.chart.transitions.append(read_transition(src, part, src.remark(*gap, place), place))
-    elif part.kind is Kind.TRANSITION:
+    elif part.kind is PartKind.TRANSITION:
         container.transitions.append(_read_transition_object(src, part, gap, place))
-    elif part.kind is Kind.PROPERTY:
+    elif part.kind is PartKind.PROPERTY:
         container.remark.extend(src.remark(*gap, place))
         _carry(container.fields, "property", newlines(src.text[part.start : part.end]))
     else:
@@ -261,13 +260,13 @@ def _read_part(src: Source, part: Part, gap: tuple[int, int], container: Contain
             getattr(container, name).extend(fields.pop(name, []))
         if in_place:
             container.in_place[part.name.casefold()] = fields.get("body", {})
-        elif part.kind is Kind.METHOD:
+        elif part.kind is PartKind.METHOD:
             container.methods.append(fields)
         else:
             container.actions.append(fields)
 
 
-def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place: str) -> Fields:
+def _read_transition_object(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> Fields:
     """``TRANSITION name := expression; END_TRANSITION``: a condition with a name, which charts refer to."""
     tokens = src.outline.tokens(part.tokens)
     name = tokens[0].value if tokens and tokens[0].type == "NAME" else ""
@@ -300,11 +299,11 @@ def _read_transition_object(src: Source, part: Part, gap: tuple[int, int], place
 # -- putting it together ----------------------------------------------------------------------------------------------
 
 
-def _finished(src: Source, container: Container) -> Fields:
+def _finished(src: TextSource, container: UnitText) -> Fields:
     """The fields of a container; its main body under `body`, the chart of that under `chart`."""
     fields = container.fields
     container.remark.put_into(fields)
-    around = Surroundings(container.in_place, src.named)
+    around = ChartReferences(container.in_place, src.named)
     if container.body is not None and container.body["language"] == "SFC":
         fields["chart"] = chart_fields(src, container.chart, around, container.path)
     fields["body"] = container.body if container.body is not None else {"language": "ST"}
@@ -331,19 +330,21 @@ def _finished(src: Source, container: Container) -> Fields:
 _EDGES = {("layout", edge) for edge in ("margin", "before", "after")}
 
 
-def _with_changes(src: Source, remark: Remark, fields: Fields, path: str, declared: tuple[int, int] = (0, 0)) -> Fields:
+def _with_changes(
+    src: TextSource, remark: Annotations, fields: Fields, path: str, declared: tuple[int, int] = (0, 0)
+) -> Fields:
     """Make the changes that pragmas say; the edges of bodies and declarations are written apart from their text."""
-    layout = Block("")
+    layout = TextBlock("")
     for found, offset in remark.changes:
         if found.path[-1] == "declaration_ends" and found.path[0] == "interface":
             text = newlines(src.text[declared[0] : declared[1]]) + str(found.value)
-            change(src, fields, (Change(("interface", "declaration"), text), offset), path)
+            apply_change(src, fields, (Change(("interface", "declaration"), text), offset), path)
         elif found.path in _EDGES:
             layout = layout._replace(**{str(found.path[1]): str(found.value)})
         else:
-            change(src, fields, (found, offset), path)
+            apply_change(src, fields, (found, offset), path)
     body = fields.get("body")
-    if isinstance(body, dict) and layout != Block(""):
+    if isinstance(body, dict) and layout != TextBlock(""):
         body["text"] = layout._replace(text=body.get("text", "")).whole()
     return fields
 

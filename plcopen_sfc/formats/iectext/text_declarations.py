@@ -1,27 +1,73 @@
-"""Writes headers, variable sections and types. The reader is `declarations_reader`.
+"""Variable sections, types and headers of units, as text.
 
-Whatever the declarations of another tool hold, it is written, read back, and what did not come back stands in pragmas.
+Whatever the declarations of another tool hold, it is written and read back; what did not come back goes into pragmas.
 """
 
 from __future__ import annotations
 
-from plcopen_sfc.formats.iectext.declarations_reader import read_return_type, read_section, read_types
-from plcopen_sfc.formats.iectext.layout import INDENT, newlines
-from plcopen_sfc.formats.iectext.outline import Kind, Part, outline
-from plcopen_sfc.formats.iectext.printing import Printer
-from plcopen_sfc.formats.iectext.source import Source, unwrapped
+from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
+from plcopen_sfc.formats.iectext.text_printing import TextPrinter
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, newlines, unwrapped
 from plcopen_sfc.formats.strings import with_quotes
-from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type
+from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
 from plcopen_sfc.languages.declarations.inheritance import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields
+from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import Interface, VariableSection
+
+
+def read_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
+    """``VAR .. END_VAR`` with the comments before it; nothing where it is a section of configurations."""
+    found = [section for section in _sections(src, part, gap, place) if isinstance(section, VariableSection)]
+    return [plain_fields(section) for section in found]
+
+
+def read_listing(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
+    """``VAR_ACCESS`` or ``VAR_CONFIG`` of a configuration."""
+    found = _sections(src, part, gap, place)
+    return [plain_fields(section) for section in found if not isinstance(section, VariableSection)]
+
+
+def _sections(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Element]:
+    declared = _declared(src, src.core(*gap)[0], part.end, place, "" if part.closed else "\nEND_VAR")
+    return [found.thing for found in declared.items if isinstance(found.thing, Element)]
+
+
+def read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fields]:
+    """``TYPE name : .. END_TYPE`` with the comments before it."""
+    return [plain_fields(thing) for thing in _declared(src, src.core(*gap)[0], part.end, "", "").types]
+
+
+def read_return_type(src: TextSource, span: tuple[int, int], place: str) -> Fields:
+    """The type of the result of a function."""
+    text = newlines(src.text[slice(*span)])
+    heads = read_declarations(f"FUNCTION x : {text}\n", src.outline.dialect).heads
+    if heads and heads[0].return_type is not None:
+        return plain_fields(heads[0].return_type)
+    src.note("IEC111", f"{text!r} is no type", span[0], place)
+    return {"kind": "derived", "name": text}
+
+
+def _declared(src: TextSource, start: int, end: int, place: str, missing: str) -> Declared:
+    text = newlines(src.text[start:end])
+    declared = read_declarations(text + missing, src.outline.dialect)
+    src.check(declared.problems, start, end, text, code="IEC111", path=place)
+    return declared
+
 
 _WITHOUT_INTERFACE = frozenset({"ACTION", "TRANSITION"})
 
 
 def write_interface(
-    printer: Printer, keyword: str, name: str, interface: Interface | None, *, indent: str, meant: Fields, said: Fields
+    printer: TextPrinter,
+    keyword: str,
+    name: str,
+    interface: Interface | None,
+    *,
+    indent: str,
+    meant: Fields,
+    said: Fields,
 ) -> tuple[str, list[str]]:
     """The header of a unit and its sections; what is meant goes into `meant`, what they say into `said`."""
     if keyword in _WITHOUT_INTERFACE:
@@ -43,7 +89,14 @@ def write_interface(
 
 
 def _header(
-    printer: Printer, keyword: str, name: str, interface: Interface | None, *, indent: str, meant: Fields, said: Fields
+    printer: TextPrinter,
+    keyword: str,
+    name: str,
+    interface: Interface | None,
+    *,
+    indent: str,
+    meant: Fields,
+    said: Fields,
 ) -> str:
     kept = [(unwrapped(data.get("content", "")), data) for data in meant.get("carried", {}).get("data", [])]
     words = [keyword, name]
@@ -71,10 +124,10 @@ def _header(
     return text
 
 
-def _read_back(printer: Printer, text: str, keyword: str) -> tuple[Part | None, Source]:
+def _read_back(printer: TextPrinter, text: str, keyword: str) -> tuple[TextPart | None, TextSource]:
     """The unit or method that `text` is, if it is just that."""
     whole = text if keyword != "METHOD" else f"FUNCTION_BLOCK x\n{text}\nEND_FUNCTION_BLOCK"
-    src = Source(outline(whole, printer.dialect))
+    src = TextSource(outline(whole, printer.dialect))
     parts = src.outline.parts
     if keyword == "METHOD":
         parts = parts[0].parts if len(parts) == 1 else []
@@ -86,13 +139,13 @@ def _read_back(printer: Printer, text: str, keyword: str) -> tuple[Part | None, 
 # -- declarations as they were typed ----------------------------------------------------------------------------------
 
 
-def _as_typed(printer: Printer, keyword: str, name: str, declaration: str | None) -> tuple[str, Fields] | None:
+def _as_typed(printer: TextPrinter, keyword: str, name: str, declaration: str | None) -> tuple[str, Fields] | None:
     """The text of a declaration that can stand as it was typed, and what it says."""
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
     text = declaration.rstrip()
     part, src = _read_back(printer, f"{text}\nEND_{keyword}", keyword)
-    if part is None or part.name != name or any(inner.kind is not Kind.VAR for inner in part.parts):
+    if part is None or part.name != name or any(inner.kind is not PartKind.VAR for inner in part.parts):
         return None
     end = part.parts[-1].end if part.parts else part.inside[0]
     if src.text[end : part.inside[1]].strip() or text != text.lstrip():
@@ -117,7 +170,7 @@ def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
 # -- sections and types -----------------------------------------------------------------------------------------------
 
 
-def write_said_section(printer: Printer, section: VariableSection, indent: str) -> tuple[str, Fields]:
+def write_said_section(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[str, Fields]:
     """A section as text, and what a reader takes from it."""
     quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
     section = section.model_copy(update={"variables": quoted})
@@ -135,7 +188,7 @@ def write_said_section(printer: Printer, section: VariableSection, indent: str) 
     return text, _said_section(printer, text) or {}
 
 
-def said_listing(printer: Printer, section: VariableSection, meant: Fields) -> tuple[str, Fields] | None:
+def said_listing(printer: TextPrinter, section: VariableSection, meant: Fields) -> tuple[str, Fields] | None:
     """A list of global variables as it was typed, and what it says; None where that cannot stand in the text."""
     declaration = section.declaration
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
@@ -150,17 +203,17 @@ def said_listing(printer: Printer, section: VariableSection, meant: Fields) -> t
     return text, said
 
 
-def _said_section(printer: Printer, text: str) -> Fields | None:
+def _said_section(printer: TextPrinter, text: str) -> Fields | None:
     found = outline(f"PROGRAM x\n{text}\nEND_PROGRAM\n", printer.dialect)
-    if found.problems or len(found.parts) != 1 or [p.kind for p in found.parts[0].parts] != [Kind.VAR]:
+    if found.problems or len(found.parts) != 1 or [p.kind for p in found.parts[0].parts] != [PartKind.VAR]:
         return None
-    src = Source(found)
+    src = TextSource(found)
     part = found.parts[0].parts[0]
     sections = read_section(src, part, (found.parts[0].inside[0], part.start), "")
     return sections[0] if len(sections) == 1 and not src.diagnostics else None
 
 
-def _sayable(printer: Printer, variable: Variable) -> Variable:
+def _sayable(printer: TextPrinter, variable: Variable) -> Variable:
     """The variable, or one in its place where its declaration does not come back from text."""
     alone = VariableSection(variables=[variable])
     said = _said_section(printer, write_section(alone, printer.dialect))
@@ -170,7 +223,7 @@ def _sayable(printer: Printer, variable: Variable) -> Variable:
     return Variable.model_validate({"name": name, "type": "BOOL"})
 
 
-def write_said_type(printer: Printer, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
+def write_said_type(printer: TextPrinter, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
     """A declaration of a type as text, what a reader takes from it, and what is meant."""
     meant = plain_fields(declaration)
     if declaration.declaration is not None and "plcopen_sfc" not in declaration.declaration:
@@ -189,10 +242,10 @@ def write_said_type(printer: Printer, declaration: DataTypeDeclaration) -> tuple
     return text, said, meant
 
 
-def _said_type(printer: Printer, text: str) -> Fields | None:
+def _said_type(printer: TextPrinter, text: str) -> Fields | None:
     found = outline(text + "\n", printer.dialect)
-    if found.problems or len(found.parts) != 1 or found.parts[0].kind is not Kind.TYPE:
+    if found.problems or len(found.parts) != 1 or found.parts[0].kind is not PartKind.TYPE:
         return None
-    src = Source(found)
+    src = TextSource(found)
     types = read_types(src, found.parts[0], (0, found.parts[0].start))
     return types[0] if len(types) == 1 and not src.diagnostics else None

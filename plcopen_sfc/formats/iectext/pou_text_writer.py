@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pydantic import BaseModel
 
-from plcopen_sfc.formats.iectext.chart_reader import body_fields
-from plcopen_sfc.formats.iectext.chart_writer import ChartWriter
-from plcopen_sfc.formats.iectext.declarations_writer import write_interface
-from plcopen_sfc.formats.iectext.drawn import drawn_changes, shown_body, shown_named_condition
-from plcopen_sfc.formats.iectext.layout import INDENT, Block, indented
-from plcopen_sfc.formats.iectext.outline import KEYWORDS, Kind, outline
-from plcopen_sfc.formats.iectext.printing import (
-    Printer,
+from plcopen_sfc.formats.iectext.chart_text_reader import body_fields
+from plcopen_sfc.formats.iectext.chart_text_writer import ChartTextWriter
+from plcopen_sfc.formats.iectext.drawings_in_pragmas import drawn_changes, shown_body, shown_named_condition
+from plcopen_sfc.formats.iectext.text_declarations import write_interface
+from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, outline
+from plcopen_sfc.formats.iectext.text_printing import (
+    TextPrinter,
     comment_lines,
     foreign_pragmas,
     is_text_body,
@@ -22,7 +21,7 @@ from plcopen_sfc.formats.iectext.printing import (
     pragmas,
     split,
 )
-from plcopen_sfc.formats.iectext.source import unwrapped
+from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, indented, unwrapped
 from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -39,7 +38,7 @@ _KEYWORDS = {
 _PARTS = frozenset({"bodies", "body", "actions", "transitions", "methods", "interface"})
 
 
-def write_pou(printer: Printer, pou: Pou) -> Piece:
+def write_pou(printer: TextPrinter, pou: Pou) -> Piece:
     """A program, function block or function."""
     printer.used = {name.casefold() for name in _names(pou)}
     printer.actions = frozenset(action.name.casefold() for action in pou.actions)
@@ -66,7 +65,7 @@ class _Unit:
 
     def __init__(
         self,
-        printer: Printer,
+        printer: TextPrinter,
         thing: Pou | Action | Method | NamedTransition,
         keyword: str,
         path: str,
@@ -130,7 +129,7 @@ class _Unit:
                 continue
             found = outline(f"FUNCTION_BLOCK x\n{kept[1]}\nEND_FUNCTION_BLOCK\n", self.printer.dialect)
             parts = found.parts[0].parts if len(found.parts) == 1 and not found.problems else []
-            if len(parts) == 1 and parts[0].kind is Kind.PROPERTY and parts[0].end - parts[0].start == len(kept[1]):
+            if len(parts) == 1 and parts[0].kind is PartKind.PROPERTY and parts[0].end - parts[0].start == len(kept[1]):
                 texts.append(kept[1])
                 said.setdefault("carried", {}).setdefault("data", []).append(data)
         return texts
@@ -171,25 +170,25 @@ class _Unit:
         else:
             name = missing(self.printer, self.thing.name)
             self.printer.note(Outcome.NOT_EXECUTED, "body", self.path, nothing_right(name))
-        lines = shown or Block(name if self.keyword == "TRANSITION" else f"{name} := TRUE;")
+        lines = shown or TextBlock(name if self.keyword == "TRANSITION" else f"{name} := TRUE;")
         self.late += drawn_changes(plain_fields(body), lines.text, ())
         pieces = self._statements(lines, meant, said)
         meant["body"] = said["body"]
         return pieces
 
-    def _shown(self, body: FbdBody | LdBody) -> Block | None:
+    def _shown(self, body: FbdBody | LdBody) -> TextBlock | None:
         """The lines that say what a body draws."""
         if isinstance(self.thing, NamedTransition):
             found = shown_named_condition(self.thing, self.printer.dialect)
             text = found[0] if found is not None else None
             if found is not None and not found[1]:
-                return Block(found[0]) if self.printer.is_expression(found[0]) else None
+                return TextBlock(found[0]) if self.printer.is_expression(found[0]) else None
         else:
             text = shown_body(body, self.printer.dialect)
         lines, comes_back = self.printer.code(text or "")
         return lines if text is not None and comes_back and lines.whole() == lines.text else None
 
-    def _statements(self, lines: Block, meant: Fields, said: Fields) -> list[Piece]:
+    def _statements(self, lines: TextBlock, meant: Fields, said: Fields) -> list[Piece]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
         said["body"] = body_fields(lines.text, tokens)
         meant["body"] = _without_text(meant.get("body", {})) | ({"text": lines.text} if lines.text else {})
@@ -212,7 +211,7 @@ class _Unit:
             return []
         said["body"] = {"language": "SFC"}
         said["chart"] = {}
-        writer = ChartWriter(self.printer, chart, self.path, self.objects, self._action_in_place, self.inner)
+        writer = ChartTextWriter(self.printer, chart, self.path, self.objects, self._action_in_place, self.inner)
         pieces = [Piece(key, text.rstrip("\n"), apart=True) for key, text in writer.pieces()]
         self.late += writer.late
         if writer.unused:

@@ -1,4 +1,4 @@
-"""What all readers of a text share: the text, its outline, its pragmas and comments, and what is said about it."""
+"""A text that is read: its pragmas and comments, the findings about it, and how bodies and comments lie on the page."""
 
 from __future__ import annotations
 
@@ -6,16 +6,113 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import islice
+from typing import NamedTuple
 from xml.sax.saxutils import escape, unescape
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.iectext.layout import taken_comment
-from plcopen_sfc.formats.iectext.outline import Outline
+from plcopen_sfc.formats.iectext.text_outline import Outline
 from plcopen_sfc.languages.pragmas import Change, Fields, NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines, Problem
 from plcopen_sfc.languages.st import parse_expression, parse_statements
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind
+
+INDENT = "    "
+_FIRST_LINE_END = re.compile(r"[ \t]*\n")
+_BLANK_LINES_BEFORE = re.compile(r"(?:[ \t]*\n)*")
+_MARK_OR_CONTROL = re.compile(r"\(\*|\*\)|[\x00-\x08\x0b-\x1f\x7f\x85\u2028\u2029\ufeff]")
+
+
+class TextBlock(NamedTuple):
+    """A text of several lines: its lines without common margin and blank edges, and these edges."""
+
+    text: str
+    margin: str = ""
+    before: str = ""
+    after: str = ""
+
+    def whole(self) -> str:
+        """The text with its margin and edges."""
+        return self.before + indented(self.text, self.margin) + self.after
+
+
+def newlines(text: str) -> str:
+    """`text` with LF as its line end."""
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+def block(text: str) -> TextBlock:
+    """Take the margin and the blank edges off a text whose first line has its margin too."""
+    before = _BLANK_LINES_BEFORE.match(text)
+    start = before.end() if before is not None else 0
+    core = text[start:].rstrip()
+    if not core:
+        return TextBlock("", before=text)
+    margin = _margin(core.split("\n"))
+    lines = [line[len(margin) :] if line.strip() else line for line in core.split("\n")]
+    return TextBlock("\n".join(lines), margin, text[:start], text[start + len(core) :])
+
+
+def taken(source: str) -> str:
+    """What a reader takes from the lines between a header and its END: without margin and blank edges."""
+    text = newlines(source)
+    core = text.strip()
+    if "\n" not in core or _FIRST_LINE_END.match(text) is not None:
+        return block(text).text
+    # the first line stands behind the header and says nothing of the margin
+    head, _, rest = core.partition("\n")
+    return head.rstrip() + "\n" + _dedented(rest)
+
+
+def _dedented(text: str) -> str:
+    lines = text.split("\n")
+    margin = _margin(lines)
+    return "\n".join(line[len(margin) :] if line.strip() else line for line in lines)
+
+
+def _margin(lines: list[str]) -> str:
+    margins = [line[: len(line) - len(line.lstrip(" \t"))] for line in lines if line.strip()]
+    margin = min(margins, key=len, default="")
+    while not all(one.startswith(margin) for one in margins):
+        margin = margin[:-1]
+    return margin
+
+
+def indented(text: str, indent: str) -> str:
+    """`text` with `indent` before each line that is not blank."""
+    return "\n".join(indent + line if line.strip() else line for line in text.split("\n"))
+
+
+# -- comments ---------------------------------------------------------------------------------------------------------
+
+
+def format_comment(text: str, indent: str) -> str | None:
+    """``(* text *)``, its further lines below the first; None where the text would not come back from that."""
+    if _MARK_OR_CONTROL.search(text):
+        return None
+    lines = text.split("\n")
+    shown = (
+        "(* " + "\n".join([lines[0], *(indent + "   " + line if line.strip() else line for line in lines[1:])]) + " *)"
+    )
+    return shown if taken_comment(shown) == text else None
+
+
+def taken_comment(raw: str) -> str:
+    """What a comment says: without its marks, the blank beside each, and the margin of its further lines."""
+    text = newlines(raw)
+    if text.startswith("//"):
+        return text[2:].removeprefix(" ").rstrip()
+    inner = text[2 : -2 if len(text) >= 4 and text.endswith(("*)", "*/")) else None]
+    inner = inner.removeprefix(" ").removesuffix(" ")
+    first, line_end, rest = inner.partition("\n")
+    if not line_end:
+        return inner
+    if not rest.strip():
+        return first.rstrip()
+    if not first.strip():
+        return block(inner).text
+    return first + "\n" + _dedented(rest)
+
 
 OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
 TEXT_DATA = "urn:plcopen-sfc:iec-text"
@@ -39,14 +136,14 @@ def unwrapped(content: str) -> tuple[str, str] | None:
 
 
 @dataclass(slots=True)
-class Remark:
+class Annotations:
     """What stands beside the code: changes that our pragmas make, comments, and pragmas of other tools."""
 
     changes: list[tuple[Change, int]] = field(default_factory=list)
     comments: list[str] = field(default_factory=list)
     pragmas: list[str] = field(default_factory=list)
 
-    def extend(self, other: Remark) -> None:
+    def extend(self, other: Annotations) -> None:
         """Add what `other` holds."""
         self.changes += other.changes
         self.comments += other.comments
@@ -62,7 +159,7 @@ class Remark:
 
 
 @dataclass(slots=True)
-class Source:
+class TextSource:
     """A text that is being read.
 
     `ignored` are the offsets of pragmas that do not fit and are left out, `named` the transition objects of the POU
@@ -120,14 +217,14 @@ class Source:
             solid -= len(found.group())
         return len(self.text)
 
-    def remark(self, start: int, end: int, path: str = "") -> Remark:
+    def remark(self, start: int, end: int, path: str = "") -> Annotations:
         """What stands in the comments and pragmas between two offsets."""
-        found = Remark()
+        found = Annotations()
         for comment in self.outline.comments(start, end):
             self._sort(comment, found, path)
         return found
 
-    def _sort(self, comment: Comment, into: Remark, path: str) -> None:
+    def _sort(self, comment: Comment, into: Annotations, path: str) -> None:
         if is_own(comment):
             offset = comment.span[0]
             if offset not in self.ignored:

@@ -9,9 +9,8 @@ from itertools import count
 from typing import Any
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.iectext.layout import newlines, taken
-from plcopen_sfc.formats.iectext.outline import Part
-from plcopen_sfc.formats.iectext.source import Remark, Source, wrapped
+from plcopen_sfc.formats.iectext.text_outline import TextPart
+from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, taken, wrapped
 from plcopen_sfc.languages.il import OPERATORS
 from plcopen_sfc.languages.pragmas import Change, Fields, PathError, StaleError, apply
 from plcopen_sfc.languages.pragmas.remainder import format_path
@@ -25,18 +24,18 @@ _NEGATION = re.compile(r"NOT\s*\(\s*(.*?)\s*\)|NOT\s+([^\W\d]\w*)", re.IGNORECAS
 
 
 @dataclass(slots=True)
-class Said:
+class ElementText:
     """What the text says of an object, what pragmas say beside it, and where it stands.
 
     `name` is the name as written, `sides` the names in FROM (`sources`) and TO (`targets`).
     """
 
     fields: Fields
-    remark: Remark
+    remark: Annotations
     start: int
     path: str
     name: str = ""
-    associations: list[Said] = field(default_factory=list)
+    associations: list[ElementText] = field(default_factory=list)
     sides: dict[str, list[str]] = field(default_factory=dict)
 
 
@@ -44,20 +43,20 @@ class Said:
 class ChartText:
     """The steps and transitions of a chart in the order of the text."""
 
-    steps: list[Said] = field(default_factory=list)
-    transitions: list[Said] = field(default_factory=list)
+    steps: list[ElementText] = field(default_factory=list)
+    transitions: list[ElementText] = field(default_factory=list)
 
 
 # -- steps ------------------------------------------------------------------------------------------------------------
 
 
-def read_step(src: Source, part: Part, remark: Remark, place: str) -> Said:
+def read_step(src: TextSource, part: TextPart, remark: Annotations, place: str) -> ElementText:
     """``STEP name: associations END_STEP``."""
     path = f"{place} / step {part.name}"
     fields: Fields = {"name": part.name}
     if part.keyword == "INITIAL_STEP":
         fields["initial"] = True
-    step = Said(fields, remark, part.start, path, part.name)
+    step = ElementText(fields, remark, part.start, path, part.name)
     groups = list(_between_semicolons(src.outline.tokens(part.tokens)))
     starts = [group[0].span[0] for group in groups]
     remark.extend(src.remark(part.inside[0], starts[0] if starts else part.inside[1], path))
@@ -79,7 +78,7 @@ def _between_semicolons(tokens: list[Token]) -> Iterator[list[Token]]:
         yield group
 
 
-def _read_association(src: Source, tokens: list[Token], remark: Remark, path: str) -> Said:
+def _read_association(src: TextSource, tokens: list[Token], remark: Annotations, path: str) -> ElementText:
     fields = association_fields(src.text, tokens)
     start = tokens[0].span[0]
     if fields is None:
@@ -88,7 +87,7 @@ def _read_association(src: Source, tokens: list[Token], remark: Remark, path: st
             "IEC102", f"{text[:40]!r} is no association of an action: name(qualifier, time, indicator)", start, path
         )
         fields = {"qualifier": Qualifier.NONE.value, "carried": {"data": [wrapped("association", newlines(text))]}}
-    return Said(fields, remark, start, path)
+    return ElementText(fields, remark, start, path)
 
 
 def association_fields(text: str, tokens: list[Token]) -> Fields | None:
@@ -150,11 +149,11 @@ def _arguments(tokens: list[Token]) -> list[list[Token]] | None:
 # -- transitions ------------------------------------------------------------------------------------------------------
 
 
-def read_transition(src: Source, part: Part, remark: Remark, place: str) -> Said:
+def read_transition(src: TextSource, part: TextPart, remark: Annotations, place: str) -> ElementText:
     """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
     tokens = src.outline.tokens(part.tokens)
     header = _Header(src, tokens, part, place)
-    transition = Said(header.fields, remark, part.start, header.path, sides=header.sides)
+    transition = ElementText(header.fields, remark, part.start, header.path, sides=header.sides)
     rest = tokens[header.at :]
     begin, end = src.core(rest[0].span[1] if rest else part.inside[0], part.inside[1])
     remark.extend(src.remark(part.inside[0], begin, header.path))
@@ -175,7 +174,7 @@ def read_transition(src: Source, part: Part, remark: Remark, place: str) -> Said
 class _Header:
     """What stands before the condition of a transition."""
 
-    def __init__(self, src: Source, tokens: list[Token], part: Part, place: str) -> None:
+    def __init__(self, src: TextSource, tokens: list[Token], part: TextPart, place: str) -> None:
         self.src = src
         self.tokens = tokens
         self.at = 0
@@ -277,14 +276,14 @@ def unnegated(fields: Fields) -> None:
 
 
 @dataclass(slots=True)
-class Surroundings:
+class ChartReferences:
     """What a chart refers to: bodies that stand in place, by their names, and the transition objects of the POU."""
 
     in_place: dict[str, Fields]
     named_transitions: frozenset[str]
 
 
-def chart_fields(src: Source, chart: ChartText, around: Surroundings, place: str) -> Fields:
+def chart_fields(src: TextSource, chart: ChartText, around: ChartReferences, place: str) -> Fields:
     """The fields of the chart, its names resolved; without what pragmas at the end of the unit add."""
     known = {step.name.casefold() for step in chart.steps}
     for transition in chart.transitions:
@@ -302,7 +301,7 @@ def chart_fields(src: Source, chart: ChartText, around: Surroundings, place: str
     return fields
 
 
-def number(src: Source, chart: ChartText, fields: Fields) -> None:
+def number(src: TextSource, chart: ChartText, fields: Fields) -> None:
     """Give an id to every step, association and transition without one, and resolve the names in FROM and TO.
 
     They get the numbers that are free, in the order of the text; ``unused_ids`` are not.
@@ -339,7 +338,7 @@ def ids_within(value: Any) -> Iterator[int]:
             yield from ids_within(item)
 
 
-def _carry_unknown(src: Source, said: Said, known: set[str]) -> None:
+def _carry_unknown(src: TextSource, said: ElementText, known: set[str]) -> None:
     """Keep the names in FROM and TO that no step of the chart has."""
     for side, names in said.sides.items():
         keyword = "FROM" if side == "sources" else "TO"
@@ -350,7 +349,7 @@ def _carry_unknown(src: Source, said: Said, known: set[str]) -> None:
                 carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
 
 
-def change(src: Source, fields: Fields, found: tuple[Change, int], path: str) -> None:
+def apply_change(src: TextSource, fields: Fields, found: tuple[Change, int], path: str) -> None:
     """Make a change that a pragma says, or say that it leads nowhere."""
     try:
         apply(fields, found[0])
@@ -361,7 +360,7 @@ def change(src: Source, fields: Fields, found: tuple[Change, int], path: str) ->
         src.note("IEC211", f"this pragma does not fit: {error}", found[1], path)
 
 
-def _finished_step(src: Source, said: Said, around: Surroundings) -> Fields:
+def _finished_step(src: TextSource, said: ElementText, around: ChartReferences) -> Fields:
     fields = said.fields
     said.remark.put_into(fields)
     actions: list[Fields] = []
@@ -374,21 +373,21 @@ def _finished_step(src: Source, said: Said, around: Surroundings) -> Fields:
     if actions:
         fields["actions"] = actions
     for found in said.remark.changes:
-        change(src, fields, found, said.path)
+        apply_change(src, fields, found, said.path)
     return fields
 
 
-def _finished_association(src: Source, said: Said, around: Surroundings) -> tuple[Fields, str | None]:
+def _finished_association(src: TextSource, said: ElementText, around: ChartReferences) -> tuple[Fields, str | None]:
     fields = said.fields
     said.remark.put_into(fields)
     if str(fields.get("target", "")).casefold() in around.in_place:
         fields["body"] = {"body_of": fields.pop("target")}
     for found in said.remark.changes:
-        change(src, fields, found, said.path)
+        apply_change(src, fields, found, said.path)
     return fields, fields.pop("step_action", None)
 
 
-def _finished_transition(src: Source, said: Said, around: Surroundings) -> Fields:
+def _finished_transition(src: TextSource, said: ElementText, around: ChartReferences) -> Fields:
     fields = said.fields
     condition = fields.get("condition")
     if condition is not None and condition["kind"] == "expression":
@@ -399,5 +398,5 @@ def _finished_transition(src: Source, said: Said, around: Surroundings) -> Field
     if condition is None and not any(c.path[0] == "condition" for c, _ in said.remark.changes):
         src.note("SFC112", "a transition has no condition", said.start, said.path)
     for found in said.remark.changes:
-        change(src, fields, found, said.path)
+        apply_change(src, fields, found, said.path)
     return fields

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from plcopen_sfc.formats.scl.blocks import KEYWORDS
-from plcopen_sfc.formats.scl.reader import read_source
-from plcopen_sfc.formats.scl.start_values import DECLARED, can_be_assigned, start_values, write_start_values
+from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
+from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values, write_start_values
 from plcopen_sfc.formats.text import Piece, SourceText, numbered
 from plcopen_sfc.languages.declarations import (
     read_declarations,

@@ -15,7 +15,7 @@ from plcopen_sfc.languages.problems import Problem
 from plcopen_sfc.languages.st.lexer import Comment, Token, Tokens, tokenize
 
 
-class Kind(StrEnum):
+class PartKind(StrEnum):
     """The kinds of parts, by the keyword that opens them."""
 
     PROGRAM = "PROGRAM"
@@ -38,31 +38,31 @@ class Kind(StrEnum):
     """Text that belongs to no part: the statements of a body."""
 
 
-POUS = frozenset({Kind.PROGRAM, Kind.FUNCTION_BLOCK, Kind.FUNCTION})
+POUS = frozenset({PartKind.PROGRAM, PartKind.FUNCTION_BLOCK, PartKind.FUNCTION})
 VAR_KEYWORDS = frozenset(
     """VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP VAR_EXTERNAL VAR_GLOBAL VAR_ACCESS VAR_CONFIG VAR_STAT
     VAR_INST""".split()
 )
-_FOREIGN_UNITS = frozenset({Kind.INTERFACE, Kind.CLASS, Kind.NAMESPACE})
-_UNITS = POUS | _FOREIGN_UNITS | {Kind.TYPE, Kind.CONFIGURATION}
-_CONTAINERS = POUS | {Kind.METHOD, Kind.ACTION}
+_FOREIGN_UNITS = frozenset({PartKind.INTERFACE, PartKind.CLASS, PartKind.NAMESPACE})
+_UNITS = POUS | _FOREIGN_UNITS | {PartKind.TYPE, PartKind.CONFIGURATION}
+_CONTAINERS = POUS | {PartKind.METHOD, PartKind.ACTION}
 _NESTED = {
-    "METHOD": Kind.METHOD,
-    "ACTION": Kind.ACTION,
-    "STEP": Kind.STEP,
-    "INITIAL_STEP": Kind.INITIAL_STEP,
-    "TRANSITION": Kind.TRANSITION,
-    "PROPERTY": Kind.PROPERTY,
+    "METHOD": PartKind.METHOD,
+    "ACTION": PartKind.ACTION,
+    "STEP": PartKind.STEP,
+    "INITIAL_STEP": PartKind.INITIAL_STEP,
+    "TRANSITION": PartKind.TRANSITION,
+    "PROPERTY": PartKind.PROPERTY,
 }
-_CLOSERS = {f"END_{kind.value}" for kind in Kind if kind not in (Kind.LOOSE, Kind.INITIAL_STEP)}
-KEYWORDS = frozenset({kind.value for kind in Kind if kind is not Kind.LOOSE} | _CLOSERS | VAR_KEYWORDS)
+_CLOSERS = {f"END_{kind.value}" for kind in PartKind if kind not in (PartKind.LOOSE, PartKind.INITIAL_STEP)}
+KEYWORDS = frozenset({kind.value for kind in PartKind if kind is not PartKind.LOOSE} | _CLOSERS | VAR_KEYWORDS)
 MODIFIERS = frozenset({"PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "FINAL", "ABSTRACT", "OVERRIDE"})
 _TYPE_PREFIXES = frozenset({"POINTER", "REFERENCE"})
 _WORD = re.compile(r"[^\W\d]\w*")
 
 
 @dataclass(slots=True)
-class Part:
+class TextPart:
     """A part of the text.
 
     `start` and `end` are offsets from its keyword to behind its END keyword, `inside` those of what stands between,
@@ -70,7 +70,7 @@ class Part:
     is empty where there is none, as `return_type` (its offsets) is None.
     """
 
-    kind: Kind
+    kind: PartKind
     start: int
     end: int
     keyword: str = ""
@@ -78,7 +78,7 @@ class Part:
     head: tuple[int, int] = (0, 0)
     inside: tuple[int, int] = (0, 0)
     tokens: tuple[int, int] = (0, 0)
-    parts: list[Part] = field(default_factory=list)
+    parts: list[TextPart] = field(default_factory=list)
     return_type: tuple[int, int] | None = None
     closed: bool = True
 
@@ -90,7 +90,7 @@ class Outline:
     text: str
     dialect: Dialect
     found: Tokens
-    parts: list[Part]
+    parts: list[TextPart]
     structure: list[Problem]
 
     @property
@@ -169,8 +169,8 @@ class _Scan:
 
     # -- units ----------------------------------------------------------------------------------------------------
 
-    def units(self) -> list[Part]:
-        parts: list[Part] = []
+    def units(self) -> list[TextPart]:
+        parts: list[TextPart] = []
         loose = -1
         while self.at < len(self.tokens):
             opener = self.unit_opener()
@@ -186,47 +186,47 @@ class _Scan:
             parts.append(self.loose(loose))
         return parts
 
-    def loose(self, first: int) -> Part:
+    def loose(self, first: int) -> TextPart:
         start, end = self.tokens[first].span[0], self.behind()
-        return Part(Kind.LOOSE, start, end, inside=(start, end), tokens=(first, self.at))
+        return TextPart(PartKind.LOOSE, start, end, inside=(start, end), tokens=(first, self.at))
 
-    def unit_opener(self) -> Kind | None:
+    def unit_opener(self) -> PartKind | None:
         kind = self.type()
         if kind in VAR_KEYWORDS:
-            return Kind.VAR if self.may_open() else None
+            return PartKind.VAR if self.may_open() else None
         if kind not in _UNITS or not self.may_open():
             return None
-        if kind == Kind.TYPE:
-            return Kind.TYPE
+        if kind == PartKind.TYPE:
+            return PartKind.TYPE
         # a program instance of a configuration looks like a program: PROGRAM name WITH .., PROGRAM name : ..
-        if not self.is_word(1) or (kind == Kind.PROGRAM and (self.word(2) == "WITH" or self.type(2) == "COLON")):
+        if not self.is_word(1) or (kind == PartKind.PROGRAM and (self.word(2) == "WITH" or self.type(2) == "COLON")):
             return None
-        return Kind(kind)
+        return PartKind(kind)
 
-    def unit(self, kind: Kind) -> Part:
-        if kind is Kind.VAR:
+    def unit(self, kind: PartKind) -> TextPart:
+        if kind is PartKind.VAR:
             return self.section()
-        if kind is Kind.TYPE or kind in _FOREIGN_UNITS:
+        if kind is PartKind.TYPE or kind in _FOREIGN_UNITS:
             return self.plain(kind)
-        if kind is Kind.CONFIGURATION:
+        if kind is PartKind.CONFIGURATION:
             return self.configuration()
         return self.container(kind)
 
-    def section(self) -> Part:
+    def section(self) -> TextPart:
         """``VAR .. END_VAR``."""
         first = self.at
         keyword = self.type()
         self.at += 1
-        return self.until_end(Part(Kind.VAR, self.tokens[first].span[0], 0, keyword, head=(first, self.at)))
+        return self.until_end(TextPart(PartKind.VAR, self.tokens[first].span[0], 0, keyword, head=(first, self.at)))
 
-    def plain(self, kind: Kind) -> Part:
+    def plain(self, kind: PartKind) -> TextPart:
         """A part whose inside is not looked into."""
         first = self.at
         self.at += 1
-        name = self.tokens[self.at].value if kind is not Kind.TYPE and self.is_word() else ""
-        return self.until_end(Part(kind, self.tokens[first].span[0], 0, kind.value, name, (first, self.at)))
+        name = self.tokens[self.at].value if kind is not PartKind.TYPE and self.is_word() else ""
+        return self.until_end(TextPart(kind, self.tokens[first].span[0], 0, kind.value, name, (first, self.at)))
 
-    def until_end(self, part: Part) -> Part:
+    def until_end(self, part: TextPart) -> TextPart:
         """Move behind the END keyword of `part`, or to where its lack shows."""
         closer = f"END_{part.kind.value}"
         begin, first = self.behind(), self.at
@@ -239,30 +239,30 @@ class _Scan:
             self.at += 1
         return self.unclosed(part, begin, first)
 
-    def shows_missing_end(self, within: Kind, found: str) -> bool:
+    def shows_missing_end(self, within: PartKind, found: str) -> bool:
         """Whether the token here cannot stand within a part of this kind."""
-        if within in _FOREIGN_UNITS or within is Kind.PROPERTY:
-            return found in _CLOSERS and found in {f"END_{unit}" for unit in POUS} and within is Kind.PROPERTY
+        if within in _FOREIGN_UNITS or within is PartKind.PROPERTY:
+            return found in _CLOSERS and found in {f"END_{unit}" for unit in POUS} and within is PartKind.PROPERTY
         if found in _CLOSERS:
             return True
-        if self.unit_opener() is not None and (within is not Kind.TRANSITION or found not in VAR_KEYWORDS):
+        if self.unit_opener() is not None and (within is not PartKind.TRANSITION or found not in VAR_KEYWORDS):
             return True
-        return within not in (Kind.TYPE, Kind.VAR) and self.nested_opener() is not None and self.starts_line()
+        return within not in (PartKind.TYPE, PartKind.VAR) and self.nested_opener() is not None and self.starts_line()
 
-    def close(self, part: Part, begin: int, first: int) -> Part:
+    def close(self, part: TextPart, begin: int, first: int) -> TextPart:
         part.inside, part.tokens = (begin, self.offset()), (first, self.at)
         self.at += 1
         part.end = self.behind()
         return part
 
-    def unclosed(self, part: Part, begin: int, first: int) -> Part:
+    def unclosed(self, part: TextPart, begin: int, first: int) -> TextPart:
         """A part whose END keyword is missing ends before the next token."""
         part.closed = False
         part.tokens = (first, self.at)
         part.end = max(self.behind(), begin) if self.at < len(self.tokens) else len(self.text)
         part.inside = (begin, part.end)
-        kind = Kind.STEP if part.kind is Kind.INITIAL_STEP else part.kind
-        closer = "END_VAR" if part.kind is Kind.VAR else f"END_{kind.value}"
+        kind = PartKind.STEP if part.kind is PartKind.INITIAL_STEP else part.kind
+        closer = "END_VAR" if part.kind is PartKind.VAR else f"END_{kind.value}"
         start = self.tokens[part.head[0]].span[0]
         what = " ".join(filter(None, (part.keyword, part.name)))
         self.problem(f"{closer} of {what} is missing", start, self.tokens[part.head[1] - 1].span[1])
@@ -270,24 +270,24 @@ class _Scan:
 
     # -- parts of units -------------------------------------------------------------------------------------------
 
-    def nested_opener(self) -> Kind | None:
+    def nested_opener(self) -> PartKind | None:
         """The kind of part that begins here inside a POU, if one does."""
         kind = self.type()
         if kind in VAR_KEYWORDS:
-            return Kind.VAR if self.may_open() else None
+            return PartKind.VAR if self.may_open() else None
         nested = _NESTED.get(kind)
         if nested is None or not self.may_open():
             return None
-        if nested in (Kind.STEP, Kind.INITIAL_STEP):
+        if nested in (PartKind.STEP, PartKind.INITIAL_STEP):
             return nested if self.is_word(1) and self.type(2) == "COLON" else None
-        if nested is Kind.TRANSITION:
+        if nested is PartKind.TRANSITION:
             return nested if self.is_word(1) or self.type(1) == "LPAR" else None
         return nested if self.is_word(1) else None
 
-    def container(self, kind: Kind) -> Part:
+    def container(self, kind: PartKind) -> TextPart:
         """A POU, a method or an action: its header, then parts and statements up to its END."""
         first = self.at
-        part = Part(kind, self.offset(), 0, self.type())
+        part = TextPart(kind, self.offset(), 0, self.type())
         self.at += 1
         self.header(part)
         part.head = (first, self.at)
@@ -299,9 +299,9 @@ class _Scan:
             found = self.type()
             nested = None if found == closer else self.nested_opener()
             ends = found == closer or (nested is None and self.ends_container(kind, found))
-            ends = ends or (nested in (Kind.METHOD, Kind.PROPERTY) and kind not in POUS)
+            ends = ends or (nested in (PartKind.METHOD, PartKind.PROPERTY) and kind not in POUS)
             # an action is a chart or statements: where statements stand, the next part shows that its end is missing
-            ends = ends or (kind is Kind.ACTION and nested is not None and loose >= 0)
+            ends = ends or (kind is PartKind.ACTION and nested is not None and loose >= 0)
             if nested is None and not ends:
                 loose = self.at if loose < 0 else loose
                 self.at += 1
@@ -319,7 +319,7 @@ class _Scan:
             part.parts.append(self.loose(loose))
         return self.unclosed(part, begin, inner)
 
-    def ends_container(self, kind: Kind, found: str) -> bool:
+    def ends_container(self, kind: PartKind, found: str) -> bool:
         """Whether the token here closes or opens something around a container of this kind."""
         if self.unit_opener() is not None:
             return True
@@ -327,28 +327,28 @@ class _Scan:
             return False
         if kind in POUS:
             return found in {f"END_{unit}" for unit in POUS}
-        return found in {f"END_{unit}" for unit in POUS | {Kind.METHOD, Kind.ACTION}}
+        return found in {f"END_{unit}" for unit in POUS | {PartKind.METHOD, PartKind.ACTION}}
 
-    def nested(self, kind: Kind) -> Part:
-        if kind is Kind.VAR:
+    def nested(self, kind: PartKind) -> TextPart:
+        if kind is PartKind.VAR:
             return self.section()
         if kind in _CONTAINERS:
             return self.container(kind)
         first = self.at
-        part = Part(kind, self.offset(), 0, self.type())
+        part = TextPart(kind, self.offset(), 0, self.type())
         self.at += 1
-        if kind in (Kind.STEP, Kind.INITIAL_STEP):
+        if kind in (PartKind.STEP, PartKind.INITIAL_STEP):
             part.name = self.tokens[self.at].value
             part.head = (first, self.at + 2)
             self.at += 2
-            part.kind = Kind.STEP
+            part.kind = PartKind.STEP
         else:
             part.head = (first, self.at)
-            if kind is Kind.PROPERTY:
+            if kind is PartKind.PROPERTY:
                 part.name = self.tokens[self.at].value
         return self.until_end(part)
 
-    def header(self, part: Part) -> None:
+    def header(self, part: TextPart) -> None:
         """Move behind ``name``, ``: type``, ``EXTENDS ..`` and the like."""
         while self.word() in MODIFIERS and self.is_word(1):
             self.at += 1
@@ -358,10 +358,10 @@ class _Scan:
             while self.type() == "DOT" and self.is_word(1) and not self.starts_line():
                 part.name += "." + self.tokens[self.at + 1].value
                 self.at += 2
-        if part.kind is Kind.ACTION:
+        if part.kind is PartKind.ACTION:
             self.at += self.type() == "COLON"
             return
-        if self.type() == "COLON" and part.kind is not Kind.PROGRAM:
+        if self.type() == "COLON" and part.kind is not PartKind.PROGRAM:
             self.at += 1
             start = self.offset()
             self.skip_type()
@@ -404,14 +404,14 @@ class _Scan:
 
     # -- configurations -------------------------------------------------------------------------------------------
 
-    def configuration(self, kind: Kind = Kind.CONFIGURATION) -> Part:
+    def configuration(self, kind: PartKind = PartKind.CONFIGURATION) -> TextPart:
         """A configuration or a resource: its resources and sections are parts, the rest is looked at by the reader."""
         first = self.at
-        part = Part(kind, self.offset(), 0, kind.value)
+        part = TextPart(kind, self.offset(), 0, kind.value)
         self.at += 1
         part.name = self.tokens[self.at].value if self.is_word() else ""
         self.at += self.is_word()
-        if kind is Kind.RESOURCE and self.word() == "ON" and self.is_word(1):
+        if kind is PartKind.RESOURCE and self.word() == "ON" and self.is_word(1):
             self.at += 2
         part.head = (first, self.at)
         begin, inner = self.behind(), self.at
@@ -429,9 +429,9 @@ class _Scan:
                 loose = -1
             if found == f"END_{kind.value}":
                 return self.close(part, begin, inner)
-            if closes or (opens and found == "RESOURCE" and kind is Kind.RESOURCE):
+            if closes or (opens and found == "RESOURCE" and kind is PartKind.RESOURCE):
                 return self.unclosed(part, begin, inner)
-            part.parts.append(self.section() if found in VAR_KEYWORDS else self.configuration(Kind.RESOURCE))
+            part.parts.append(self.section() if found in VAR_KEYWORDS else self.configuration(PartKind.RESOURCE))
         if loose >= 0:
             part.parts.append(self.loose(loose))
         return self.unclosed(part, begin, inner)

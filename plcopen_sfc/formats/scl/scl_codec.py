@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from plcopen_sfc.formats.base import Reading, TextCodec, WriteOptions
-from plcopen_sfc.formats.scl.blocks import OWN_COMMENT
-from plcopen_sfc.formats.scl.reader import read_source
-from plcopen_sfc.formats.scl.writer import write_pieces
+from plcopen_sfc.formats.scl.scl_reader import OWN_COMMENT, read_source
+from plcopen_sfc.formats.scl.scl_writer import write_pieces
 from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
 from plcopen_sfc.languages.declarations import split_units
 from plcopen_sfc.languages.dialects import Dialect

@@ -1,11 +1,12 @@
 """Reads external source files of TIA Portal and STEP 7: blocks, data blocks and data types in SCL.
 
-Beside the model it finds where each object stands in the text, so that edits can be put there. `writer` is the way
+Besides the model it finds the place of each object in the text, so that edits can be put there. `scl_writer` is the way
 back.
 """
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -15,8 +16,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.scl.blocks import BODY_END, BODY_START, KINDS, OWN_COMMENT
-from plcopen_sfc.formats.scl.start_values import DECLARED, can_be_assigned, start_values
+from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
 from plcopen_sfc.formats.text import Key, Slice, SourceText, numbered
 from plcopen_sfc.languages.declarations import Declared, Found, Head, Unit, read_declarations, split_units
 from plcopen_sfc.languages.declarations.comments import said
@@ -46,10 +46,24 @@ from plcopen_sfc.languages.st.parsing import parse_statements
 from plcopen_sfc.languages.start_values import Types
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.body import StBody
-from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import DerivedType, StructType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+KEYWORDS = {
+    PouKind.FUNCTION_BLOCK: "FUNCTION_BLOCK",
+    PouKind.FUNCTION: "FUNCTION",
+    PouKind.ORGANIZATION_BLOCK: "ORGANIZATION_BLOCK",
+}
+KINDS = {word: kind for kind, word in KEYWORDS.items()}
+
+OWN_COMMENT = re.compile(r"//\s*(\{plcopen_sfc\b.*)")
+"""A comment of ours: what SCL has no words for, as in the pragmas of textual IEC 61131-3."""
+
+BODY_START = re.compile(r"[ \t]*(?:\r\n|\r|\n)?")
+BODY_END = re.compile(r"(?:\r\n|\r|\n)?[ \t]*\Z")
+
 
 _Place: TypeAlias = tuple[Key, tuple[int, int], tuple[Slice, ...]]
 """What stands where, and what stands in it."""

@@ -8,9 +8,17 @@ from dataclasses import dataclass, field, replace
 
 from pydantic import BaseModel
 
-from plcopen_sfc.formats.iectext.layout import Block, block, format_comment, indented, taken
-from plcopen_sfc.formats.iectext.outline import KEYWORDS, MODIFIERS, Kind, outline
-from plcopen_sfc.formats.iectext.source import OWN_PRAGMA, is_own, unwrapped
+from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, MODIFIERS, PartKind, outline
+from plcopen_sfc.formats.iectext.text_source import (
+    OWN_PRAGMA,
+    TextBlock,
+    block,
+    format_comment,
+    indented,
+    is_own,
+    taken,
+    unwrapped,
+)
 from plcopen_sfc.formats.text import Piece, numbered
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, Fields
@@ -33,7 +41,7 @@ def numbered_pieces(pieces: list[Piece]) -> tuple[Piece, ...]:
 
 
 @dataclass(slots=True)
-class Printer:
+class TextPrinter:
     """Writes for a dialect and notes what became of each item."""
 
     dialect: Dialect
@@ -90,9 +98,9 @@ class Printer:
         found = outline(f"PROGRAM x\n{statements}\nEND_PROGRAM\n", self.dialect)
         if found.problems or len(found.parts) != 1 or not found.parts[0].closed:
             return False
-        return all(part.kind is Kind.LOOSE for part in found.parts[0].parts)
+        return all(part.kind is PartKind.LOOSE for part in found.parts[0].parts)
 
-    def code(self, text: str) -> tuple[Block, bool]:
+    def code(self, text: str) -> tuple[TextBlock, bool]:
         """The lines of a body, and whether they come back as they are from between a header and its END."""
         lines = block(text)
         if "\r" in text or "\x00" in text:
@@ -108,7 +116,7 @@ class Printer:
         return lines, self._stays_loose(lines.text)
 
 
-def missing(printer: Printer, what: str) -> str:
+def missing(printer: TextPrinter, what: str) -> str:
     """A name that is declared nowhere: other tools refuse a text in which nothing right can stand at its place."""
     return printer.new_name(f"NOT_EXECUTED_{what}")
 
@@ -169,7 +177,7 @@ def label(change: Change) -> str:
     return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
 
 
-def note_changes(printer: Printer, found: Iterable[Change], path: str, *, leave: Collection[str]) -> None:
+def note_changes(printer: TextPrinter, found: Iterable[Change], path: str, *, leave: Collection[str]) -> None:
     """Report once each what only pragmas say of the object at `path`, but for the fields `leave`."""
     said = dict.fromkeys((outcome_of(change), label(change)) for change in found if str(change.path[0]) not in leave)
     for outcome, what in said:

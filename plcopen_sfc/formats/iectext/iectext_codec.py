@@ -1,0 +1,311 @@
+"""Textual IEC 61131-3: read and write whole files, and find the place of each object in its text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import EncodingError, Location
+from plcopen_sfc.formats.base import Reading, TextCodec, WriteOptions
+from plcopen_sfc.formats.iectext.matiec_text import compiled_text
+from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, write_project
+from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
+from plcopen_sfc.formats.iectext.text_source import OWN_PRAGMA, TextSource, is_own
+from plcopen_sfc.formats.matiec.fitting import fit_project
+from plcopen_sfc.formats.text import Key, Piece, Slice, SourceText, decode, numbered
+from plcopen_sfc.languages.edits import without
+from plcopen_sfc.languages.pragmas import NotationError, parse_change
+from plcopen_sfc.languages.problems import Lines
+from plcopen_sfc.languages.st.lexer import Comment
+from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.pou import Action, Method, NamedTransition, Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport
+
+_ABOUT_THE_FILE = re.compile(r"\{\s*plcopen_sfc\s+(?:format\b|project\.dialect\b)")
+"""What the file is, which its tool knows: they stay."""
+
+
+def without_own_pragmas(data: bytes) -> bytes:
+    """The file `data` without them; `data` itself where there are none."""
+    source = decode(data)
+    if OWN_PRAGMA.search(source.text) is None:
+        return data
+    comments = outline(source.text, dialect_of(source.text)).found.comments
+    own = [c.span for c in comments if is_own(c) and _ABOUT_THE_FILE.match(c.text) is None]
+    return source.encode(without(source.text, own))[0]
+
+
+def source_lines(text: str) -> dict[str, int]:
+    """The line of each object in a text, by the path that a `ConversionReport` gives it."""
+    project, src = read_project(text, None)
+    finder = _Finder(src)
+    units = (part for part in src.outline.parts if part.kind in POUS)
+    for part, pou in zip(units, project.pous, strict=False):
+        finder.note(part, f"POU {pou.name}", pou.bodies, pou)
+    return finder.found
+
+
+class _Finder:
+    def __init__(self, src: TextSource) -> None:
+        self.found: dict[str, int] = {}
+        self._src = src
+        self._lines = Lines(src.text)
+
+    def note(self, part: TextPart, path: str, bodies: list[Body], pou: Pou | None = None) -> None:
+        """Note the line of a POU or an action, and those of the steps, transitions and actions in it."""
+        self._put(path, part)
+        chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
+        steps = iter(chart.steps if chart is not None else ())
+        labels = iter(chart.labels().values() if chart is not None else ())
+        for inner in part.parts:
+            if inner.kind is PartKind.STEP and (step := next(steps, None)) is not None:
+                self._put(f"{path} / step {step.name}", inner)
+            elif inner.kind is PartKind.TRANSITION and chart is not None and self._leads(inner):
+                label = next(labels, None)
+                if label is not None:
+                    self._put(f"{path} / transition {label}", inner)
+            elif inner.kind is PartKind.ACTION and pou is not None and (action := pou.action(inner.name)) is not None:
+                own = [action.body] if action.body is not None else []
+                self.note(inner, f"{path} / action {action.name}", own)
+
+    def _put(self, path: str, part: TextPart) -> None:
+        self.found.setdefault(path, self._lines.place(part.start)[0])
+
+    def _leads(self, part: TextPart) -> bool:
+        """Whether a transition is one of the chart, rather than a transition object of the POU."""
+        return any(token.value.upper() in ("FROM", "TO") for token in self._src.outline.tokens(part.tokens))
+
+
+Found: TypeAlias = tuple[tuple[Key, ...], tuple[int, int], "TextPart | None"]
+"""The keys of a piece, where it stands, and the container it is, if its inside is looked into."""
+
+
+def file_slices(project: Project, src: TextSource, before: Piece) -> Slice:
+    """Where the pieces of `before`, which says what `project` holds, stand in the text that it was read from."""
+    found = list(_units(src))
+    pous = iter(project.pous)
+    inside = {id(part): next(pous) for _, _, part in found if part is not None}
+    return _matched(src, ("project", ""), (0, len(src.text)), found, before, inside=inside)
+
+
+def _units(src: TextSource) -> Iterator[Found]:
+    position = _project_pragmas(src)
+    yield (("head", ""),), (0, position), None
+    for part in src.outline.parts:
+        start = _above(src, position, part.start)
+        span = (start, part.end)
+        position = part.end
+        if part.kind in POUS:
+            yield ((part.kind.lower(), part.name),), span, part
+        elif part.kind is PartKind.TYPE:
+            tokens = src.outline.tokens(part.tokens)
+            yield (("type", tokens[0].value if tokens else ""),), span, None
+        elif part.kind is PartKind.VAR:
+            yield (("global variables", ""),), span, None
+        elif part.kind is PartKind.CONFIGURATION:
+            yield (("configuration", part.name),), span, None
+    start, end = _own_run(src, position, len(src.text))
+    yield (("late", ""),), (start, end), None
+
+
+def _project_pragmas(src: TextSource) -> int:
+    """Where the pragmas at the start of the file end that speak of the project."""
+    end = 0
+    limit = src.outline.parts[0].start if src.outline.parts else len(src.text)
+    for comment in src.outline.comments(0, limit):
+        if not is_own(comment) or _first_word(comment) not in ("project", "format"):
+            break
+        end = comment.span[1]
+    return end
+
+
+def _first_word(comment: Comment) -> str:
+    try:
+        change = parse_change(comment.text[:-1], comment.text.index("plcopen_sfc") + len("plcopen_sfc"))
+    except NotationError:
+        return ""
+    return str(change.path[0])
+
+
+def _above(src: TextSource, position: int, start: int) -> int:
+    """Where the comments and pragmas begin that belong to the part at `start`."""
+    first = next((c.span[0] for c in src.outline.comments(position, start)), start)
+    return first if not src.text[position:first].strip() else src.attached(position, start)
+
+
+def _own_run(src: TextSource, start: int, end: int) -> tuple[int, int]:
+    """The pragmas of ours at the end of a place, without the blanks around them."""
+    begin = src.core(start, end)[1]
+    own = [c.span for c in src.outline.comments(begin, end) if is_own(c)]
+    return (own[0][0], own[-1][1]) if own else (begin, begin)
+
+
+# -- inside units -----------------------------------------------------------------------------------------------------
+
+
+def _parts(
+    src: TextSource, part: TextPart, start: int, thing: Pou | Action | Method | NamedTransition
+) -> Iterator[Found]:
+    """The pieces of a POU, an action or a method."""
+    bodies = thing.bodies if isinstance(thing, Pou) else [thing.body]
+    chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
+    steps = iter(chart.steps if chart is not None else ())
+    transitions = iter(chart.transitions if chart is not None else ())
+    typed = getattr(getattr(thing, "interface", None), "declaration", None) is not None
+    position = part.inside[0]
+    sections = [inner for inner in part.parts if inner.kind is PartKind.VAR]
+    if typed and sections:
+        position = sections[-1].end
+    yield (("head", ""),), (start, position), None
+    last: list[Found] = []
+    for inner in part.parts:
+        if inner.end <= position:
+            continue
+        above = _above(src, position, inner.start) if inner.kind is not PartKind.LOOSE else inner.start
+        position = inner.end
+        kind = inner.kind
+        if kind is PartKind.ACTION and last and _is_in_place(src, above, inner):
+            keys, span, _ = last.pop()
+            last.append((keys, (span[0], inner.end), None))
+            continue
+        yield from last
+        last = []
+        key: Key | None = None
+        if kind is PartKind.STEP:
+            step = next(steps, None)
+            key = ("step", str(step.id)) if step is not None else None
+        elif kind is PartKind.TRANSITION and _leads(src, inner):
+            transition = next(transitions, None)
+            key = ("transition", str(transition.id)) if transition is not None else None
+        elif kind is PartKind.TRANSITION:
+            name = next((t.value for t in src.outline.tokens(inner.tokens)), "")
+            key = ("transition", name)
+        elif kind is PartKind.VAR:
+            key = ("section", "")
+        elif kind is PartKind.LOOSE:
+            key = ("body", "")
+        elif kind in (PartKind.ACTION, PartKind.METHOD):
+            key = (kind.lower(), inner.name)
+        if key is not None:
+            container = inner if kind in (PartKind.ACTION, PartKind.METHOD) else None
+            last = [((key,), (above, inner.end), container)]
+            if kind is not PartKind.STEP and key[0] != "transition":
+                yield from last
+                last = []
+    yield from last
+    late = _own_run(src, position, part.inside[1])
+    yield (("late", ""),), late, None
+    yield (("end", ""),), (part.inside[1], part.end), None
+
+
+def _leads(src: TextSource, part: TextPart) -> bool:
+    return any(token.value.upper() in ("FROM", "TO") for token in src.outline.tokens(part.tokens))
+
+
+def _is_in_place(src: TextSource, start: int, part: TextPart) -> bool:
+    return any(is_own(c) and _first_word(c) == "in_place" for c in src.outline.comments(start, part.start))
+
+
+def _matched(
+    src: TextSource,
+    key: Key,
+    span: tuple[int, int],
+    found: list[Found],
+    before: Piece,
+    *,
+    inside: dict[int, Pou],
+) -> Slice:
+    """A slice for each piece of `before`: where it was found, or an empty one behind that of the piece before it."""
+    keys = numbered([keys[0] for keys, _, _ in found if keys])
+    places = dict(zip(keys, [(place, part) for keys_, place, part in found if keys_], strict=True))
+    slices: list[Slice] = []
+    position = span[0]
+    for piece in before.pieces:
+        if piece.key not in places:
+            slices.append(Slice((piece.key,), (position, position)))
+            continue
+        place, part = places[piece.key]
+        position = place[1]
+        thing = inside.get(id(part)) if part is not None else None
+        if part is not None and thing is not None:
+            slices.append(_container(src, piece, place, part, thing))
+        else:
+            slices.append(Slice((piece.key,), place))
+    return Slice((key,), span, tuple(sorted(slices, key=lambda one: one.span)))
+
+
+def _container(
+    src: TextSource,
+    piece: Piece,
+    place: tuple[int, int],
+    part: TextPart,
+    thing: Pou | Action | Method | NamedTransition,
+) -> Slice:
+    found = list(_parts(src, part, place[0], thing))
+    actions = iter(getattr(thing, "actions", ()))
+    methods = iter(getattr(thing, "methods", ()))
+    slices = _matched(src, piece.key, place, found, piece, inside={})
+    inner: list[Slice] = []
+    parts = {keys[0]: one for keys, _, one in found if keys and one is not None}
+    by_key = {p.key: p for p in piece.pieces}
+    for one in slices.slices:
+        child = parts.get(one.keys[0])
+        if child is None:
+            inner.append(one)
+            continue
+        owner = next(actions if child.kind is PartKind.ACTION else methods, None)
+        inner.append(one if owner is None else _container(src, by_key[one.keys[0]], one.span, child, owner))
+    return Slice(slices.keys, slices.span, tuple(inner))
+
+
+_MOST_NULS = 8
+
+
+class IecTextCodec(TextCodec):
+    """Textual IEC 61131-3."""
+
+    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+        """Read a text. Raises `FormatError`; what is wrong inside of it is in the diagnostics."""
+        source = decode(data)
+        if source.text.count("\0") > len(source.text) // _MOST_NULS:
+            hint = "UTF-16 needs a byte order mark."
+            raise EncodingError("this is no text: it is full of NUL bytes", location=Location(file, 1, 1), hint=hint)
+        project, src = read_project(source.text, file)
+        if source.guessed:
+            message = f"not UTF-8; taken as {source.encoding}, which is a guess"
+            src.diagnostics.append(Diagnostic("IEC200", Severity.WARNING, message, Location(file)))
+        return Reading(project, src.diagnostics)
+
+    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
+        """The file without pragmas of ours."""
+        return without_own_pragmas(data)
+
+    def lines(self, content: bytes, project: Project) -> dict[str, int]:
+        """The line of each object in the text `content`, by the path that the report gives it."""
+        return source_lines(decode(content).text)
+
+    def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+        """The text of a project by its objects."""
+        return write_project(project, options, report)
+
+    def slices(self, content: bytes) -> tuple[SourceText, Slice]:
+        """Where those objects stand in the text of a file."""
+        source = decode(content)
+        project, src = read_project(source.text, None)
+        return source, file_slices(project, src, self.to_pieces(project, WriteOptions(), ConversionReport()))
+
+    def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
+        """Change `project`, a copy, into what matiec executes."""
+        fit_project(project, options, report)
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a text anew; for matiec, of a project that was fitted."""
+        if options.flavour:
+            return compiled_text(project).encode()
+        return (write_project(project, options, report).whole() + "\n").encode()
+
+
+CODEC = IecTextCodec()

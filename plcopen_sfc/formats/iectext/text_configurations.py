@@ -1,0 +1,340 @@
+"""Configurations, resources, tasks and lists of global variables, as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from plcopen_sfc.formats.durations import duration_literal
+from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
+from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_section, said_listing, write_said_section
+from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, TextPart, outline
+from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, foreign_pragmas, label, pragmas, split
+from plcopen_sfc.formats.iectext.text_source import (
+    INDENT,
+    Annotations,
+    TextSource,
+    indented,
+    newlines,
+    unwrapped,
+    wrapped,
+)
+from plcopen_sfc.formats.tasks import iec_form
+from plcopen_sfc.languages.declarations import write_access_section, write_config_section
+from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
+from plcopen_sfc.languages.pragmas.remainder import Named, Segment
+from plcopen_sfc.languages.st.lexer import Token, tokenize
+from plcopen_sfc.model.project import Configuration, PouInstance, Resource, Task
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.report import Outcome
+
+CONFIG_NAME = "Config"
+ON_PLACE = "on"
+_LIST_FIELDS = {"VAR_ACCESS": "access_variables", "VAR_CONFIG": "config_variables"}
+
+
+def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
+    """A list of global variables with what pragmas before it say."""
+    sections = read_section(src, part, gap, place)
+    remark = src.remark(gap[0], part.start, place)
+    for fields in sections[:1]:
+        typed = [c for c, _ in remark.changes if c.path == ("declaration_ends",)]
+        if typed:
+            start = src.core(*gap)[0]
+            start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
+            fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
+            fields.pop("comment", None)
+            fields.pop("carried", None)
+        for found, offset in remark.changes:
+            if found.path != ("declaration_ends",):
+                apply_change(src, fields, (found, offset), place)
+    return sections
+
+
+def read_configuration(src: TextSource, part: TextPart, gap: tuple[int, int]) -> tuple[Fields, bool]:
+    """A configuration, and whether it stands for an application of CODESYS or TwinCAT."""
+    remark = src.remark(*gap)
+    application = any(c.path == ("application",) for c, _ in remark.changes)
+    return config_fields(src, part, gap), application
+
+
+def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
+    """The fields of a configuration or a resource."""
+    place = f"{part.kind.lower()} {part.name}"
+    fields: Fields = {"name": part.name}
+    remark = src.remark(*gap, place)
+    position = part.inside[0]
+    head = src.outline.tokens(part.head)
+    if len(head) > 3 and head[-1].value != "PLC":
+        fields["carried"] = {"data": [wrapped(ON_PLACE, head[-1].value)]}
+    for inner in part.parts:
+        here = (position, inner.start)
+        position = inner.end
+        if inner.kind is PartKind.VAR:
+            _add_section(src, inner, here, fields, place)
+        elif inner.kind is PartKind.RESOURCE:
+            fields.setdefault("resources", []).append(config_fields(src, inner, here))
+        else:
+            _read_statements(src, inner, here, fields, place)
+    if part.kind is PartKind.CONFIGURATION:
+        alone = {name: fields.pop(name) for name in ("tasks", "instances") if name in fields}
+        if alone:  # a configuration of one resource may leave its name and its keywords out
+            fields.setdefault("resources", []).append({"name": ""} | alone)
+    remark.extend(src.remark(position, part.inside[1], place))
+    remark.put_into(fields)
+    for found in remark.changes:
+        if found[0].path != ("application",):
+            apply_change(src, fields, found, place)
+    return fields
+
+
+def _add_section(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fields, place: str) -> None:
+    name = _LIST_FIELDS.get(part.keyword)
+    sections = read_listing(src, part, gap, place) if name else read_global_section(src, part, gap, place)
+    if name is None:
+        fields.setdefault("global_variables", []).extend(sections)
+        return
+    for section in sections:
+        if name in fields:
+            fields[name].setdefault("variables", []).extend(section.get("variables", []))
+        else:
+            fields[name] = section
+
+
+def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fields, place: str) -> None:
+    """``TASK ..;`` and ``PROGRAM ..;``."""
+    position = gap[0]
+    for tokens in _statements(src.outline.tokens(part.tokens)):
+        remark = src.remark(position, tokens[0].span[0], place)
+        position = tokens[-1].span[1]
+        word = tokens[0].value.upper()
+        if word == "TASK" and len(tokens) > 1:
+            fields.setdefault("tasks", []).append(_task(src, tokens, remark, place))
+        elif word == "PROGRAM" and len(tokens) > 1:
+            _add_instance(src, tokens, remark, fields, place)
+        elif fields.get("resources") is None or tokens[0].type != "SEMICOLON":
+            text = newlines(src.text[tokens[0].span[0] : position])
+            src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
+            fields.setdefault("carried", {}).setdefault("data", []).append(wrapped("statement", text))
+
+
+def _statements(tokens: list[Token]) -> Iterator[list[Token]]:
+    group: list[Token] = []
+    for token in tokens:
+        if token.type == "SEMICOLON":
+            if group:
+                yield group
+            group = []
+        else:
+            group.append(token)
+    if group:
+        yield group
+
+
+def _task(src: TextSource, tokens: list[Token], remark: Annotations, place: str) -> Fields:
+    fields: Fields = {"name": tokens[1].value}
+    keyword, value = "", tokens[:0]
+    for token in [*tokens[3:], None]:
+        if token is None or token.type == "COMMA" or token is tokens[-1]:
+            if keyword and value:
+                text = newlines(src.text[value[0].span[0] : value[-1].span[1]])
+                if keyword == "PRIORITY" and text.isdecimal():
+                    fields |= {"priority": int(text)} if int(text) else {}
+                elif keyword in ("SINGLE", "INTERVAL"):
+                    fields[keyword.lower()] = text
+                else:
+                    fields.setdefault("carried", {}).setdefault("data", []).append(wrapped(keyword, text))
+            keyword, value = "", []
+        elif token.type == "ASSIGN" and not keyword:
+            keyword, value = value[0].value.upper() if value else "", []
+        else:
+            value = [*value, token]
+    said = {name: fields.get(name) for name in ("interval", "single")}
+    fields = _with_remark(src, fields, remark, place)
+    if "settings" in fields:
+        form = iec_form(Task.model_validate(fields | {"instances": []}))
+        if said != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
+            fields.update(said)  # edited since the settings of CODESYS were put beside it
+            del fields["settings"]
+    return fields
+
+
+def _add_instance(src: TextSource, tokens: list[Token], remark: Annotations, fields: Fields, place: str) -> None:
+    instance: Fields = {"name": tokens[1].value}
+    rest = tokens[2:]
+    task = ""
+    if len(rest) > 1 and rest[0].value.upper() == "WITH":
+        task, rest = rest[1].value, rest[2:]
+    if len(rest) > 1 and rest[0].type == "COLON":
+        end = next((i for i, token in enumerate(rest) if token.type == "LPAR"), len(rest))
+        type_name = src.text[rest[1].span[0] : rest[end - 1].span[1]]
+        if type_name != instance["name"]:
+            instance["type_name"] = type_name
+        if end < len(rest):
+            text = newlines(src.text[rest[end].span[0] : rest[-1].span[1]])
+            instance["carried"] = {"data": [wrapped("arguments", text)]}
+    instance = _with_remark(src, instance, remark, place)
+    for known in fields.get("tasks", []):
+        if task and known["name"].casefold() == task.casefold():
+            known.setdefault("instances", []).append(instance)
+            return
+    if task:
+        src.note("IEC106", f"there is no task {task!r} in this resource", tokens[0].span[0], place)
+        instance.setdefault("carried", {}).setdefault("data", []).append(wrapped("with", task))
+    fields.setdefault("instances", []).append(instance)
+
+
+def _with_remark(src: TextSource, fields: Fields, remark: Annotations, place: str) -> Fields:
+    remark.put_into(fields)
+    for found in remark.changes:
+        apply_change(src, fields, found, place)
+    return fields
+
+
+_LISTS = frozenset({"resources", "global_variables", "access_variables", "config_variables", "tasks", "instances"})
+
+
+def write_configuration(printer: TextPrinter, configuration: Configuration) -> str:
+    """``CONFIGURATION name .. END_CONFIGURATION``."""
+    printer.note(Outcome.KEPT, "configuration", f"configuration {configuration.name}")
+    writer = _ConfigurationWriter(printer)
+    lines = writer.configuration(configuration, [])
+    return lines.rstrip("\n")
+
+
+def write_application(printer: TextPrinter, application: Resource) -> str:
+    """An application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
+    printer.note(
+        Outcome.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource"
+    )
+    writer = _ConfigurationWriter(printer)
+    around = Configuration(name=application.name, resources=[application])
+    return writer.configuration(around, [Change(("application",), True)]).rstrip("\n")
+
+
+def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
+    """A list of global variables, with what its declaration does not say before it."""
+    meant = plain_fields(section)
+    typed = said_listing(printer, section, meant)
+    text, said = typed if typed is not None else write_said_section(printer, section, indent)
+    return pragmas(changes(said, meant), indent) + text + "\n"
+
+
+@dataclass(slots=True)
+class _ConfigurationWriter:
+    printer: TextPrinter
+    late: list[Change] = field(default_factory=list)
+
+    def configuration(self, configuration: Configuration, extra: list[Change]) -> str:
+        resources = configuration.resources
+        name = self._name(configuration.name)
+        top = self._top(configuration, name, "", place=[], extra=extra)
+        text = f"{top}CONFIGURATION {name}\n"
+        text += self._sections(configuration.global_variables, INDENT)
+        unique = len({resource.name.casefold() for resource in resources}) == len(resources)
+        for resource in resources:
+            place: list[Segment] | None = ["resources", Named(resource.name)] if unique else None
+            text += "\n" + self._resource(resource, place)
+        if configuration.access_variables is not None:
+            shown = write_access_section(configuration.access_variables, self.printer.dialect)
+            text += self._listing("access_variables", shown, plain_fields(configuration.access_variables))
+        if configuration.config_variables is not None:
+            shown = write_config_section(configuration.config_variables, self.printer.dialect)
+            text += self._listing("config_variables", shown, plain_fields(configuration.config_variables))
+        return text + ("\n" + pragmas(self.late, INDENT) if self.late else "") + "END_CONFIGURATION\n"
+
+    def _listing(self, name: str, section: str, meant: Fields) -> str:
+        """``VAR_ACCESS`` or ``VAR_CONFIG``, unless it does not come back from text."""
+        lines = indented(section, INDENT) + "\n"
+        src = TextSource(outline(f"CONFIGURATION x\n{lines}END_CONFIGURATION\n", self.printer.dialect))
+        if not src.outline.problems and [p.kind for p in src.outline.parts[0].parts] == [PartKind.VAR]:
+            said = config_fields(src, src.outline.parts[0], (0, 0)).get(name)
+            if said is not None and not src.diagnostics:
+                self.late += changes(said, meant, (name,))
+                return "\n" + lines
+        self.late.append(Change((name,), meant))
+        return ""
+
+    def _resource(self, resource: Resource, place: list[Segment] | None) -> str:
+        name = self._name(resource.name)
+        processor = next((kept[1] for kept in self._kept(resource) if kept[0] == ON_PLACE), "PLC")
+        text = self._top(resource, name, INDENT, place=place)
+        text += f"{INDENT}RESOURCE {name} ON {processor}\n"
+        inner = INDENT * 2
+        text += self._sections(resource.global_variables, inner)
+        for task in resource.tasks:
+            text += self._task(task, inner)
+        for instance in resource.instances:
+            text += self._instance(instance, None, inner)
+        return text + f"{INDENT}END_RESOURCE\n"
+
+    def _sections(self, sections: list[VariableSection], indent: str) -> str:
+        return "".join(write_global_section(self.printer, section, indent) for section in sections)
+
+    def _kept(self, resource: Resource) -> list[tuple[str, str]]:
+        data = resource.carried.data if resource.carried is not None else []
+        return [kept for kept in (unwrapped(one.content) for one in data) if kept is not None]
+
+    def _name(self, name: str) -> str:
+        return name if self.printer.is_name(name) else self.printer.new_name(name or CONFIG_NAME)
+
+    def _top(
+        self,
+        thing: Configuration | Resource | Task | PouInstance,
+        name: str,
+        indent: str,
+        *,
+        place: list[Segment] | None = None,
+        extra: list[Change] | None = None,
+        said: Fields | None = None,
+    ) -> str:
+        """The lines above a thing: its comment and what its text does not say. Big data waits for the end."""
+        meant = plain_fields(thing, leave=_LISTS)
+        said = Fields(name=name) | (said or {})
+        text = comment_lines(meant, said, indent) if str(meant.get("comment", "")).strip() else ""
+        text += foreign_pragmas(meant, said, indent)
+        if isinstance(thing, Resource):
+            for found, data in zip(self._kept(thing), meant.get("carried", {}).get("data", []), strict=False):
+                if found[0] == ON_PLACE:
+                    said.setdefault("carried", {}).setdefault("data", []).append(data)
+        near, late = split([*(extra or []), *changes(said, meant)])
+        for change in (*near, *late):
+            self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text cannot say it")
+        if place is None:
+            near += late
+        else:
+            self.late += [Change((*place, *change.path), change.value, change.instead) for change in late]
+        return text + pragmas(near, indent)
+
+    def _task(self, task: Task, indent: str) -> str:
+        name = self._name(task.name)
+        said: Fields = {}
+        arguments = []
+        form = iec_form(task)
+        for keyword, shown in (("SINGLE", form["single"]), ("INTERVAL", duration_literal(form["interval"]))):
+            if shown is not None and self._is_argument(shown):
+                arguments.append(f"{keyword} := {shown}")
+                said[keyword.lower()] = shown
+        if task.priority >= 0:
+            arguments.append(f"PRIORITY := {task.priority}")
+            said |= {"priority": task.priority} if task.priority else {}
+        text = self._top(task, name, indent, said=said) + f"{indent}TASK {name}({', '.join(arguments)});\n"
+        return text + "".join(self._instance(instance, name, indent) for instance in task.instances)
+
+    def _is_argument(self, text: str) -> bool:
+        tokens = tokenize(text, self.printer.dialect, KEYWORDS).tokens
+        plain = all(t.type not in ("COMMA", "LPAR", "RPAR") and t.type not in KEYWORDS for t in tokens)
+        return self.printer.is_expression(text) and plain
+
+    def _instance(self, instance: PouInstance, task: str | None, indent: str) -> str:
+        name = self._name(instance.name)
+        type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
+        said: Fields = {} if type_name == name else {"type_name": type_name}
+        data = instance.carried.data if instance.carried is not None else []
+        kept = [found for found in (unwrapped(each.content) for each in data) if found is not None]
+        arguments = next((words for place, words in kept if place == "arguments"), "")
+        if arguments:
+            said["carried"] = {"data": [wrapped("arguments", arguments)]}
+        text = self._top(instance, name, indent, said=said)
+        within = f" WITH {task}" if task is not None else ""
+        return f"{text}{indent}PROGRAM {name}{within} : {type_name}{arguments and f' {arguments}'};\n"
