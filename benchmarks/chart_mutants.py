@@ -36,7 +36,7 @@ _OTHER_QUALIFIER = {
 def chart_mutants(project: m.Project, name: str) -> Iterator[Mutant]:
     """The mutants of the chart of this name, of the bodies that its steps execute, and of its POU's initial values."""
     found = next(chart for chart in project.charts() if chart.name == name)
-    chart, pou = found.network, found.pou
+    chart, pou = found.chart, found.pou
     for kind, place, change in _changes(chart, project.dialect):
         yield Mutant(kind, place, project, partial(_change, name, change))
     named = {each.target.casefold() for _, each in chart.associations() if each.target}
@@ -49,7 +49,7 @@ def chart_mutants(project: m.Project, name: str) -> Iterator[Mutant]:
 
 
 def _change(name: str, change: Change, project: m.Project) -> None:
-    change(next(chart.network for chart in project.charts() if chart.name == name))
+    change(next(chart.chart for chart in project.charts() if chart.name == name))
 
 
 def _changes(chart: m.SfcNetwork, dialect: Dialect) -> Iterator[Found]:

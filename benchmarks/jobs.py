@@ -72,7 +72,7 @@ def rename_and_save_home(project: Project) -> list[str]:
 
 def steps_of(project: Project) -> int:
     """How many steps the charts have."""
-    return sum(len(chart.network.steps) for chart in project.charts())
+    return sum(len(chart.chart.steps) for chart in project.charts())
 
 
 def steps_in_tree(tree: Any) -> int:
@@ -183,7 +183,7 @@ def save(project: Project) -> int:
 
 def rename_and_save(project: Project) -> int:
     """`save` after a step of the first chart got another name."""
-    chart = next(iter(project.charts())).network
+    chart = next(iter(project.charts())).chart
     chart.rename_step(chart.steps[0].name or "", "Renamed")
     return save(project)
 

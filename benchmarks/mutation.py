@@ -251,7 +251,7 @@ def _charts_of(folder: Path) -> Iterator[tuple[Path, str]]:
         except (SfcError, OSError):
             continue
         for chart in charts:
-            key = chart.network.model_dump_json(exclude={"drawing"})
+            key = chart.chart.model_dump_json(exclude={"drawing"})
             if key not in seen:
                 seen.add(key)
                 yield path, chart.name

@@ -3,7 +3,7 @@
 import plcopen_sfc as sfc
 
 project = sfc.load("line24.xml")
-project.pou("Main").sfc.rename_step("S3", "Wait")
+project.pou("Main").chart.rename_step("S3", "Wait")
 sfc.save(project, "line24.xml")
 """
 

@@ -314,10 +314,10 @@ def assert_same(mine: Project, theirs: Project) -> None:
     copies = [one.model_copy(deep=True) for one in (mine, theirs)]
     for copy in copies:
         for chart in copy.charts():
-            new = {a.id: -number for number, (_, a) in enumerate(chart.network.associations())}
-            for _, association in chart.network.associations():
+            new = {a.id: -number for number, (_, a) in enumerate(chart.chart.associations())}
+            for _, association in chart.chart.associations():
                 association.__dict__["id"] = new[association.id]
-            for symbol in chart.network.drawing.symbols if chart.network.drawing is not None else ():
+            for symbol in chart.chart.drawing.symbols if chart.chart.drawing is not None else ():
                 for entry in symbol.entries or ():
                     entry.__dict__["association"] = new[entry.association]
                     entry.local_id = None

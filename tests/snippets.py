@@ -156,7 +156,7 @@ def settled(loaded: Project) -> Project:
     if loaded.source is None or loaded.source.format != "codesys":
         return copy
     for one in copy.charts():
-        network = one.network
+        network = one.chart
         bars = (
             [s for s in network.drawing.symbols if "ivergence" in s.kind or s.kind == "jumpStep"]
             if network.drawing

@@ -81,7 +81,7 @@ def _constants(texts: Sequence[str], charts: Sequence[SfcNetwork]) -> set[int]:
 
 
 def _own_charts(subject: Subject) -> list[SfcNetwork]:
-    return list(_charts(subject.pou.sfc)) if subject.pou.sfc is not None else []
+    return list(_charts(subject.pou.chart)) if subject.pou.chart is not None else []
 
 
 def step_times(subject: Subject, scan_time: int) -> StepTimes:
@@ -121,7 +121,7 @@ def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
     """The chart, its partial charts, and what stands in its macro-steps."""
     yield chart
     for partial in chart.partial_charts:
-        yield from _charts(partial.network)
+        yield from _charts(partial.chart)
     for step in chart.steps:
         if step.macro is not None and isinstance(step.macro.body, SfcBody):
             yield from _charts(step.macro.body.chart)

@@ -317,7 +317,7 @@ class _Reasons:
         if around.impossible or self._never_true(OUTCOME, key):
             return Unreached(OUTCOME, assignment, f"is never {shown} (proven)", impossible=True, value=shown)
         leading = self._leading_to[OUTCOME, key]
-        frozen = [self._unreachable.frozen_by(each.guards, self._system.subject.pou.sfc) for each in leading]
+        frozen = [self._unreachable.frozen_by(each.guards, self._system.subject.pou.chart) for each in leading]
         if all(frozen):
             why = f"was never {shown}, as {_kept(frozen[0])}"
             return Unreached(OUTCOME, assignment, why, impossible=True, value=shown)
@@ -349,7 +349,7 @@ class _Reasons:
         if association is None:
             return f"step {step} never executed it", False
         condition = association_condition(association, self._system.subject.project.dialect)
-        if condition is not None and self._unreachable.is_impossible([condition], self._system.subject.pou.sfc):
+        if condition is not None and self._unreachable.is_impossible([condition], self._system.subject.pou.chart):
             return f"needs {_quoted(print_node(condition))}, never TRUE (proven)", True
         time = association.duration if association.qualifier in _DELAYED else None
         is_plain = association.qualifier is not Qualifier.SD and not association.negated
@@ -370,9 +370,9 @@ class _Reasons:
         told = ""
         for branch in self._leading_to[kind, key]:
             alone = branch.guards[-1:]
-            if not branch.guards or not self._unreachable.is_impossible(branch.guards, self._system.subject.pou.sfc):
+            if not branch.guards or not self._unreachable.is_impossible(branch.guards, self._system.subject.pou.chart):
                 return ""
-            is_alone = self._unreachable.is_impossible(alone, self._system.subject.pou.sfc)
+            is_alone = self._unreachable.is_impossible(alone, self._system.subject.pou.chart)
             told = " and ".join(_quoted(print_node(each)) for each in (alone if is_alone else branch.guards))
         return told
 
@@ -400,7 +400,7 @@ class _Reasons:
             why = f"is never {value} (proven)" if value else "can never decide it (proven)"
             return Unreached(PART, shown, why, impossible=True, value=value)
         why = f"was never {value}" if value else "never decided it"
-        frozen = self._unreachable.frozen_by([part.deciding], transition.chart or pou.sfc)
+        frozen = self._unreachable.frozen_by([part.deciding], transition.chart or pou.chart)
         why += f", as {_kept(frozen)}" if frozen else ""
         return Unreached(PART, shown, why, impossible=bool(frozen), value=value)
 

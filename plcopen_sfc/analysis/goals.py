@@ -363,7 +363,7 @@ class Goals:
         return goal._formula
 
     def _formula(self) -> Formula:
-        chart = self._system.subject.pou.sfc
+        chart = self._system.subject.pou.chart
         return Formula(self._project.dialect, self._knowledge.at(self._system.subject.pou, chart), guessing=True)
 
     def _present(self, text: str) -> Any:

@@ -192,7 +192,7 @@ def _constants(pou: Pou) -> dict[str, str]:
 
 def _numbers(system: ProgramSystem) -> dict[str, str]:
     """The number that a step has, or that its name ends with (``S3``), where no other step has the same."""
-    chart = system.subject.pou.sfc
+    chart = system.subject.pou.chart
     found: dict[str, str] = {}
     for step in chart.steps if chart is not None else ():
         ending = re.search(r"[0-9]+$", step.name)

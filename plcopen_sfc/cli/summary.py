@@ -152,7 +152,7 @@ _CULTURE = re.compile(rb"(?:<Culture>|\bLang=[\"'])([A-Za-z]+-[A-Za-z-]+)")
 def all_charts(project: Project) -> Iterator[tuple[str, str, SfcNetwork]]:
     """Every chart, those inside of macro-steps and actions too: its name, the kind of its POU, the chart."""
     for chart in project.charts():
-        yield from _with_inner(chart.name, chart.pou.kind.value, chart.network)
+        yield from _with_inner(chart.name, chart.pou.kind.value, chart.chart)
 
 
 def _with_inner(name: str, pou_kind: str, network: SfcNetwork) -> Iterator[tuple[str, str, SfcNetwork]]:
@@ -162,7 +162,7 @@ def _with_inner(name: str, pou_kind: str, network: SfcNetwork) -> Iterator[tuple
             if isinstance(body, SfcBody):
                 yield from _with_inner(f"{name} / {step.name}", pou_kind, body.chart)
     for part in network.partial_charts:
-        yield from _with_inner(f"{name} / {part.name}", pou_kind, part.network)
+        yield from _with_inner(f"{name} / {part.name}", pou_kind, part.chart)
 
 
 def _bodies_in(step: Step) -> Iterator[Body]:

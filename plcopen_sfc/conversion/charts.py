@@ -90,7 +90,7 @@ class ChartReader:
         for partial in self.chart.partial_charts:
             path = f"{self.path} / chart {partial.name}"
             inner = part.add("partial chart", partial.name, path)
-            ChartReader(self.owner, self.pou, partial.network, path, self.called).read(inner)
+            ChartReader(self.owner, self.pou, partial.chart, path, self.called).read(inner)
 
     # -- steps
 

@@ -49,7 +49,7 @@ def read_document(data: bytes, *, format: str | None, path: str | None, as_tool:
         reading = kind.codec().read(data, file=path)
         project = reading.project
         for pou in project.pous:
-            for name, body in () if pou.is_unread else pou.named_bodies():
+            for name, _, body in () if pou.is_unread else pou.named_bodies():
                 if isinstance(body, SfcBody):
                     remember_body(body, name, data)
         digest = fingerprint(project)
@@ -137,21 +137,21 @@ def names_in_the_source(project: Project, copy: Project) -> dict[str, str]:
         for old, new in zip(_charts_of(a), _charts_of(b), strict=False)  # a writer may have none in actions
     ]
     for old, new in pairs:
-        steps = {step.id: step for step in old.network.steps}
-        transitions = {transition.id: transition for transition in old.network.transitions}
-        for step in new.network.steps:  # a writer may add steps
+        steps = {step.id: step for step in old.chart.steps}
+        transitions = {transition.id: transition for transition in old.chart.transitions}
+        for step in new.chart.steps:  # a writer may add steps
             if step.id in steps:
                 called[f"{new.report_path} / step {step.name}"] = f"{old.report_path} / step {steps[step.id].name}"
-        for transition in new.network.transitions:
+        for transition in new.chart.transitions:
             if transition.id in transitions:
-                path = f"{new.report_path} / transition {new.network.label(transition)}"
-                label = old.network.label(transitions[transition.id])
+                path = f"{new.report_path} / transition {new.chart.label(transition)}"
+                label = old.chart.label(transitions[transition.id])
                 called[path] = f"{old.report_path} / transition {label}"
     return {path: old for path, old in called.items() if path != old}
 
 
 def _charts_of(pou: Pou) -> list[Chart]:
-    return [Chart(name, pou, body.chart) for name, body in pou.named_bodies() if isinstance(body, SfcBody)]
+    return [Chart(name, pou, body.chart) for name, _, body in pou.named_bodies() if isinstance(body, SfcBody)]
 
 
 def locate_in_folder(project: Project, report: ConversionReport, called: Mapping[str, str]) -> None:
@@ -339,7 +339,7 @@ def _forget_direct_text(project: Project) -> None:
         if isinstance(body, StBody | IlBody) and is_direct(body.markup):
             body.markup = None
     for chart in project.charts():
-        for transition in chart.network.transitions:
+        for transition in chart.chart.transitions:
             if isinstance(transition.condition, Expression):
                 transition.condition.markup = None
 
@@ -381,9 +381,9 @@ def _note_limits(project: Project, report: ConversionReport) -> None:
     from plcopen_sfc.drawing import limits  # noqa: PLC0415
 
     for chart in project.charts():
-        names = {step.id: f"step {step.name}" for step in chart.network.steps}
-        names |= {id_: f"transition {label}" for id_, label in chart.network.labels().items()}
-        for problem in limits(chart.network):
+        names = {step.id: f"step {step.name}" for step in chart.chart.steps}
+        names |= {id_: f"transition {label}" for id_, label in chart.chart.labels().items()}
+        for problem in limits(chart.chart):
             path = f"{chart.report_path} / {names.get(problem.symbol, problem.symbol)}"
             report.add(Outcome.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
 

@@ -142,7 +142,7 @@ def _inner(chart: SfcNetwork) -> list[Body | SfcNetwork | None]:
             inner += [association.body, _body_of(association.condition)]
     inner += [_body_of(transition.condition) for transition in chart.transitions]
     inner += [operation.body for operation in (*chart.permanent_pre, *chart.permanent_post)]
-    inner += [part.network for part in chart.partial_charts]
+    inner += [part.chart for part in chart.partial_charts]
     return inner
 
 

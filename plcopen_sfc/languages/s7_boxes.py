@@ -59,12 +59,12 @@ def _networks(project: Project) -> Iterator[_Place]:
         if isinstance(body, FbdBody | LdBody):
             yield from (_Place(network, pou.report_path_of(name)) for network in body.networks)
     for chart in project.charts():
-        for transition in chart.network.transitions:
+        for transition in chart.chart.transitions:
             condition = transition.condition
             if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
-                path = f"{chart.report_path} / transition {chart.network.label(transition)}"
+                path = f"{chart.report_path} / transition {chart.chart.label(transition)}"
                 yield from (_Place(network, path) for network in condition.body.networks)
-        for step in chart.network.steps:
+        for step in chart.chart.steps:
             for kind, supervised in (("interlock", step.interlock), ("supervision", step.supervision)):
                 condition = supervised.condition if supervised is not None else None
                 if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):

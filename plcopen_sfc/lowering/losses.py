@@ -124,7 +124,7 @@ def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
     """A chart, those of its macro-steps, and its partial charts."""
     yield chart
     for partial in chart.partial_charts:
-        yield from _charts(partial.network)
+        yield from _charts(partial.chart)
     for step in chart.steps:
         body = step.macro.body if step.macro is not None else None
         if isinstance(body, SfcBody):

@@ -163,7 +163,7 @@ def lower(
     wanted_style = _chosen(Style, str(style))
     spoken = _chosen(Language, str(language).upper()) if language is not None else None
     found = resolve(subject, pou)
-    chart = found.pou.sfc
+    chart = found.pou.chart
     if chart is None:
         raise LoweringError("there is no chart to be lowered", location=Location(path=found.name))
     _refuse_what_was_not_read(found)
@@ -190,7 +190,7 @@ def lower(
         def code_of(construction: Construction) -> Constructed:
             made = construct(
                 meant.pou,
-                meant.pou.sfc or chart,
+                meant.pou.chart or chart,
                 found.project.dialect,
                 rules,
                 construction=construction,
@@ -277,7 +277,7 @@ def _refuse_what_was_not_read(subject: Subject) -> None:
 
 def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
     """The faults of textbook code that was made of a chart; exact code has none."""
-    chart = subject.pou.sfc
+    chart = subject.pou.chart
     if lowered.style is Style.EXACT or chart is None:
         return ()
     return find_faults(

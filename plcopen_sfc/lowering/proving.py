@@ -149,7 +149,7 @@ def _incomparable(chart: Subject, why: str) -> LoweringError:
 
 def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
     """The SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
-    charts = [body.chart for _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
+    charts = [body.chart for _, _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
     own = {v.name.casefold() for v in chart.pou.variables()}
     known = own | names_of(chart.project)
     used = {flag for each in charts for flag in flags_in_use(each, profile, lambda name: name.casefold() in known)}

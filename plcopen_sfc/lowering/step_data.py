@@ -27,7 +27,7 @@ def with_step_data(pou: Pou, flags: Mapping[str, str], dialect: Dialect) -> Pou:
     declared = {variable.name.casefold() for variable in pou.variables()}
     told = {name: flag for name, flag in flags.items() if name not in declared}
     changed = pou.model_copy(deep=True)
-    for name, body in changed.named_bodies():
+    for name, _, body in changed.named_bodies():
         _Replacing(told, dialect, changed.report_path_of(name)).replace_in(body)
     return changed
 

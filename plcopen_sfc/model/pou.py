@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from enum import StrEnum
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -58,6 +58,14 @@ class Method(Owned, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("body",)
 
 
+class NamedBody(NamedTuple):
+    """A body and what it belongs to: ``Main`` or, of an action, ``Main.Fill``."""
+
+    name: str
+    pou: Pou
+    body: Body
+
+
 class Pou(ProjectObject):
     """A program, function block or function.
 
@@ -87,9 +95,14 @@ class Pou(ProjectObject):
         return self.bodies[0] if self.bodies else None
 
     @property
-    def sfc(self) -> SfcNetwork | None:
+    def chart(self) -> SfcNetwork | None:
         """The chart of the first SFC body."""
         return next((body.chart for body in self.bodies if isinstance(body, SfcBody)), None)
+
+    @property
+    def sfc(self) -> SfcNetwork | None:
+        """The same as `chart`."""
+        return self.chart
 
     def variables(self, kind: SectionKind | None = None) -> list[Variable]:
         """The variables of its interface, or those of one kind of section, in the order of their declaration."""
@@ -99,14 +112,14 @@ class Pou(ProjectObject):
         """The action of this name; case does not matter."""
         return next((a for a in self.actions if a.name.casefold() == name.casefold()), None)
 
-    def named_bodies(self) -> Iterator[tuple[str, Body]]:
+    def named_bodies(self) -> Iterator[NamedBody]:
         """Every body of the POU with the name of what it belongs to: ``Main``, ``Main.Fill`` (of an action)."""
         for body in self.bodies:
-            yield self.name, body
+            yield NamedBody(self.name, self, body)
         parts: list[Action | NamedTransition | Method] = [*self.actions, *self.transitions, *self.methods]
         for part in parts:
             if part.body is not None:
-                yield f"{self.name}.{part.name}", part.body
+                yield NamedBody(f"{self.name}.{part.name}", self, part.body)
 
     def report_path_of(self, name: str) -> str:
         """Where the body that `named_bodies` calls `name` stands, in the words of messages and reports.

@@ -11,10 +11,10 @@ from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, ModelError
 from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
-from plcopen_sfc.model.body import Body, SfcBody
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.owners import Owned
-from plcopen_sfc.model.pou import DataBlock, Pou
+from plcopen_sfc.model.pou import DataBlock, NamedBody, Pou
 from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
@@ -154,11 +154,11 @@ class TreeNode(Model):
 
 
 class Chart(NamedTuple):
-    """A chart and where it stands: ``Main`` or, of an action, ``Main.Fill``."""
+    """A chart and what it belongs to: ``Main`` or, of an action, ``Main.Fill``."""
 
     name: str
     pou: Pou
-    network: SfcNetwork
+    chart: SfcNetwork
 
     @property
     def report_path(self) -> str:
@@ -261,7 +261,7 @@ class Project(Owned, Element):
             for thing in self.objects():
                 thing.read()
             for chart in self.charts():
-                chart.network.read()
+                chart.chart.read()
 
     def pou(self, name: str) -> Pou:
         """The POU of this name; case does not matter. Raises `ModelError`."""
@@ -310,11 +310,10 @@ class Project(Owned, Element):
             for resource in configuration.resources:
                 yield from resource.global_variables
 
-    def bodies(self) -> Iterator[tuple[str, Pou, Body]]:
+    def bodies(self) -> Iterator[NamedBody]:
         """Every body in the project with its name (``Main.Fill``) and POU."""
         for pou in self.pous:
-            for name, body in pou.named_bodies():
-                yield name, pou, body
+            yield from pou.named_bodies()
 
     def charts(self) -> Iterator[Chart]:
         """Every chart of the project: of POUs, actions, transitions and methods."""

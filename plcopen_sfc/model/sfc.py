@@ -263,11 +263,11 @@ class PartialChart(Owned, Element):
 
     name: str
     kind: PartialChartKind = PartialChartKind.GLOBAL
-    network: SfcNetwork
+    chart: SfcNetwork
     entry_step: str | None = None
     exit_step: str | None = None
 
-    OWNS: ClassVar[tuple[str, ...]] = ("network",)
+    OWNS: ClassVar[tuple[str, ...]] = ("chart",)
 
 
 class SfcNetwork(LateElement):

@@ -282,14 +282,14 @@ def _rename_steps(project: Project, renames: Renames, target: Dialect) -> list[T
     found: list[TranslatedText] = []
     renamed = _renaming(renames, target)
     for chart in project.charts():
-        for step in chart.network.steps:
+        for step in chart.chart.steps:
             new = renamed(NameScope.LOCAL, step.name)
             if new is not None and new != step.name:
                 why = "it was called so before" if target is Dialect.SCL else "the name that it has is none there"
                 note = Note(Severity.INFO, f"the step is called {new}: {why}", (0, 0), 1, 1)
                 found.append(TranslatedText(f"{chart.report_path} / step {step.name}", True, (note,)))
                 step.name = new
-        for _, association in chart.network.associations():
+        for _, association in chart.chart.associations():
             if association.qualifier in (Qualifier.ON, Qualifier.OFF) and association.target is not None:
                 name = association.target
                 association.target = renamed(NameScope.LOCAL, name) or name

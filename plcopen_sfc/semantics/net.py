@@ -258,7 +258,7 @@ class _Builder:
         enclosed: list[PartialChart] = []
         for partial in self._root.partial_charts:
             if partial.kind is PartialChartKind.GLOBAL:
-                self._add(_Place(partial.network, f"{partial.name}.", ()), initial=True)
+                self._add(_Place(partial.chart, f"{partial.name}.", ()), initial=True)
             elif partial.kind is PartialChartKind.ENCLOSED:
                 enclosed.append(partial)
         self._add_enclosed(enclosed)
@@ -284,7 +284,7 @@ class _Builder:
             partial = next((p for p in waiting if p.name.casefold() in active), waiting[0])
             waiting.remove(partial)
             self._hierarchy = True
-            self._add(_Place(partial.network, f"{partial.name}.", ()), initial=partial.name.casefold() in active)
+            self._add(_Place(partial.chart, f"{partial.name}.", ()), initial=partial.name.casefold() in active)
 
     def _add(self, place: _Place, *, initial: bool) -> dict[int, _Ends]:
         """Add the steps and transitions of a chart; its own initial steps start where `initial`."""
@@ -321,7 +321,7 @@ class _Builder:
         if isinstance(macro.body, SfcBody):
             chart = macro.body.chart
         elif (partial := self._partials.get((macro.expansion or "").casefold())) is not None:
-            chart, entry_name, exit_name = partial.network, partial.entry_step, partial.exit_step
+            chart, entry_name, exit_name = partial.chart, partial.entry_step, partial.exit_step
         if chart is None or not chart.steps:
             self._report(NetProblemKind.NO_EXPANSION, place, step, path, "it is treated as a single step")
             return None

@@ -26,7 +26,9 @@ def system_inputs(pou: Pou, profile: Profile, inputs: Iterable[str]) -> frozense
     while they keep their initial values.
     """
     own = {variable.name.casefold() for variable in pou.variables(SectionKind.INPUT)}
-    parameters = own & _SEQUENCER if profile.graph_parameters and (pou.sfc is not None or own & _SIGNS) else frozenset()
+    parameters = (
+        own & _SEQUENCER if profile.graph_parameters and (pou.chart is not None or own & _SIGNS) else frozenset()
+    )
     return frozenset(
         name for name in inputs if name.casefold() in parameters or name.rpartition(".")[2].casefold() in _FLAGS
     )

@@ -67,7 +67,7 @@ def test_times_of_grafcet_are_durations_too() -> None:
     assert clocking([chart("3s/X1 AND a/500ms")], None).constants == (500 * MS, 3000 * MS)
     inner = chart("20ms/(a OR b)/40ms").pou.sfc
     assert inner is not None
-    outer = SfcNetwork(partial_charts=[PartialChart(name="G1", network=inner)])
+    outer = SfcNetwork(partial_charts=[PartialChart(name="G1", chart=inner)])
     assert clocking([resolve(outer)], None).constants == (20 * MS, 40 * MS)
 
 

@@ -28,7 +28,7 @@ def charts() -> list[tuple[str, SfcNetwork]]:
                 project = sfc.load(path)
             except sfc.SfcError:
                 continue  # tests of the formats say which files must be read
-            found += [(f"{path.name}: {chart.name}", chart.network) for chart in project.charts()]
+            found += [(f"{path.name}: {chart.name}", chart.chart) for chart in project.charts()]
     return found
 
 

@@ -20,8 +20,8 @@ def test_to_json_and_back(cli, fixtures, tmp_path):
     assert cli("convert", BELT, model, "--to", "json").code == 0
     assert sfc.load(model) == sfc.load(BELT)
     assert cli("convert", model, back, "--to", "codesys", "--limit", "0").code == 0
-    steps = [[step.name for step in chart.network.steps] for chart in sfc.load(back).charts()]
-    assert steps == [[step.name for step in chart.network.steps] for chart in sfc.load(BELT).charts()]
+    steps = [[step.name for step in chart.chart.steps] for chart in sfc.load(back).charts()]
+    assert steps == [[step.name for step in chart.chart.steps] for chart in sfc.load(BELT).charts()]
 
 
 def test_same_format_is_the_same_file(cli, fixtures, tmp_path):

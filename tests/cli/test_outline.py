@@ -166,14 +166,14 @@ def test_every_step_and_transition_is_told_once(fixtures):
         except sfc.SfcError:
             continue
         for chart in project.charts():
-            shown = text(chart.network).splitlines()
-            for step in chart.network.steps:
+            shown = text(chart.chart).splitlines()
+            for step in chart.chart.steps:
                 heads = [line for line in shown if f"[{step.name}]" in line]
                 assert len(heads) == 1, (file, chart.name, step.name)
             conditions = [
                 line for line in shown if line.lstrip(" |#").startswith("|") or "+-- " in line or " |  " in line
             ]
-            assert len(conditions) >= len(chart.network.transitions), (file, chart.name)
+            assert len(conditions) >= len(chart.chart.transitions), (file, chart.name)
 
 
 def test_deep_nesting_ends(chart):
@@ -214,7 +214,7 @@ def test_drawn_logic_in_words(fixtures):
 
 
 def test_an_edge_and_a_negation_in_words(fixtures):
-    charts = [chart.network for chart in sfc.load("plcopen/every_element_2.01.xml").charts()]
+    charts = [chart.chart for chart in sfc.load("plcopen/every_element_2.01.xml").charts()]
     texts = {Wording(chart).condition(transition.condition) for chart in charts for transition in chart.transitions}
     words = Wording(charts[0])
     assert "NOT ((TRUE OR falling edge of B1_LidClosed) AND NOT B2_Empty)" in texts

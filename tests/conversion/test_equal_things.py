@@ -68,7 +68,7 @@ def test_an_interval_is_a_clock_time_in_the_first_version_of_tc6(interval: str, 
 
 def test_a_minimum_time_of_a_tc6_chart_is_one_in_codesys() -> None:
     project = ring(format="plcopen")
-    next(project.charts()).network.step("S1").min_time = "T#1s"
+    next(project.charts()).chart.step("S1").min_time = "T#1s"
     assert [item for item in losses(project, "codesys") if item.what == "min time"] == []
 
 
@@ -85,7 +85,7 @@ def test_programs_of_beremiz_have_no_final_scan_in_codesys_either() -> None:
     project.header.product = "Beremiz"
     data, report = sfc.convert(project, "codesys", partial=True)
     assert report.losses == []
-    step = next(sfc.loads(data, as_tool=True).charts()).network.step("S1")
+    step = next(sfc.loads(data, as_tool=True).charts()).chart.step("S1")
     assert (step.entry_action, step.main_action, step.actions) == ("Pulse", "Count", [])
     again = sfc.loads(data, as_tool=True)
     profiles = ("beremiz", "codesys")

@@ -28,7 +28,7 @@ def test_a_power_is_a_function_in_codesys() -> None:
     assert report.losses == []
     assert b"EXPT(-2.0, 2.0) * EXPT(n + 1.0, 0.5); // ** is a power" in data
     result = sfc.loads(data, as_tool=True)
-    chart = next(result.charts()).network
+    chart = next(result.charts()).chart
     assert getattr(chart.transitions[0].condition, "text", "") == "a AND EXPT(2, 3) = 8"
     assert equivalent(project.pou("Main"), result.pou("Main"), ("iec", "codesys"), delay="auto", outputs=["n"], cap=50)
 

@@ -34,7 +34,7 @@ def losses(source: m.Project, target: str = "simaticml") -> list[Item]:
 
 
 def chart_of(source: m.Project) -> m.SfcNetwork:
-    return next(source.charts()).network
+    return next(source.charts()).chart
 
 
 def test_rows_of_one_operand_are_compared_by_what_they_do() -> None:

@@ -26,10 +26,10 @@ def test_a_call_is_an_action_that_runs_while_the_step_is_active() -> None:
     project = graph(None, "CALL", body=m.StBody(text="#late(IN := #g, PT := T#1s);"))
     data, report = sfc.convert(project, "iec-text")
     assert report.losses == []
-    row = next(sfc.loads(data, as_tool=True).charts()).network.step("Work").actions[0]
+    row = next(sfc.loads(data, as_tool=True).charts()).chart.step("Work").actions[0]
     assert row.qualifier is m.Qualifier.N
     assert b"IF Work.X THEN\n            #late(IN := #g, PT := T#1s);\n        END_IF;" in data
-    again = next(sfc.loads(data).charts()).network.step("Work").actions[0]
+    again = next(sfc.loads(data).charts()).chart.step("Work").actions[0]
     assert (again.qualifier, again.body) == (m.Qualifier.CALL, m.StBody(text="#late(IN := #g, PT := T#1s);"))
 
 
@@ -44,9 +44,9 @@ def test_the_other_name_of_r_is_r(target: str) -> None:
         project = sfc.loads(sfc.dumps(project, format="iec-text"), format="iec-text")
     data = sfc.dumps(project, format=target)
     assert sfc.convert(project, target)[1].losses == []
-    row = next(sfc.loads(data, as_tool=True).charts()).network.step("Work").actions[0]
+    row = next(sfc.loads(data, as_tool=True).charts()).chart.step("Work").actions[0]
     assert row.qualifier is m.Qualifier.R
-    again = next(sfc.loads(data).charts()).network.step("Work").actions[0]
+    again = next(sfc.loads(data).charts()).chart.step("Work").actions[0]
     assert again.qualifier is m.Qualifier.R0
 
 

@@ -66,8 +66,8 @@ def test_the_operand_is_written_as_in_the_source(name: str, target: str) -> None
 def test_the_rows_come_back(name: str) -> None:
     project = graph(CASES[name])
     back = sfc.loads(sfc.convert(project, "codesys")[0], format="codesys")
-    rows = [(row.qualifier, row.event) for _, row in next(project.charts()).network.associations()]
-    assert [(row.qualifier, row.event) for _, row in next(back.charts()).network.associations()] == rows
+    rows = [(row.qualifier, row.event) for _, row in next(project.charts()).chart.associations()]
+    assert [(row.qualifier, row.event) for _, row in next(back.charts()).chart.associations()] == rows
 
 
 @pytest.mark.parametrize("target", ["codesys", "plcopen"])

@@ -91,7 +91,7 @@ def test_what_is_written_is_valid_on_the_corpus(path: Path) -> None:
 
 
 def first_chart(project: Project) -> SfcNetwork:
-    return next(iter(project.charts())).network
+    return next(iter(project.charts())).chart
 
 
 def test_step_actions_become_associations_and_step_actions_again() -> None:
@@ -140,7 +140,7 @@ def test_every_item_of_a_report_says_where() -> None:
     _, report = sfc.convert(project, "plcopen-2.01", partial=True)
     lines = (FIXTURES / "codesys" / "sorting_conveyor.xml").read_text("utf-8-sig").splitlines()
     steps = [item for item in report.items if item.what == "step"]
-    assert len(steps) == sum(len(chart.network.steps) for chart in project.charts())
+    assert len(steps) == sum(len(chart.chart.steps) for chart in project.charts())
     for item in steps:
         assert item.line is not None
         assert f'name="{item.path.rpartition(" / ")[2]}"' in lines[item.line - 1]
@@ -166,7 +166,7 @@ def test_what_is_in_an_object_has_its_line(source: str, target: str) -> None:
     names = {thing.name for thing in project.objects()}
     assert [item.path for item in report.items if item.path.split(" / ")[0] in names and item.what != "POU"] == []
     lines = (FIXTURES / source).read_text("utf-8-sig").splitlines()
-    steps = {step.name for chart in project.charts() for step in chart.network.steps}
+    steps = {step.name for chart in project.charts() for step in chart.chart.steps}
     told = [item for item in report.items if item.path.rpartition(" / step ")[2] in steps]
     assert told or target == "scl"  # which has no steps
     for item in told:
@@ -194,24 +194,24 @@ def test_beremiz_flavour(path: Path) -> None:
     assert len(list(root.iterfind(f"{tc6}types/{tc6}pous/{tc6}pou"))) == len(project.pous)
     assert all(len(st) == 1 and st[0].tag == f"{xhtml}p" for st in root.iter(f"{tc6}ST"))
     flavoured = sfc.loads(data)
-    originals = [chart for chart in project.charts() if "." not in chart.name and chart.network.initial_steps]
+    originals = [chart for chart in project.charts() if "." not in chart.name and chart.chart.initial_steps]
     for chart, original in zip(flavoured.charts(), originals, strict=True):
-        built = original.network.model_copy(deep=True)
+        built = original.chart.model_copy(deep=True)
         gone = {step.id for step in built.steps if step.exclude}
         built.transitions = [
             t for t in built.transitions if not t.exclude and gone.isdisjoint((*t.sources, *t.targets))
         ]
-        ends = {step.id for step in chart.network.steps} - {step.id for step in built.steps}
-        for transition in chart.network.transitions:
+        ends = {step.id for step in chart.chart.steps} - {step.id for step in built.steps}
+        for transition in chart.chart.transitions:
             transition.targets = [target for target in transition.targets if target not in ends]
-        wires = list(bars_in(chart.network))
+        wires = list(bars_in(chart.chart))
         assert all(source is not SymbolKind.JUMP for _, source in wires), "no wire leaves a jump"
         convergences = (SymbolKind.SELECTION_CONVERGENCE, SymbolKind.SELECTION_DIVERGENCE)
         assert all(consumer is not source for consumer, source in wires if consumer in convergences), "no nested bars"
-        meaning = [[(set(t.sources), set(t.targets)) for t in n.transitions] for n in (chart.network, built)]
+        meaning = [[(set(t.sources), set(t.targets)) for t in n.transitions] for n in (chart.chart, built)]
         assert sorted(map(str, meaning[0])) == sorted(map(str, meaning[1]))
-        assert chart.network.drawing is not None
-        assert any(symbol.position != (0, 0) for symbol in chart.network.drawing.symbols)
+        assert chart.chart.drawing is not None
+        assert any(symbol.position != (0, 0) for symbol in chart.chart.drawing.symbols)
     assert report.with_outcome(Outcome.DROPPED) == []
 
 
@@ -224,16 +224,16 @@ def test_codesys_gets_its_own_form_of_a_chart_from_elsewhere() -> None:
     assert back.source is not None
     assert back.source.format == "codesys"
     for chart, original in zip(back.charts(), project.charts(), strict=True):
-        assert [s.name for s in chart.network.steps] != []
+        assert [s.name for s in chart.chart.steps] != []
         links = [
             {
                 (frozenset(n.step(i).name for i in t.sources), frozenset(n.step(i).name for i in t.targets))
                 for t in n.transitions
             }
-            for n in (chart.network, original.network)
+            for n in (chart.chart, original.chart)
         ]
         assert links[0] == links[1]
-        drawing = chart.network.drawing
+        drawing = chart.chart.drawing
         assert drawing is not None
         kinds = [symbol.kind for symbol in drawing.symbols]
         assert kinds.count(SymbolKind.SELECTION_DIVERGENCE) == kinds.count(SymbolKind.SELECTION_CONVERGENCE)
@@ -252,7 +252,7 @@ def test_strict_stops_before_anything_is_written(tmp_path: Path) -> None:
 
 def test_excluded_elements_are_no_silent_matter() -> None:
     project = sfc.load(FIXTURES / "codesys" / "sorting_conveyor.xml")
-    excluded = [t for chart in project.charts() for t in chart.network.transitions if t.exclude]
+    excluded = [t for chart in project.charts() for t in chart.chart.transitions if t.exclude]
     assert excluded
     data, report = sfc.convert(project, "plcopen-2.01", partial=True)
     found = [item for item in report.items if item.what == "exclude" and item.outcome is Outcome.TRANSLATED]

@@ -22,7 +22,7 @@ FILES = [param.values[0] for param in ALL_PARAMS]
 def one_with_steps(project: Project) -> int | None:
     """The number of the first chart that has a named step."""
     return next(
-        (n for n, chart in enumerate(project.charts()) if chart.network.steps and chart.network.steps[-1].name), None
+        (n for n, chart in enumerate(project.charts()) if chart.chart.steps and chart.chart.steps[-1].name), None
     )
 
 
@@ -66,7 +66,7 @@ def test_renaming_a_step_keeps_the_handwriting(path: Path) -> None:
         pytest.skip("this file has no chart")
     for name, variant in handwritings(path):
         project = sfc.loads(variant)
-        chart = list(project.charts())[number].network
+        chart = list(project.charts())[number].chart
         old = chart.steps[-1].name
         chart.steps[-1].name = NEW
         places = name_places(charts_in(outline(variant))[number], len(chart.steps) - 1)
@@ -82,12 +82,12 @@ def test_an_edit_taken_back_gives_the_old_file(path: Path) -> None:
     number = one_with_steps(project)
     if number is None:
         pytest.skip("this file has no chart")
-    step = list(project.charts())[number].network.steps[-1]
+    step = list(project.charts())[number].chart.steps[-1]
     old, step.name = step.name, NEW
     edited = sfc.dumps(project)
     assert edited != data
     again = sfc.loads(edited)
-    list(again.charts())[number].network.steps[-1].name = old
+    list(again.charts())[number].chart.steps[-1].name = old
     assert sfc.dumps(again) == data
     step.name = old
     assert sfc.dumps(project) == data

@@ -38,9 +38,9 @@ def meaning(project: m.Project, *, codesys: bool = False) -> Any:
     copy = project.model_copy(deep=True)
     if codesys:
         copy.dialect = m.Dialect.CODESYS  # that of its files; the texts are the same in both
-    nets = [net(chart.network, codesys=codesys) for chart in copy.charts()]
+    nets = [net(chart.chart, codesys=codesys) for chart in copy.charts()]
     for chart in copy.charts():
-        chart.network.steps, chart.network.transitions, chart.network.drawing = [], [], None
+        chart.chart.steps, chart.chart.transitions, chart.chart.drawing = [], [], None
     return json.loads(copy.model_dump_json(exclude_none=True)), nets
 
 
@@ -89,7 +89,7 @@ def test_saved_and_loaded_is_the_same(name: str, project: m.Project) -> None:
 def edits(draw: Any, project: m.Project) -> None:
     """Edits a loaded project here and there."""
     for chart in project.charts():
-        for step in chart.network.steps:
+        for step in chart.chart.steps:
             if draw(st.booleans()):
                 step.comment = draw(st.none() | texts)
             if draw(st.integers(0, 3)) == 0:
@@ -97,7 +97,7 @@ def edits(draw: Any, project: m.Project) -> None:
             for association in step.actions:
                 if draw(st.booleans()):
                     association.duration, association.target = draw(st.none() | times), draw(names)
-        for transition in chart.network.transitions:
+        for transition in chart.chart.transitions:
             if draw(st.integers(0, 2)) == 0 and isinstance(transition.condition, m.Expression):
                 transition.condition.text = draw(expressions)
     for pou in project.pous:
@@ -138,7 +138,7 @@ def test_edited_after_loading_and_saved_is_what_was_edited(name: str, data: st.D
 def test_grown_after_loading_and_saved_is_what_has_grown(name: str, data: st.DataObject) -> None:
     project = loaded(sfc.dumps(data.draw(projects()), format=name, partial=True), name)
     for chart in project.charts():
-        network = chart.network
+        network = chart.chart
         last = data.draw(st.sampled_from(network.steps))
         new = network.add_step("Zz_neu")
         network.add_transition(last, new, data.draw(conditions))

@@ -65,7 +65,7 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
     data = path.read_bytes()
     project = sfc.loads(data)
     spans = charts_in(outline(data))
-    charts = [chart.network for chart in project.charts()]
+    charts = [chart.chart for chart in project.charts()]
     assert len(spans) == len(charts)
     steps = [(i, k) for i, chart in enumerate(charts) for k, step in enumerate(chart.steps) if step.name]
     text = decoded(data)
@@ -93,7 +93,7 @@ def test_renaming_a_step_changes_the_lines_that_name_it(path: Path) -> None:
         again = sfc.loads(edited)
         # a reformatted file keeps the blanks around the name: what is carried for that says the new name now
         assert again == project or (step.carried is not None and step.carried.data)
-        assert [net(c.network) for c in again.charts()] == [net(c) for c in charts]
+        assert [net(c.chart) for c in again.charts()] == [net(c) for c in charts]
         if uses:
             charts[chart].rename_step(NEW, old)
         step.name = old
@@ -115,7 +115,7 @@ def test_more_steps_of_the_bigger_files(path: Path) -> None:
     stride = 1 if WHOLE else 60 if len(data) > 1_000_000 else 24
     project = sfc.loads(data)
     spans = charts_in(outline(data))
-    for number, chart in enumerate(chart.network for chart in project.charts()):
+    for number, chart in enumerate(chart.chart for chart in project.charts()):
         for position, step in list(enumerate(chart.steps))[number % stride :: stride]:
             old = step.name
             step.name = NEW
@@ -136,7 +136,7 @@ class Subject:
         self.root = outline(data)
         self.spans = charts_in(self.root)
         self.fewer: int | None = None
-        self.charts: list[SfcNetwork] = [chart.network for chart in self.project.charts()]
+        self.charts: list[SfcNetwork] = [chart.chart for chart in self.project.charts()]
 
     def steps(self) -> Iterator[tuple[int, SfcNetwork, Step]]:
         for number, chart in enumerate(self.charts):
@@ -373,8 +373,8 @@ def test_an_edit_of_the_structure_stays_in_its_chart(path: Path, edit: Edit) -> 
     assert_within(hunks, chart)
     again = sfc.loads(after)
     for mine, theirs in zip(subject.project.charts(), again.charts(), strict=True):
-        assert net(mine.network) == net(theirs.network)
-        assert fits(theirs.network)
+        assert net(mine.chart) == net(theirs.chart)
+        assert fits(theirs.chart)
     # what does not concern the edit is where it was: no element is moved or written anew
     moved = re.compile(r"localId|refLocalId|/?connection|addData|[pP]osition ")
     removed = [line for hunk in hunks for line in hunk.old if not moved.search(line)]

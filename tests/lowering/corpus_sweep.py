@@ -143,7 +143,7 @@ def corpus_charts(families: Iterable[str] = FAMILIES) -> Iterator[Charts]:
                 continue  # tests of the formats say which files must be read
             names = []
             for chart in project.charts():
-                key = chart.network.model_dump_json(exclude={"drawing"})
+                key = chart.chart.model_dump_json(exclude={"drawing"})
                 if key not in seen:
                     seen.add(key)
                     names.append(chart.name)

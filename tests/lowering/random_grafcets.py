@@ -27,10 +27,10 @@ def random_grafcet(seed: int) -> m.Pou:
     """A function block with one or two charts; the second one may force or enclose the first."""
     random = Random(seed)  # noqa: S311
     below = _chart(random, 1, random.randint(2, 4), times=seed % 3 == 0)
-    partials = [m.PartialChart(name="G1", network=below)]
+    partials = [m.PartialChart(name="G1", chart=below)]
     if random.random() < 0.5:
         above = _chart(random, 11, 2, times=False)
-        partials.append(m.PartialChart(name="G2", network=above))
+        partials.append(m.PartialChart(name="G2", chart=above))
         if random.random() < 0.7:
             situation = random.choice(list(m.ForcedSituation))
             names = random.sample([s.name for s in below.steps], 2) if situation is m.ForcedSituation.EXPLICIT else []

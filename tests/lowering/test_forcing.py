@@ -37,7 +37,7 @@ def three_levels() -> m.Pou:
     middle.step("11").actions = [forcing("G1", "{}")]
     low.step("1").actions = [action("onActivation", "R", value="TRUE")]
     low.step("2").actions = [action("continuous", "Q"), action("onActivation", "S", value="TRUE")]
-    charts = [m.PartialChart(name=f"G{n}", network=each) for n, each in enumerate((low, middle, top), 1)]
+    charts = [m.PartialChart(name=f"G{n}", chart=each) for n, each in enumerate((low, middle, top), 1)]
     return pou_with(m.SfcNetwork(partial_charts=charts), "a b c c1 c2", "Q R S")
 
 

@@ -149,7 +149,7 @@ def test_an_edge_of_what_a_stored_action_writes() -> None:
 @pytest.mark.parametrize(("situation", "steps"), [("INIT", None), ("{}", None), ("*", None), ("explicit", ["1", "3"])])
 def test_an_emergency_stop_above_the_chain(situation: str, steps: list[str] | None) -> None:
     chart = emergency_stop(situation, steps)
-    chart.partial_charts[1].network.step("1").actions = [action("onActivation", "n", value="NOT n")]
+    chart.partial_charts[1].chart.step("1").actions = [action("onActivation", "n", value="NOT n")]
     check(chart, "c1 c2 c3 stop", "Q n")
 
 
@@ -160,14 +160,14 @@ def test_enclosing_steps(initial: bool) -> None:
 
 def test_enclosing_steps_in_enclosed_charts_that_are_forced() -> None:
     chart = enclosing()
-    chart.partial_charts[0].network.step("10").encloses = [m.Enclosure(chart="G0", activated_steps=["30"])]
+    chart.partial_charts[0].chart.step("10").encloses = [m.Enclosure(chart="G0", activated_steps=["30"])]
     deepest = chain("30", "31", conditions="c4 FALSE")
     deepest.step("30").initial = False
-    chart.partial_charts.append(m.PartialChart(name="G0", network=deepest, kind=m.PartialChartKind.ENCLOSED))
+    chart.partial_charts.append(m.PartialChart(name="G0", chart=deepest, kind=m.PartialChartKind.ENCLOSED))
     order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.CURRENT)
     above = chain("40", "41", conditions="c4;NOT c4")
     above.step("41").actions = [m.ActionAssociation(id=9, kind=m.ActionKind.FORCING, forcing=order)]
-    chart.partial_charts.append(m.PartialChart(name="G4", network=above))
+    chart.partial_charts.append(m.PartialChart(name="G4", chart=above))
     check(chart, "c1 c2 c3 c4", "Q")
 
 
@@ -175,7 +175,7 @@ def test_macro_steps() -> None:
     expansion = chain("E1", "S1", conditions="c2;FALSE", ring=False)
     expansion.step("E1").initial = False
     partial = m.PartialChart(
-        name="M1", network=expansion, kind=m.PartialChartKind.EXPANSION, entry_step="E1", exit_step="S1"
+        name="M1", chart=expansion, kind=m.PartialChartKind.EXPANSION, entry_step="E1", exit_step="S1"
     )
     chart = m.SfcNetwork(partial_charts=[partial])
     first, macro = chart.add_step("1", initial=True), chart.add_step("M1")
@@ -188,7 +188,7 @@ def test_macro_steps() -> None:
         action("onDeactivation", "R", value="c2", id=3),
     ]
     other = chain("5", "6", conditions="XM1;XE1")
-    chart.partial_charts.append(m.PartialChart(name="G2", network=other))
+    chart.partial_charts.append(m.PartialChart(name="G2", chart=other))
     check(chart, "c1 c2 c3", "Q R")
 
 
@@ -212,11 +212,11 @@ def test_rivals_are_cleared_together() -> None:
 def test_synchronisation_over_steps_of_other_charts() -> None:
     chart = m.SfcNetwork(
         partial_charts=[
-            m.PartialChart(name="G1", network=chain("1", "2", conditions="c1;X11")),
-            m.PartialChart(name="G2", network=chain("10", "11", conditions="X2;NOT X2")),
+            m.PartialChart(name="G1", chart=chain("1", "2", conditions="c1;X11")),
+            m.PartialChart(name="G2", chart=chain("10", "11", conditions="X2;NOT X2")),
         ]
     )
-    chart.partial_charts[0].network.step("2").actions = [action("continuous")]
+    chart.partial_charts[0].chart.step("2").actions = [action("continuous")]
     check(chart, "c1", "Q")
 
 
@@ -273,7 +273,7 @@ def test_the_label_stands_in_the_first_network_of_an_evolution() -> None:
 @pytest.mark.parametrize("situation", ["INIT", "*"])
 def test_charts_that_are_held_and_set_free_are_drawn(situation: str) -> None:
     chart = emergency_stop(situation)
-    chart.partial_charts[1].network.step("1").actions = [action("onActivation", "n", value="NOT n")]
+    chart.partial_charts[1].chart.step("1").actions = [action("onActivation", "n", value="NOT n")]
     lowered = lower(pou_with(chart, "c1 c2 c3 stop", "Q n"), "flipflop", profile=SHORT)
     assert lowered.proof is not None
     assert lowered.proof.kind is VerdictKind.PROVEN, str(lowered.proof)
@@ -293,7 +293,7 @@ def test_an_event_in_the_second_evolution_of_the_first_scan(construction: str, l
     """The initial step was activated before the first evolution; in the second one it is there already."""
     waiting, moving = chain("1", "2", conditions="c;c"), chain("11", "12", conditions="a;b")
     waiting.step("1").actions = [action("onEvent", "Q", condition="↑X12")]
-    charts = [m.PartialChart(name="G1", network=waiting), m.PartialChart(name="G2", network=moving)]
+    charts = [m.PartialChart(name="G1", chart=waiting), m.PartialChart(name="G2", chart=moving)]
     pou = pou_with(m.SfcNetwork(partial_charts=charts), "a b c", "Q")
     lowered = lower(pou, construction, language=language, profile=SHORT)
     assert lowered.proof is not None
@@ -324,7 +324,7 @@ def emergency_stop_of_the_seed() -> m.Pou:
     above = chain("10", "11", conditions="NOT NOT_AUS;NOT_AUS")
     order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.INITIAL)
     above.step("11").actions = [m.ActionAssociation(id=9, kind=m.ActionKind.FORCING, forcing=order)]
-    charts = [m.PartialChart(name="G1", network=chain_), m.PartialChart(name="G2", network=above)]
+    charts = [m.PartialChart(name="G1", chart=chain_), m.PartialChart(name="G2", chart=above)]
     return pou_with(m.SfcNetwork(partial_charts=charts), "NOT_AUS START B11 B12 B21 B22", "M11 M21")
 
 
@@ -431,11 +431,11 @@ def test_a_condition_on_what_a_stored_action_writes_can_become_true_at_any_time(
 
 def test_orders_that_contradict_each_other_are_left_out_of_the_proof() -> None:
     chart = emergency_stop("INIT")
-    chart.partial_charts[1].network.step("1").actions = []
+    chart.partial_charts[1].chart.step("1").actions = []
     above = chain("20", "21", conditions="c3;NOT c3")
     order = m.ForcingOrder(chart="G1", situation=m.ForcedSituation.EMPTY)
     above.step("21").actions = [m.ActionAssociation(id=8, kind=m.ActionKind.FORCING, forcing=order)]
-    chart.partial_charts.append(m.PartialChart(name="G3", network=above))
+    chart.partial_charts.append(m.PartialChart(name="G3", chart=above))
     for construction in ("bits", "flipflop"):
         lowered = lower(pou_with(chart, "c1 c2 c3 stop", "Q"), construction, language="ST", profile=ONCE)
         assert lowered.proof is not None

@@ -57,7 +57,7 @@ def test_charts_of_actions_macro_steps_and_partial_charts() -> None:
     own = chart()
     own.steps[0].macro = Macro(body=SfcBody(chart=inner))
     inner.steps.append(Step(id=9, name="M", macro=Macro(body=SfcBody(chart=deeper))))
-    own.partial_charts.append(PartialChart(name="G2", network=partial))
+    own.partial_charts.append(PartialChart(name="G2", chart=partial))
     made = Project(pous=[pou("Main")])
     made.pous[0].actions.append(Action(name="Fill", body=SfcBody(chart=own)))
     assert {each.project is made for each in (own, inner, deeper, partial)} == {True}
@@ -101,6 +101,6 @@ def test_copies_have_parts_of_their_own(again: Callable[[Project], Project]) -> 
 def test_what_is_read_late(name: str) -> None:
     made = sfc.load(FIXTURES / name)
     for each in made.charts():
-        assert each.network.project is made
-        assert all(step.chart is each.network for step in each.network.steps)
-        assert all(step.project is made for step in each.network.steps)
+        assert each.chart.project is made
+        assert all(step.chart is each.chart for step in each.chart.steps)
+        assert all(step.project is made for step in each.chart.steps)

@@ -35,7 +35,7 @@ def test_an_edit_reads_only_the_chart_that_it_is_in() -> None:
 def test_read_and_unread_projects_are_equal() -> None:
     one, other = sfc.load(CONVEYOR), sfc.loads(sfc.dumps(sfc.load(CONVEYOR), fresh=True))
     for chart in one.charts():
-        assert chart.network.steps
+        assert chart.chart.steps
     assert one == other
 
 

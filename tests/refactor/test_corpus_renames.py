@@ -112,7 +112,7 @@ def check_renames(path: Path, most: int, *, lines: bool = True) -> None:
 
 def is_reformatted(made: m.Project) -> bool:
     """Whether blanks stand around names in the file, which are put in anew where a name changes."""
-    charts = [chart.network for chart in made.charts()]
+    charts = [chart.chart for chart in made.charts()]
     return any(t.carried is not None and t.carried.data for c in charts for t in (*c.steps, *c.transitions))
 
 

@@ -102,7 +102,7 @@ def test_a_macro_step_may_name_its_expansion_and_that_its_ends() -> None:
     chart.step("M").macro = Macro(expansion="M_exp")
     inner = chart_of("A>B B>A B>C C>B", "")
     chart.partial_charts.append(
-        PartialChart(name="m_EXP", kind=PartialChartKind.EXPANSION, network=inner, entry_step="B", exit_step="C")
+        PartialChart(name="m_EXP", kind=PartialChartKind.EXPANSION, chart=inner, entry_step="B", exit_step="C")
     )
     assert runs(chart, 3)[:2] == ["1", "M.B"]
     net = Net.of(chart)
@@ -123,7 +123,7 @@ def test_a_macro_step_in_itself_is_a_step() -> None:
     chart.step("M").macro = Macro(expansion="X")
     inner = chart_of("E>N N>S", "E")
     inner.step("N").macro = Macro(expansion="X")
-    chart.partial_charts.append(PartialChart(name="X", kind=PartialChartKind.EXPANSION, network=inner))
+    chart.partial_charts.append(PartialChart(name="X", kind=PartialChartKind.EXPANSION, chart=inner))
     assert runs(chart, 4) == ["1", "M.E", "M.N", "M.S", "1"]
     assert [p.kind for p in Net.of(chart).problems] == [NetProblemKind.RECURSIVE_MACRO]
 
@@ -152,7 +152,7 @@ def test_several_ends_are_reported() -> None:
 
 def test_partial_charts_evolve_together() -> None:
     chart = chart_of("1>2 2>1")
-    chart.partial_charts.append(PartialChart(name="G2", network=chart_of("10>11 11>10", "10")))
+    chart.partial_charts.append(PartialChart(name="G2", chart=chart_of("10>11 11>10", "10")))
     assert runs(chart, 2) == ["1+G2.10", "2+G2.11", "1+G2.10"]
     assert not Net.of(chart).hierarchy
 
@@ -161,7 +161,7 @@ def test_partial_charts_evolve_together() -> None:
 def test_an_enclosed_chart_starts_with_its_enclosing_step(starts: bool) -> None:
     chart = chart_of("1>2 2>1", "1" if starts else "2")
     chart.step("1").encloses = [Enclosure(chart="Inner")]
-    enclosed = PartialChart(name="Inner", kind=PartialChartKind.ENCLOSED, network=chart_of("10>11", "10"))
+    enclosed = PartialChart(name="Inner", kind=PartialChartKind.ENCLOSED, chart=chart_of("10>11", "10"))
     chart.partial_charts.append(enclosed)
     net = Net.of(chart)
     assert net.hierarchy

@@ -207,7 +207,7 @@ def _sheets(sheet: Sheet, around: frozenset[int]) -> Iterator[Sheet]:
             yield from _sheets(Sheet(step.macro.body.chart, sheet.at(step), macro=step), around)
     for partial in sheet.chart.partial_charts:
         place = sheet._below(partial.name, partial)
-        yield from _sheets(Sheet(partial.network, place, partial=partial), around)
+        yield from _sheets(Sheet(partial.chart, place, partial=partial), around)
 
 
 def is_plain(tree: n.Node) -> bool:

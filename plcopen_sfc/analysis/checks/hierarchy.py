@@ -51,7 +51,7 @@ def _enclosures(chart: CheckedChart) -> Iterator[Finding]:
                     message = f"{enclosure.chart} is enclosed by {enclosed_by[key]}, too"
                     yield Finding(sheet.at(step), message)
                 enclosed_by.setdefault(key, step.name)
-                steps = {inner.name.casefold() for inner in partial.network.steps}
+                steps = {inner.name.casefold() for inner in partial.chart.steps}
                 for name in enclosure.activated_steps:
                     if name.casefold() not in steps:
                         yield Finding(sheet.at(step), f"{enclosure.chart} has no step {name!r} to activate")
@@ -65,7 +65,7 @@ def _initial_enclosures(chart: CheckedChart) -> Iterator[Finding]:
         for step in sheet.steps:
             for enclosure in step.encloses or () if step.initial else ():
                 partial = partials.get(enclosure.chart.casefold())
-                if partial is not None and not partial.network.initial_steps:
+                if partial is not None and not partial.chart.initial_steps:
                     message = f"the step is initial, and {enclosure.chart}, which it encloses, has no initial step"
                     yield Finding(sheet.at(step), message)
 
@@ -78,11 +78,11 @@ def _forced(chart: CheckedChart) -> Iterator[Finding]:
             if not _is_whole(sheet, order):
                 yield Finding(place, f"the order forces {order.chart!r}, and there is no such chart")
             continue
-        steps = {inner.name.casefold() for inner in partial.network.steps}
+        steps = {inner.name.casefold() for inner in partial.chart.steps}
         for name in order.steps:
             if name.casefold() not in steps:
                 yield Finding(place, f"{order.chart} has no step {name!r} to force")
-        if order.situation is ForcedSituation.INITIAL and not partial.network.initial_steps:
+        if order.situation is ForcedSituation.INITIAL and not partial.chart.initial_steps:
             yield Finding(place, f"{order.chart} has no initial step to force")
         if order.situation is ForcedSituation.EXPLICIT and not order.steps:
             yield Finding(place, "the order names no steps to force")

@@ -60,7 +60,7 @@ class Surroundings:
 
     def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
         """The charts of a POU, those of macro-steps and partial charts too."""
-        for _, body in pou.named_bodies():
+        for _, _, body in pou.named_bodies():
             yield from charts_inside(body)
 
     @cached_property

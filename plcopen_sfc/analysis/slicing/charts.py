@@ -38,7 +38,7 @@ class ChartParts:
         self._instance = instance
         self._pou = instance.unit.pou
         charts = instance.charts()
-        chart = self._pou.sfc
+        chart = self._pou.chart
         program = charts[0][1] if len(charts) == 1 else None
         if chart is None or not isinstance(program, ChartProgram) or not program.is_divisible:
             raise NotDivisibleError("the chart acts as a whole")

@@ -51,7 +51,7 @@ def _names(pou: Pou) -> list[str]:
     """Every name in the POU that an action in place must not take."""
     parts: list[Action | NamedTransition | Method] = [*pou.actions, *pou.transitions, *pou.methods]
     names = [*(part.name for part in parts), *(variable.name for variable in pou.variables())]
-    for _, body in pou.named_bodies():
+    for _, _, body in pou.named_bodies():
         if isinstance(body, SfcBody):
             names += [step.name for step in body.chart.steps]
             names += [a.target for _, a in body.chart.associations() if a.target is not None]

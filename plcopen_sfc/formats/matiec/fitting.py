@@ -114,7 +114,7 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
                 section.persistent, section.retain = False, True
                 unit.note(Outcome.TRANSLATED, "section", unit.path, "PERSISTENT is RETAIN in matiec")
         pou.interface.sections = [part for section in pou.interface.sections for part in _by_location(section)]
-    for nodes in (nodes for _, body in pou.named_bodies() for nodes in _drawn_in(body)):
+    for nodes in (nodes for _, _, body in pou.named_bodies() for nodes in _drawn_in(body)):
         give_iec_pins(nodes)
     body = _one_body(unit)
     for action in pou.actions:
@@ -225,7 +225,7 @@ def _ordered(uses: dict[str, set[str]]) -> list[str]:
 def _called(pou: Pou, functions: set[str], dialect: Dialect) -> set[str]:
     """The names of types and functions that a POU uses, in lower case; members may have the names of blocks."""
     names = {name.casefold() for variable in pou.variables() for name in used_types(variable.type)}
-    for _, body in pou.named_bodies():
+    for _, _, body in pou.named_bodies():
         texts = [body.text] if isinstance(body, StBody | IlBody) else []
         if isinstance(body, SfcBody):
             texts = [getattr(t.condition, "text", "") for t in body.chart.transitions]

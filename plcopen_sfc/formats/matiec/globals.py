@@ -98,8 +98,8 @@ def _use(piece: Piece, globals_: _Globals, project: Project) -> None:
 
 
 def _steps(pou: Pou) -> Iterator[str]:
-    if pou.sfc is not None:
-        yield from (step.name.casefold() for step in pou.sfc.steps)
+    if pou.chart is not None:
+        yield from (step.name.casefold() for step in pou.chart.steps)
 
 
 def _declare(pou: Pou, found: list[tuple[Variable, VariableSection]]) -> None:

@@ -86,7 +86,7 @@ def _placed(project: Project) -> Iterator[tuple[str, str]]:
     """What has a place of its own: actions, transitions, steps, members of structures."""
     for pou in project.pous:
         inner = [action.name for action in pou.actions] + [transition.name for transition in pou.transitions]
-        inner += [step.name for step in pou.sfc.steps] if pou.sfc is not None else []
+        inner += [step.name for step in pou.chart.steps] if pou.chart is not None else []
         yield from [(f"{pou.name}.{name}", name) for name in inner]
     for declaration in project.data_types:
         yield from [(f"{declaration.name}.{one.name}", one.name) for one in getattr(declaration.type, "members", [])]
@@ -102,7 +102,7 @@ def _steps(project: Project) -> Iterator[tuple[str, str, set[str]]]:
         inner = getattr(declaration.type, "members", [])
         members[declaration.name.casefold()] = {one.name.casefold() for one in inner}
     for pou in project.pous:
-        if pou.sfc is None:
+        if pou.chart is None:
             continue
         others = {"x", "t"} | members[pou.name.casefold()]
         for variable in pou.variables():
@@ -110,7 +110,7 @@ def _steps(project: Project) -> Iterator[tuple[str, str, set[str]]]:
                 block = standard_block(kind)
                 pins = (*block.inputs, *block.outputs) if block is not None else ()
                 others |= members.get(kind.casefold(), set()) | {pin.name.casefold() for pin in pins}
-        yield from [(f"{pou.name}.{step.name}", step.name, others) for step in pou.sfc.steps]
+        yield from [(f"{pou.name}.{step.name}", step.name, others) for step in pou.chart.steps]
 
 
 def used_types(kind: DataType) -> list[str]:

@@ -180,7 +180,7 @@ def _texts(problems: Iterable[NetworkProblem]) -> list[str]:
 def _names(pou: Pou) -> list[str]:
     names = [action.name for action in pou.actions] + [transition.name for transition in pou.transitions]
     names += [variable.name for variable in pou.variables()]
-    for _, body in pou.named_bodies():
+    for _, _, body in pou.named_bodies():
         if isinstance(body, SfcBody):
             names += [step.name for step in body.chart.steps]
             names += [a.target for _, a in body.chart.associations() if a.target is not None]

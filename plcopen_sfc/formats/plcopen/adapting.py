@@ -42,7 +42,7 @@ def rewrite(project: Project, host: Host, options: WriteOptions, report: Convers
         not lists
         and not any(_without_result(project))
         and not has_globals(project)
-        and not any(needs_rewriting(chart.network, host, options) for chart in project.charts())
+        and not any(needs_rewriting(chart.chart, host, options) for chart in project.charts())
     ):
         return project, {}
     copy = project.model_copy(deep=True)
@@ -63,7 +63,7 @@ def _report_flags(project: Project, report: ConversionReport) -> None:
     known = {variable.name.casefold() for section in project.global_sections() for variable in section.variables}
     for chart in project.charts():
         declared = known | {variable.name.casefold() for variable in chart.pou.variables()}
-        for flag in sorted(chart.network.flags_in_use(partial(_is_among, declared))):
+        for flag in sorted(chart.chart.flags_in_use(partial(_is_among, declared))):
             does = "is set by the chart" if flag in _SET_BY_CHARTS else "controls the chart"
             why = f"a variable of this name {does} in CODESYS, and has no such effect in the source"
             report.add(Outcome.APPROXIMATED, flag.variable, chart.report_path, why)
@@ -92,7 +92,7 @@ def is_rewritten(project: Project, content: bytes, host: Host) -> bool:
         return True
     if any(_without_result(project)) or (not host.is_codesys and project.global_variables):
         return True
-    charts = (chart.network for chart in project.charts() if not is_untouched(chart.network))
+    charts = (chart.chart for chart in project.charts() if not is_untouched(chart.chart))
     return any(needs_rewriting(chart, host, WriteOptions()) for chart in charts)
 
 
@@ -102,10 +102,10 @@ def _drawn(project: Project) -> Iterator[tuple[str, str, FbdBody | LdBody]]:
         if isinstance(body, FbdBody | LdBody):
             yield pou.report_path_of(name), pou.report_path_of(name), body
     for chart in project.charts():
-        for transition in chart.network.transitions:
+        for transition in chart.chart.transitions:
             condition = transition.condition
             if isinstance(condition, BodyCondition) and isinstance(condition.body, FbdBody | LdBody):
-                path = f"{chart.report_path} / transition {chart.network.label(transition)}"
+                path = f"{chart.report_path} / transition {chart.chart.label(transition)}"
                 yield chart.report_path, path, condition.body
 
 

@@ -156,7 +156,7 @@ def _own_names(pou: Pou) -> Iterator[str]:
     yield from (variable.name for section in sections if section.kind is not external for variable in section.variables)
     yield from (action.name for action in pou.actions)
     yield from (transition.name for transition in pou.transitions)
-    for _, body in pou.named_bodies():
+    for _, _, body in pou.named_bodies():
         yield from (step.name for step in body.chart.steps) if isinstance(body, SfcBody) else ()
     for method in pou.methods:
         if method.interface is not None:

@@ -65,7 +65,7 @@ class Rewriting:
         """Prepare to read conditions."""
         self.source_steps = {step.id: step for step in self.source.steps}
         self.source_transitions = {transition.id: transition for transition in self.source.transitions}
-        self._read = condition_reader(self.chart.network, self.host.dialect, transitions=self.chart.pou.transitions)
+        self._read = condition_reader(self.chart.chart, self.host.dialect, transitions=self.chart.pou.transitions)
 
     def note(self, outcome: Outcome, what: str, place: str, why: str) -> None:
         """Report what became of something at `place` in the chart."""
@@ -107,7 +107,7 @@ def taken_names(project: Project, chart: Chart) -> set[str]:
     for parts in (pou.actions, pou.transitions, pou.methods):
         names += [part.name for part in parts]
     names += [variable.name for variable in pou.variables()]
-    names += [step.name for other in project.charts() if other.pou is pou for step in other.network.steps]
+    names += [step.name for other in project.charts() if other.pou is pou for step in other.chart.steps]
     return {name.casefold() for name in names}
 
 

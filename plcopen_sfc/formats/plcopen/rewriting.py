@@ -76,16 +76,16 @@ def rewrite_charts(
 ) -> None:
     """Change the charts of `copy` into what `host` executes, and add to `marks` what to keep of `project` where."""
     for chart, source in zip(list(copy.charts()), list(project.charts()), strict=True):
-        if needs_rewriting(chart.network, host, options) or chart.network != source.network:
+        if needs_rewriting(chart.chart, host, options) or chart.chart != source.chart:
             taken = taken_names(copy, chart)
-            _ChartRewriter(Rewriting(chart, source.network, host, options, report, marks, taken)).rewrite()
+            _ChartRewriter(Rewriting(chart, source.chart, host, options, report, marks, taken)).rewrite()
 
 
 class _ChartRewriter:
     def __init__(self, rewriting: Rewriting) -> None:
         self._rewriting = rewriting
         self._host = rewriting.host
-        self._chart = rewriting.chart.network
+        self._chart = rewriting.chart.chart
         self._note = rewriting.note
 
     def rewrite(self) -> None:

@@ -106,7 +106,7 @@ class StepRewriter:
     def __init__(self, rewriting: Rewriting) -> None:
         self._rewriting = rewriting
         self._host = rewriting.host
-        self._chart = rewriting.chart.network
+        self._chart = rewriting.chart.chart
         self._pou = rewriting.chart.pou
         self._rows = [(step, row) for step in self._chart.steps for row in step.actions]
         self._stated = {_key(row) for _, row in self._rows if self._writes_operand(row)}

@@ -50,9 +50,9 @@ def adapt(project: Project, report: ConversionReport) -> None:
     _say_instances(project)
     _say_constants(project)
     for chart in project.charts():
-        _shift_logic(chart.network)
+        _shift_logic(chart.chart)
         variables = {each.name.casefold() for each in chart.pou.variables() if not _is_own_member(each)}
-        _numbers(chart.network, chart.report_path, variables, report)
+        _numbers(chart.chart, chart.report_path, variables, report)
 
 
 def _is_own_member(variable: Variable) -> bool:

@@ -73,7 +73,7 @@ class SimaticmlCodec(FolderCodec):
             for name in [name for name in kept if name.startswith(SCHEMA)]:
                 del kept[name]
             for chart in project.charts():
-                fit_alarms(chart.network, _version(project, options))
+                fit_alarms(chart.chart, _version(project, options))
         version = _version(project, options)
         adapting.adapt(project, report)
         if not project.header.product:  # a project made in Python: nothing is lost when the file says who reads it

@@ -57,8 +57,8 @@ def put_coils(project: Project) -> None:
     made of them.
     """
     for chart in project.charts():
-        conditions: list[Condition | None] = [t.condition for t in chart.network.transitions]
-        for step in chart.network.steps:
+        conditions: list[Condition | None] = [t.condition for t in chart.chart.transitions]
+        for step in chart.chart.steps:
             conditions += [each.condition for each in (step.interlock, step.supervision) if each is not None]
         for condition in conditions:
             if isinstance(condition, BodyCondition):

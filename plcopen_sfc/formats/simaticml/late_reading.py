@@ -109,7 +109,7 @@ class LateDocument:
             if not self._ctx.of_tia:
                 exchange(thing, Markup.SIMATICML, Markup.TC6)
             if isinstance(thing, Pou):
-                for name, body in thing.named_bodies():
+                for name, _, body in thing.named_bodies():
                     if isinstance(body, SfcBody):
                         remember_body(body, name, self._data)
             if waiting:

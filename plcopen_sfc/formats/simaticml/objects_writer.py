@@ -166,10 +166,10 @@ def _renamed(ctx: WriteContext, pou: Pou) -> dict[str, str]:
     """New names of the static members that belong to steps and transitions, where these were renamed."""
     baseline = ctx.options.baseline
     before = next((p for p in baseline.pous if p.name == pou.name), None) if baseline is not None else None
-    if before is None or before.sfc is None or pou.name in ctx.options.untouched or pou.sfc is None:
+    if before is None or before.chart is None or pou.name in ctx.options.untouched or pou.chart is None:
         return {}
-    old = _chart_names(before.sfc)
-    new = _chart_names(pou.sfc)
+    old = _chart_names(before.chart)
+    new = _chart_names(pou.chart)
     return {old[key]: new[key] for key in old.keys() & new.keys() if old[key] != new[key]}
 
 

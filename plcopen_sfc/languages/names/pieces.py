@@ -405,8 +405,8 @@ def _partial(name: str, where: _Where) -> s.SfcNetwork | None:
     while waiting:
         for partial in waiting.pop().partial_charts:
             if partial.name == name:
-                return partial.network
-            waiting.append(partial.network)
+                return partial.chart
+            waiting.append(partial.chart)
     return None
 
 
@@ -425,7 +425,7 @@ _ENTERING: dict[type[Model], _Entering] = {
     s.SfcNetwork: _chart,
     s.Step: lambda step, where: where.at(f"step {step.name}"),
     s.Transition: _transition,
-    s.PartialChart: lambda partial, where: replace(where.at(partial.name), owner=partial.network),
+    s.PartialChart: lambda partial, where: replace(where.at(partial.name), owner=partial.chart),
     s.Enclosure: _enclosure,
     ForcingOrder: _forcing,
     ActionAssociation: lambda a, where: where.at(f"action {a.target}" if a.target else "action"),

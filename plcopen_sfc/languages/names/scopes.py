@@ -325,7 +325,7 @@ def charts_inside(body: Body | None) -> Iterator[SfcNetwork]:
         while waiting:
             chart = waiting.pop()
             yield chart
-            waiting += [partial.network for partial in chart.partial_charts]
+            waiting += [partial.chart for partial in chart.partial_charts]
             macros = [step.macro.body for step in chart.steps if step.macro is not None]
             waiting += [macro.chart for macro in macros if isinstance(macro, SfcBody)]
 

@@ -49,7 +49,7 @@ def read_grafcet(
 ) -> ChartSource:
     """Read the chart of `pou`; the rest as in `read_chart`."""
     copied = pou.model_copy(deep=True)
-    chart = copied.sfc
+    chart = copied.chart
     if chart is None:
         raise LoweringError("there is no chart to be lowered")
     reader = _Reader(copied, chart, dialect, profile, Targets(pou, project, dialect))

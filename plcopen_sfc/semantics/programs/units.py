@@ -204,7 +204,7 @@ class Unit(Callee):
             for section in method.interface.sections if method.interface is not None else ():
                 if kept(section.carried).get("keyword") == "VAR_INST":
                     self.library.problems.append(SimulationError(f"VAR_INST of {method.name} does not keep its value"))
-        for name, body in self.pou.named_bodies():
+        for name, _, body in self.pou.named_bodies():
             if isinstance(body, SfcBody) and id(body) not in self._executions:  # that of an action may run as the body
                 self._declare_chart(name, body)
         for action in self.pou.actions:

@@ -88,7 +88,7 @@ def hierarchies(draw: st.DrawFn, depth: int = 1) -> SfcNetwork:
         name, kind = draw(st.sampled_from(CHARTS)), draw(st.sampled_from(PartialChartKind))
         ends = draw(st.none() | st.sampled_from(NAMES)), draw(st.none() | st.sampled_from(NAMES))
         chart.partial_charts.append(
-            PartialChart(name=name, kind=kind, network=inner, entry_step=ends[0], exit_step=ends[1])
+            PartialChart(name=name, kind=kind, chart=inner, entry_step=ends[0], exit_step=ends[1])
         )
     return chart
 

@@ -142,7 +142,7 @@ def drawn(*symbols: tuple[int, SymbolKind, list[int]], jump_to: int | None = Non
 def part(name: str, kind: PartialChartKind, *names: str, initial: bool = True) -> PartialChart:
     network = ring(*names)
     network.steps[0].initial = initial
-    return PartialChart(name=name, kind=kind, network=network)
+    return PartialChart(name=name, kind=kind, chart=network)
 
 
 def case(
@@ -453,7 +453,7 @@ def enclosed(*links: str) -> Callable[[], Subject]:
         whole.step("S2").encloses = [Enclosure(chart=f"G{n}", activated_steps=[link]) for n, link in enumerate(links)]
         for number, names in enumerate((("A", "B"), ("C", "D"))):
             inner = part(f"G{number}", PartialChartKind.ENCLOSED, *names, initial=False)
-            acting(inner.network, names[0], target="x", kind=ActionKind.ON_ACTIVATION, value=str(number))
+            acting(inner.chart, names[0], target="x", kind=ActionKind.ON_ACTIVATION, value=str(number))
             whole.partial_charts.append(inner)
 
     return made(change)
@@ -602,7 +602,7 @@ def expanded(*steps_of_it: str, name: str = "M1", back: bool = False) -> Callabl
         chart.step("S2").macro = Macro(expansion="M1")
         inner = part(name, PartialChartKind.EXPANSION, *steps_of_it)
         if not back:
-            inner.network.transitions.pop()
+            inner.chart.transitions.pop()
         chart.partial_charts.append(inner)
 
     return made(change)
@@ -654,7 +654,7 @@ def ruling(*orders: tuple[str, str], same: bool = True) -> Callable[[], Subject]
         for name in ("G1", "G2", "G3"):
             whole.partial_charts.append(part(name, PartialChartKind.GLOBAL, f"{name}a", f"{name}b"))
         for number, (upper, lower) in enumerate(orders):
-            network = next(p.network for p in whole.partial_charts if p.name == upper)
+            network = next(p.chart for p in whole.partial_charts if p.name == upper)
             situation = list(ForcedSituation)[0 if same else number]
             order = ForcingOrder(chart=lower, situation=situation)
             acting(network, f"{upper}b", kind=ActionKind.FORCING, forcing=order)

@@ -97,7 +97,7 @@ def test_attributes_of_an_association() -> None:
 
 def test_attributes_of_jumps_and_branches() -> None:
     loaded = sfc.load(FIXTURES / "codesys/sorting_conveyor.xml")
-    symbols = [s for c in loaded.charts() for s in c.network.drawing.symbols]  # type: ignore[union-attr]
+    symbols = [s for c in loaded.charts() for s in c.chart.drawing.symbols]  # type: ignore[union-attr]
     branches = [s for s in symbols if s.kind.value.endswith("Divergence")]
     assert all(s.name is not None and s.name.startswith("Branch") for s in branches)
     assert all(s.exclude is False for s in branches)
@@ -198,7 +198,7 @@ def test_flags_that_nobody_knows_are_flags_too() -> None:
 def test_one_flag_switched_is_one_line() -> None:
     path = FIXTURES / "codesys/device_export.xml"
     loaded = sfc.load(path)
-    chart_ = next(c.network for c in loaded.charts() if c.network.settings is not None)
+    chart_ = next(c.chart for c in loaded.charts() if c.chart.settings is not None)
     assert {m.SfcFlag.CURRENT_STEPS, m.SfcFlag.META_STEPS} <= chart_.settings.flags.keys()  # type: ignore[union-attr]
     use = chart_.settings.flags[m.SfcFlag.TIP]  # type: ignore[union-attr]
     use.use = not use.use
@@ -211,7 +211,7 @@ def test_settings_in_an_action() -> None:
     body = f"<body><SFC>{step(0, 'A_Go', initial=True)}</SFC></body>"
     one = pou(f'<actions><action name="Go">{body}{add(settings(""))}</action></actions>{ST}')
     loaded = round_trip(codesys(one))
-    (found,) = [c.network for c in loaded.charts()]
+    (found,) = [c.chart for c in loaded.charts()]
     assert found.settings is not None
 
 
@@ -237,7 +237,7 @@ def test_objects_of_a_pou() -> None:
     assert one.interface.declaration == "PROGRAM Main\nVAR // {attribute 'x'}\nEND_VAR\n"
     assert [(x.name, x.object_id) for x in one.methods] == [("Start", "m-1")]
     assert one.methods[0].interface.declaration is not None  # type: ignore[union-attr]
-    assert [name for name, _ in one.named_bodies()] == ["Main", "Main.Start"]
+    assert [name for name, _, _ in one.named_bodies()] == ["Main", "Main.Start"]
 
 
 def test_pous_in_the_three_places() -> None:

@@ -153,7 +153,7 @@ def test_7_jump_behind_a_convergence() -> None:
 def test_8_charts_in_actions_have_steps_with_names_of_their_own(name: str) -> None:
     project_ = sfc.load(FIXTURES / name)
     for pou in project_.pous:
-        names = [s.name.casefold() for c in project_.charts() if c.pou is pou for s in c.network.steps]
+        names = [s.name.casefold() for c in project_.charts() if c.pou is pou for s in c.chart.steps]
         assert len(set(names)) == len(names)
 
 
@@ -165,8 +165,8 @@ def test_9_times_and_keywords_keep_the_users_spelling() -> None:
 def test_conditions_are_the_expressions_and_not_logic() -> None:
     for name in ALL:
         for one in sfc.load(FIXTURES / name).charts():
-            assert one.network.logic == []
-            assert all(isinstance(t.condition, m.Expression) for t in one.network.transitions)
+            assert one.chart.logic == []
+            assert all(isinstance(t.condition, m.Expression) for t in one.chart.transitions)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -174,14 +174,14 @@ def test_fixtures_run_round(name: str) -> None:
     """Every transition leads from a step to a step, and every step that is not dead is reached."""
     loaded = sfc.load(FIXTURES / name)
     for one in loaded.charts():
-        assert len(one.network.initial_steps) == 1
-        for transition_ in one.network.transitions:
+        assert len(one.chart.initial_steps) == 1
+        for transition_ in one.chart.transitions:
             assert transition_.sources or "SFC104" in codes(loaded)
 
 
 def test_press_station_has_each_quirk() -> None:
     loaded = sfc.load(FIXTURES / "twincat/press_station.xml")
-    networks = [c.network for c in loaded.charts()]
+    networks = [c.chart for c in loaded.charts()]
     shared = [s for n in networks for s in n.drawing.symbols if s.transitions]  # type: ignore[union-attr]
     assert shared
     bars = [[n.step(i).name for i in t.targets] for n in networks for t in n.transitions if len(t.targets) > 1]

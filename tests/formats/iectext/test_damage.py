@@ -111,7 +111,7 @@ def test_an_action_without_its_end_does_not_swallow_the_chart() -> None:
 def test_edits_of_random_texts_change_their_place(project: m.Project, data: st.DataObject) -> None:
     text = sfc.dumps(project, format="iec-text", fresh=True, partial=True)
     loaded = sfc.loads(text, format="iec-text")
-    charts = [chart.network for chart in loaded.charts()]
+    charts = [chart.chart for chart in loaded.charts()]
     if charts:
         chart = data.draw(st.sampled_from(charts))
         step = data.draw(st.sampled_from(chart.steps))

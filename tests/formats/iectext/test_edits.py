@@ -32,7 +32,7 @@ def plant() -> m.Project:
 
 
 def chart_of(project: m.Project) -> m.SfcNetwork:
-    return next(iter(project.charts())).network
+    return next(iter(project.charts())).chart
 
 
 def test_a_step_is_renamed(plant: m.Project) -> None:

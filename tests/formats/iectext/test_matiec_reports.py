@@ -19,7 +19,7 @@ def _mistakes(report: ConversionReport) -> list[str]:
 
 def test_a_supervision_of_s7_is_one_item() -> None:
     project = sfc.load(FIXTURES / "simaticml" / "FB_Drill.xml")
-    step = next(project.charts()).network.steps[1]
+    step = next(project.charts()).chart.steps[1]
     step.supervision = m.Supervised(condition=m.Expression(text="FALSE"))
     data, report = sfc.convert(project, "iec-text", flavour="matiec", partial=True)
     assert b"ChartLogic(S)" in data

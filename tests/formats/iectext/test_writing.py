@@ -155,12 +155,12 @@ def test_drawn_conditions_are_shown_as_expressions() -> None:
     source = sfc.load("fixtures/plcopen/filling_station_2.01.xml")
     text = written(source)
     drawn = [
-        t for chart in source.charts() for t in chart.network.transitions if isinstance(t.condition, m.WiredCondition)
+        t for chart in source.charts() for t in chart.chart.transitions if isinstance(t.condition, m.WiredCondition)
     ]
     assert len(drawn) == 4
     assert text.count("].drawn.shown := ") == 4  # two of them as statements, which call a timer
     seen = sfc.loads(text.encode(), format="iec-text", as_tool=True)
-    shown = [t.condition for chart in seen.charts() for t in chart.network.transitions]
+    shown = [t.condition for chart in seen.charts() for t in chart.chart.transitions]
     assert all(condition is not None for condition in shown)
     assert [c.body.text.split("(")[0] for c in shown if isinstance(c, m.BodyCondition)] == ["DripTimer", "OutTimer"]
 
@@ -206,7 +206,7 @@ def test_a_changed_expression_counts_more_than_the_drawing_it_was_shown_for() ->
     line = next(line for line in text.splitlines() if ".drawn.shown := " in line)
     shown = line.split(":= '")[1].removesuffix("'}")
     edited = sfc.loads(text.replace(f":= {shown};", ":= Something_else;", 1).encode())
-    conditions = [t.condition for chart in edited.charts() for t in chart.network.transitions]
+    conditions = [t.condition for chart in edited.charts() for t in chart.chart.transitions]
     assert m.Expression(text="Something_else") in conditions
     assert [d.code for d in edited.diagnostics if d.code == "IEC213"] == ["IEC213"]
 

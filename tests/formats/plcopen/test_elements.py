@@ -491,7 +491,7 @@ def test_pou_bodies_and_named_parts_in_each_language(language: str) -> None:
             )
         )
     )
-    names = [(name, b.language) for name, b in loaded.pou("main").named_bodies()]
+    names = [(name, b.language) for name, _, b in loaded.pou("main").named_bodies()]
     assert names == [("Main", language), ("Main.Act", language), ("Main.Go", language)]
 
 

@@ -300,7 +300,7 @@ def test_conditions_are_expressions_in_codesys_or_do_not_compile() -> None:
 def test_networks_of_tia_portal_are_expressions_in_codesys(file: str) -> None:
     data = sfc.dumps(sfc.load(FIXTURES / file), format="codesys", partial=True)
     for chart in sfc.loads(data, as_tool=True).charts():
-        assert all(isinstance(transition.condition, Expression) for transition in chart.network.transitions)
+        assert all(isinstance(transition.condition, Expression) for transition in chart.chart.transitions)
     assert b"TrCoil</attribute>" not in data
 
 
@@ -448,7 +448,7 @@ def test_a_native_edit_wins_over_what_extension_data_keep(old: str, new: str, ta
     project = sfc.loads(EDITABLE.encode(), format="iec-text")
     project.dialect = Dialect.CODESYS
     (chart,) = project.charts()
-    first, second = chart.network.steps
+    first, second = chart.chart.steps
     first.actions, first.exit_action, first.min_time = [], "Out", "T#50ms"
     second.main_action = "Work"
     text = sfc.dumps(project, format=target, partial=True).decode()
@@ -483,7 +483,7 @@ def test_nothing_of_the_way_back_to_codesys_is_called_a_mistake() -> None:
     assert chart.pou.interface is not None
     chart.pou.interface.sections[0].variables.append(Variable(name="SFCInit", type="BOOL"))
     chart.pou.actions.append(Action(name="Nested", body=SfcBody(chart=inner)))
-    chart.network.steps[1].actions = [ActionAssociation(id=90, qualifier=Qualifier.N, target="Nested")]
+    chart.chart.steps[1].actions = [ActionAssociation(id=90, qualifier=Qualifier.N, target="Nested")]
     content = sfc.dumps(project, format="plcopen-2.01", partial=True)
     _, report = sfc.convert(sfc.loads(content), "codesys", partial=True)
     assert {item.what for item in report.losses} >= {"SFCInit", "code"}
@@ -497,7 +497,7 @@ def test_an_action_of_codesys_comes_back_from_tia_portal_with_its_final_scan() -
     first = sfc.dumps(project, format="codesys")
     away = sfc.dumps(sfc.loads(first), format="simaticml", partial=True)
     content, report = sfc.convert(sfc.loads(away), "codesys", partial=True)
-    chart = next(iter(sfc.loads(content, as_tool=True).charts())).network
+    chart = next(iter(sfc.loads(content, as_tool=True).charts())).chart
     assert chart.step("S2").main_action is None
     assert [row.target for row in chart.step("S2").actions] == ["Work"]
     assert [item.what for item in report.losses if item.what == "final scan"] == ["final scan"]

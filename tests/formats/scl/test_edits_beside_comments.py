@@ -35,7 +35,7 @@ def written() -> str:
 def test_nothing_is_outdated_as_it_was_written() -> None:
     project = sfc.loads(written().encode(), format="scl")
     assert not project.diagnostics
-    assert next(iter(project.charts())).network.steps[0].name == "S1"
+    assert next(iter(project.charts())).chart.steps[0].name == "S1"
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ PARAMS = [pytest.param(path, id=path.name[:40], marks=pytest.mark.corpus) for pa
 
 def shapes(project: Project) -> list[Counter[tuple[frozenset[str], frozenset[str]]]]:
     """What the charts of a project do, by the names of steps."""
-    return [links(chart.network) for chart in project.charts() if chart.network.steps]
+    return [links(chart.chart) for chart in project.charts() if chart.chart.steps]
 
 
 @pytest.mark.parametrize("path", PARAMS)

@@ -20,7 +20,7 @@ from tests.formats.simaticml.documents import FIXTURES, GRAPH_PARAMS, parsed
 
 
 def charts(project: Project) -> list[SfcNetwork]:
-    return [chart.network for chart in project.charts()]
+    return [chart.chart for chart in project.charts()]
 
 
 @pytest.mark.parametrize("path", GRAPH_PARAMS)

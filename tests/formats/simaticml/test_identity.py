@@ -31,7 +31,7 @@ def those_with(pattern: bytes) -> list[Any]:
 
 
 def first_chart(project: Project) -> SfcNetwork:
-    chart = next((chart.network for chart in project.charts() if chart.network.steps), None)
+    chart = next((chart.chart for chart in project.charts() if chart.chart.steps), None)
     if chart is None:
         pytest.skip("the block has no steps")
     return chart

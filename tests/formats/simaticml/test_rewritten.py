@@ -150,7 +150,7 @@ def outdated(text: str) -> list[str]:
     """What the warnings of a file say that comments keep in vain, with their places."""
     project = sfc.loads(text.encode())
     for chart in project.charts():
-        assert chart.network.steps is not None
+        assert chart.chart.steps is not None
     for pou in project.pous:
         pou.variables()
     assert project.data_types is not None

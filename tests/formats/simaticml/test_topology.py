@@ -45,7 +45,7 @@ def written(chart: SfcNetwork) -> tuple[etree._Element, ConversionReport, SfcNet
     assert validate(stream.getvalue()) == []
     again = sfc.loads(stream.getvalue())
     (read,) = again.charts()
-    return parsed(stream.getvalue()), report, read.network
+    return parsed(stream.getvalue()), report, read.chart
 
 
 def links(chart: SfcNetwork) -> Counter[tuple[frozenset[str], frozenset[str]]]:
@@ -153,8 +153,8 @@ def test_steps_that_were_put_in_and_that_somebody_uses_are_steps_of_the_chart() 
             assert action is not None
             action.set("Qualifier", "N")
     (again,) = sfc.loads(etree.tostring(root)).charts()
-    assert "Wait6" in [step.name for step in again.network.steps]
-    assert len(again.network.transitions) == 6
+    assert "Wait6" in [step.name for step in again.chart.steps]
+    assert len(again.chart.transitions) == 6
 
 
 def test_charts_that_are_not_connected_are_sequences() -> None:
@@ -193,7 +193,7 @@ def test_edits_of_a_document_with_steps_put_in() -> None:
     project = sfc.loads(data, format="simaticml")
     assert sfc.dumps(project) == data
     (found,) = project.charts()
-    network = found.network
+    network = found.chart
     network.step("S3").name = "Renamed"
     edited = sfc.dumps(project)
     assert edited == data.replace(b'Name="S3"', b'Name="Renamed"')
@@ -202,5 +202,5 @@ def test_edits_of_a_document_with_steps_put_in() -> None:
     network.transitions[-1].targets = [new.id]
     network.add_transition(new, network.step("S0"), "TRUE")
     (again,) = sfc.loads(sfc.dumps(project)).charts()
-    assert links(again.network) == links(network)
-    assert [step.name for step in again.network.steps] == ["S0", "S1", "S2", "Renamed", "S4", "New"]
+    assert links(again.chart) == links(network)
+    assert [step.name for step in again.chart.steps] == ["S0", "S1", "S2", "Renamed", "S4", "New"]

@@ -283,6 +283,6 @@ def test_converted_charts_are_complete() -> None:
     again = sfc.loads(data)
     (mine,) = [c for c in project.charts() if c.name == "Ablauf_Band"]
     (theirs,) = [c for c in again.charts() if c.name == "Ablauf_Band"]
-    assert [s.name for s in theirs.network.steps] == [s.name for s in mine.network.steps]
+    assert [s.name for s in theirs.chart.steps] == [s.name for s in mine.chart.steps]
     for element in parsed(data).iter("{*}Graph"):
         check(element, "Graph", 5)

@@ -177,11 +177,11 @@ def test_everything_that_a_step_says() -> None:
 def test_forcing_orders_name_steps_of_partial_charts() -> None:
     main = sfc("Main", "S1 S2")
     assert main.sfc is not None
-    main.sfc.partial_charts = [m.PartialChart(name="G2", network=chart("S1 S7"), entry_step="S7")]
+    main.sfc.partial_charts = [m.PartialChart(name="G2", chart=chart("S1 S7"), entry_step="S7")]
     order = m.ForcingOrder(chart="G2", situation=m.ForcedSituation.EXPLICIT, steps=["S1", "S7"])
     main.sfc.steps[0].actions = [m.ActionAssociation(id=9, forcing=order)]
     made = project(main)
-    inner = main.sfc.partial_charts[0].network
+    inner = main.sfc.partial_charts[0].chart
     assert len(places(made, inner.steps[0])) == 1
     assert len(places(made, inner.steps[1])) == 2
     assert places(made, main.sfc.steps[0]) == []

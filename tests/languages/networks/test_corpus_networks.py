@@ -69,7 +69,7 @@ def bodies_in(body: Body | str | None, name: str) -> Iterator[tuple[str, FbdBody
 
 
 def networks_in(path: Path, pou: Pou, dialect: Dialect) -> Iterator[Found]:
-    for name, body in pou.named_bodies():
+    for name, _, body in pou.named_bodies():
         for inner, network in bodies_in(body, name):
             yield Found(path.name, inner, network.language, dialect, body_statements(network, dialect))
         if isinstance(body, SfcBody):

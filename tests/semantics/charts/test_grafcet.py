@@ -256,7 +256,7 @@ def emergency_stop(situation: str, steps: list[str] | None = None) -> SfcNetwork
     below = chain("1", "2", "3")
     below.step("2").actions = [action("continuous")]
     below.step("1").actions = [action("onActivation", "n", value="n + 1")]
-    return SfcNetwork(partial_charts=[PartialChart(name="G2", network=above), PartialChart(name="G1", network=below)])
+    return SfcNetwork(partial_charts=[PartialChart(name="G2", chart=above), PartialChart(name="G1", chart=below)])
 
 
 FORCED = "stop Q n:INT"
@@ -290,7 +290,7 @@ def test_a_frozen_chart_goes_on_from_where_it_was() -> None:
 def test_two_orders_that_contradict_each_other_are_an_error() -> None:
     chart = emergency_stop("INIT")
     order = ForcingOrder(chart="G1", situation=ForcedSituation.EMPTY)
-    chart.partial_charts[0].network.step("11").actions.append(
+    chart.partial_charts[0].chart.step("11").actions.append(
         ActionAssociation(id=8, kind=ActionKind.FORCING, forcing=order)
     )
     with pytest.raises(SimulationError, match="force G1 into different situations"):
@@ -300,7 +300,7 @@ def test_two_orders_that_contradict_each_other_are_an_error() -> None:
 def test_charts_that_force_each_other_are_refused() -> None:
     chart = emergency_stop("INIT")
     order = ForcingOrder(chart="G2", situation=ForcedSituation.INITIAL)
-    chart.partial_charts[1].network.step("1").actions.append(
+    chart.partial_charts[1].chart.step("1").actions.append(
         ActionAssociation(id=8, kind=ActionKind.FORCING, forcing=order)
     )
     with pytest.raises(UnknownBehaviourError, match="rule each other"):
@@ -320,7 +320,7 @@ def test_forcing_reaches_through_the_hierarchy_in_one_evolution() -> None:
     above = chain("20", "21", conditions="c3;FALSE")
     order = ForcingOrder(chart="G2", situation=ForcedSituation.EXPLICIT, steps=["11"])
     above.step("21").actions = [ActionAssociation(id=8, kind=ActionKind.FORCING, forcing=order)]
-    chart.partial_charts.append(PartialChart(name="G3", network=above))
+    chart.partial_charts.append(PartialChart(name="G3", chart=above))
     bench = rig(chart, FORCED).scan()
     assert bench.active == "G2.10 G1.1 G3.20"
     assert bench.scan(c3=True).active == "G2.11 G3.21"
@@ -334,7 +334,7 @@ def enclosing(*, initial: bool = False) -> SfcNetwork:
     inner.step("10").initial = False
     inner.step("11").initial = initial
     inner.step("10").actions = [action("continuous")]
-    outer.partial_charts = [PartialChart(name="G1", network=inner, kind=PartialChartKind.ENCLOSED)]
+    outer.partial_charts = [PartialChart(name="G1", chart=inner, kind=PartialChartKind.ENCLOSED)]
     return outer
 
 
@@ -362,10 +362,10 @@ def test_an_initial_enclosing_step_starts_with_the_initial_steps_of_its_chart() 
 
 def test_enclosing_steps_in_enclosed_charts() -> None:
     chart = enclosing()
-    chart.partial_charts[0].network.step("10").encloses = [Enclosure(chart="G0", activated_steps=["30"])]
+    chart.partial_charts[0].chart.step("10").encloses = [Enclosure(chart="G0", activated_steps=["30"])]
     deepest = chain("30", "31", conditions="FALSE FALSE")
     deepest.step("30").initial = False
-    chart.partial_charts.append(PartialChart(name="G0", network=deepest, kind=PartialChartKind.ENCLOSED))
+    chart.partial_charts.append(PartialChart(name="G0", chart=deepest, kind=PartialChartKind.ENCLOSED))
     bench = rig(chart, "Q").scan(c1=True)
     assert bench.active == "2 G1.10 G0.30"
     assert bench.scan(c1=False, c2=True).active == "3"
@@ -376,7 +376,7 @@ def test_macro_steps_of_expansions() -> None:
     chart = SfcNetwork(
         steps=[Step(id=0, name="1", initial=True), Step(id=1, name="M1", macro=Macro(expansion="M1"))],
         partial_charts=[
-            PartialChart(name="M1", network=expansion, kind=PartialChartKind.EXPANSION, entry_step="E1", exit_step="S1")
+            PartialChart(name="M1", chart=expansion, kind=PartialChartKind.EXPANSION, entry_step="E1", exit_step="S1")
         ],
     )
     expansion.step("E1").initial = False

@@ -106,8 +106,8 @@ def test_every_body_of_the_corpus_is_translated_or_refused_with_a_reason() -> No
     for name, project in projects():
         controller = Controller(project, chart_compiler=NoChart, max_steps=2000)
         for pou in project.pous:
-            bodies += sum(1 for _, body in pou.named_bodies() if not isinstance(body, SfcBody))
-            refused |= {(name, path) for path, body in pou.named_bodies() if isinstance(body, OpaqueBody)}
+            bodies += sum(1 for _, _, body in pou.named_bodies() if not isinstance(body, SfcBody))
+            refused |= {(name, path) for path, _, body in pou.named_bodies() if isinstance(body, OpaqueBody)}
             error = run(controller.instance(pou), chance)
             assert error is None or (error.scan and error.pou), error
         for problem in controller.problems:

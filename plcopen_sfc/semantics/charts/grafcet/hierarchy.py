@@ -74,7 +74,7 @@ class Hierarchy:
             raise UnknownBehaviourError(f"there is no partial chart {name}", location=self._place(where))
         found = self._charts.get(name.casefold())
         if found is None:
-            found = self._charts[name.casefold()] = RuledChart(partial.name, self._steps_of(partial.network))
+            found = self._charts[name.casefold()] = RuledChart(partial.name, self._steps_of(partial.chart))
         return found
 
     def _steps_of(self, chart: SfcNetwork) -> int:
@@ -88,7 +88,7 @@ class Hierarchy:
         return bits
 
     def _owners(self, steps: int) -> set[str]:
-        return {name for name, partial in self._partials.items() if self._steps_of(partial.network) & steps}
+        return {name for name, partial in self._partials.items() if self._steps_of(partial.chart) & steps}
 
     def _imposed(self, model: ActionAssociation, where: str) -> int | None:
         order = model.forcing
@@ -100,7 +100,7 @@ class Hierarchy:
             case ForcedSituation.EMPTY:
                 return 0
             case ForcedSituation.INITIAL:
-                return self._initial(partial.network)
+                return self._initial(partial.chart)
             case ForcedSituation.EXPLICIT:
                 return self._named(partial, order.steps, where)
 
@@ -120,13 +120,12 @@ class Hierarchy:
             found = [
                 step.bit
                 for step in self._net.steps
-                if step.chart is partial.network
-                and name.casefold() in (step.step.name.casefold(), str(step.step.number))
+                if step.chart is partial.chart and name.casefold() in (step.step.name.casefold(), str(step.step.number))
             ]
             found += [
                 1 << macro.entry
                 for macro in self._net.macros
-                if macro.chart is partial.network
+                if macro.chart is partial.chart
                 and macro.step.name.casefold() == name.casefold()
                 and macro.entry is not None
             ]
