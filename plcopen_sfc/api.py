@@ -140,7 +140,7 @@ def check_syntax(project: Project) -> list[Diagnostic]:
 
 def _text_of(content: bytes, kind: Format) -> str:
     if kind.xml:
-        from plcopen_sfc.formats.xml.source import decode  # noqa: PLC0415
+        from plcopen_sfc.formats.xml.xml_parsing import decode  # noqa: PLC0415
 
         return decode(content)[0]
     from plcopen_sfc.formats.text import decode as decode_text  # noqa: PLC0415

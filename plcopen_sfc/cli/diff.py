@@ -20,6 +20,6 @@ def difference(before: bytes, after: bytes, name: str) -> Iterator[str]:
 def _codec(data: bytes, name: str) -> str:
     if not recognise(data, file=name).xml:
         return "utf-8"
-    from plcopen_sfc.formats.xml.source import detect_encoding  # noqa: PLC0415  # only for XML
+    from plcopen_sfc.formats.xml.xml_parsing import detect_encoding  # noqa: PLC0415  # only for XML
 
     return detect_encoding(data, file=name).codec

@@ -203,7 +203,7 @@ def _characters(data: bytes, *, xml: bool) -> tuple[str, str]:
     """Encoding and line ends, as people name them."""
     codec, mark = "utf-8", data.startswith(b"\xef\xbb\xbf")
     if xml:
-        from plcopen_sfc.formats.xml.source import detect_encoding  # noqa: PLC0415  # only for XML
+        from plcopen_sfc.formats.xml.xml_parsing import detect_encoding  # noqa: PLC0415  # only for XML
 
         encoding = detect_encoding(data)
         codec, mark = encoding.codec, bool(encoding.bom)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from lxml import etree
 
     from plcopen_sfc.formats.base import TextCodec
-    from plcopen_sfc.formats.xml.codec import XmlCodec
+    from plcopen_sfc.formats.xml.xml_codec import XmlCodec
 
 
 def read_document(data: bytes, *, format: str | None, path: str | None, as_tool: bool = False) -> Project:
@@ -391,8 +391,8 @@ def _note_limits(project: Project, report: ConversionReport) -> None:
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """The file that was read with the edits in it. Charts that nobody touched are neither drawn nor written."""
     from plcopen_sfc.drawing import DrawingStyle, prepare, prepare_body  # noqa: PLC0415
-    from plcopen_sfc.formats.xml.patch import patch  # noqa: PLC0415
-    from plcopen_sfc.formats.xml.writing import canonical  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.source_patch import patch  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.xml_codec import canonical  # noqa: PLC0415
 
     style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
     touched, untouched = set(), set()

@@ -225,7 +225,7 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
         )
     # what is wrong with it as XML says more than that nobody knows it
     from plcopen_sfc.formats.plcopen.project_reader import find_version  # noqa: PLC0415  # only for files in trouble
-    from plcopen_sfc.formats.xml.source import parse  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.xml_parsing import parse  # noqa: PLC0415
 
     find_version(parse(data, file=file), file=file)
     raise UnknownFormatError("no format recognises this file", location=Location(file), hint=_HINT)

@@ -15,16 +15,18 @@ class Edit(NamedTuple):
     text: str
 
 
-def apply_edits(text: str, edits: Iterable[Edit]) -> str:
-    """`text` with the edits made. They may stand in any order but must not overlap (`ValueError`)."""
-    pieces: list[str] = []
-    position = 0
-    for start, end, new in sorted(edits):
-        if start < position:
-            raise ValueError(f"edits overlap at {start}")
-        pieces += text[position:start], new
-        position = end
-    return "".join(pieces) + text[position:]
+def apply_edits(text: str, edits: Iterable[Edit], start: int = 0, end: int | None = None) -> str:
+    """Return `text[start:end]` with the edits made, which may be given in any order.
+
+    Insertions at one place keep their order and come before replacements. Raises `ValueError` where edits overlap.
+    """
+    parts: list[str] = []
+    for edit in sorted(edits, key=lambda edit: (edit.start, edit.end)):
+        if edit.start < start:
+            raise ValueError(f"edits overlap at position {edit.start}")
+        parts += (text[start : edit.start], edit.text)
+        start = edit.end
+    return "".join(parts) + text[start:end]
 
 
 def without(text: str, spans: Iterable[tuple[int, int]]) -> str:

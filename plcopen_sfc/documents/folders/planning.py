@@ -16,7 +16,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 
 if TYPE_CHECKING:
-    from plcopen_sfc.formats.xml.codec import FolderCodec
+    from plcopen_sfc.formats.xml.xml_codec import FolderCodec
 
 __all__ = ["PROJECT_DOCUMENT", "PlannedDocument", "plan_anew", "plan_like"]
 

@@ -31,7 +31,7 @@ from plcopen_sfc.model.project_object import ProjectObject
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
-    from plcopen_sfc.formats.xml.codec import FolderCodec
+    from plcopen_sfc.formats.xml.xml_codec import FolderCodec
 
 __all__ = ["edited_files", "save_folder"]
 

@@ -18,7 +18,7 @@ from plcopen_sfc.formats.plcopen.codec import Tc6Codec
 from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01
-from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.formats.xml.xml_codec import XmlStyle
 from plcopen_sfc.languages.embedded_code import embedded_code
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project

@@ -23,7 +23,7 @@ from plcopen_sfc.formats.plcopen.types_reader import (
     read_interface,
     read_section,
 )
-from plcopen_sfc.formats.xml.carrying import markup
+from plcopen_sfc.formats.xml.extension_data import markup
 from plcopen_sfc.languages.declarations.inheritance import Inheritance, kept_inheritance
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.network import BlockCall

@@ -21,7 +21,7 @@ from plcopen_sfc.formats.plcopen.types_writer import (
 )
 from plcopen_sfc.formats.plcopen.versions import XHTML
 from plcopen_sfc.formats.plcopen.writing import WriteContext, Written, finish
-from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.declarations.inheritance import kept_inheritance
 from plcopen_sfc.languages.declarations.kept import KEPT_DATA
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
@@ -142,7 +142,7 @@ def mark_as_codesys(root: etree._Element) -> None:
 
 def _text_element(ctx: WriteContext, name: str, text: str) -> etree._Element:
     element = etree.Element(ctx.version_tag(name), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
-    element.text = legal(text)
+    element.text = legal_text(text)
     return element
 
 
@@ -155,7 +155,7 @@ def _declaration(ctx: WriteContext, thing: Interface | DataTypeDeclaration | Var
     text = thing.declaration
     if text is not None and id(thing) not in ctx.stale:
         holder = etree.Element(ctx.version_tag("InterfaceAsPlainText"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
-        etree.SubElement(holder, f"{{{XHTML}}}xhtml", nsmap={None: XHTML}).text = legal(text)  # type: ignore[dict-item]
+        etree.SubElement(holder, f"{{{XHTML}}}xhtml", nsmap={None: XHTML}).text = legal_text(text)  # type: ignore[dict-item]
         yield names.PLAIN_TEXT, _IMPLEMENTATION, holder
 
 
@@ -182,10 +182,10 @@ def _attributes(carried: Carried | None, pairs: list[tuple[str, str | None]]) ->
             unheard_of = text in ("0", "FALSE") and raw.strip() not in _VALUES.get(guid, {raw.strip()})
             text = raw if unheard_of or raw.split() == text.split() else text and padded(text, raw)
         if text:
-            etree.SubElement(table, "attribute", guid=guid).text = legal(text)
+            etree.SubElement(table, "attribute", guid=guid).text = legal_text(text)
     for guid, raw in kept.items():
         if guid not in _KNOWN:
-            etree.SubElement(table, "attribute", guid=guid).text = legal(raw)
+            etree.SubElement(table, "attribute", guid=guid).text = legal_text(raw)
     return table
 
 
@@ -380,7 +380,7 @@ def _inheritance(ctx: WriteContext, name: str, carried: Carried | None) -> Itera
         element = etree.Element(ctx.version_tag("Inheritance"), nsmap={None: ctx.version.namespace})  # type: ignore[dict-item]
         for tag, bases in (("Extends", found.extends), ("Implements", found.implements)):
             for base in bases:
-                etree.SubElement(element, ctx.version_tag(tag)).text = legal(base)
+                etree.SubElement(element, ctx.version_tag(tag)).text = legal_text(base)
         yield name, _IMPLEMENTATION, element
 
 
@@ -483,7 +483,7 @@ def _task(ctx: WriteContext, task: Task, _owner: str) -> Iterator[Written]:
 
 def _no_namespace(name: str, text: str) -> etree._Element:
     element = etree.Element(name, nsmap={None: ""})  # type: ignore[dict-item]
-    element.text = legal(text) or None
+    element.text = legal_text(text) or None
     return element
 
 

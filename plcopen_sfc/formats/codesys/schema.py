@@ -23,8 +23,8 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.plcopen.schema import tc6_version
-from plcopen_sfc.formats.xml.schema import MAX_FINDINGS, element_path, findings
-from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, findings
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.plcopen.logic_writer import is_known, write_network
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL
 from plcopen_sfc.formats.plcopen.types_writer import write_interface
 from plcopen_sfc.formats.plcopen.writing import WriteContext, data_left, finish, sub, write_code, xhtml_child
-from plcopen_sfc.formats.xml.carrying import add_markup, left_over
+from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
 from plcopen_sfc.model.drawing import Places
@@ -45,7 +45,7 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
             chart_native = chart_native - {"carried"}
         if not all(is_known(ctx, node) for node in body.chart.logic):
             chart_native = chart_native - {"logic"}
-        chart_left = left_over(body.chart, chart_native) | data_left(ctx, body.chart.carried)
+        chart_left = fields_left(body.chart, chart_native) | data_left(ctx, body.chart.carried)
         for part in chart_left:
             why = f"TC6 {ctx.version.name} has no place for it"
             outcome = Outcome.NOT_EXECUTED if part == "partial_charts" else Outcome.EXTENSION_DATA
@@ -61,7 +61,7 @@ def write_body(ctx: WriteContext, parent: etree._Element, name: str, body: Body,
         network_native = _NETWORK - (set() if ctx.takes_markup else {"carried"})
         known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)
         known = known and not any(data_left(ctx, network.carried) for network in body.networks)
-        if len(body.networks) == 1 and known and not left_over(body.networks[0], network_native):
+        if len(body.networks) == 1 and known and not fields_left(body.networks[0], network_native):
             native = native | {"networks"}
     elif isinstance(body, OpaqueBody):
         if body.source == "plcopen":  # it was in no language that TC6 knows, and is not now

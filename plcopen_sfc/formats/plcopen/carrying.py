@@ -11,7 +11,7 @@ import json
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, merge
-from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import StepActionKind
 

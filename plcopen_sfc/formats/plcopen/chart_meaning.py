@@ -13,7 +13,7 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
 from plcopen_sfc.formats.plcopen.logic_reader import IdKeeper
 from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, neutral
-from plcopen_sfc.formats.xml.carrying import markup
+from plcopen_sfc.formats.xml.extension_data import markup
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
 from plcopen_sfc.model.wiring import trace

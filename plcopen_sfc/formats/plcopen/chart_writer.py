@@ -21,7 +21,7 @@ from plcopen_sfc.formats.plcopen.logic_writer import (
     write_output,
 )
 from plcopen_sfc.formats.plcopen.writing import WriteContext, add_unknown, boolean, finish, sub, write_point
-from plcopen_sfc.formats.xml.carrying import left_over
+from plcopen_sfc.formats.xml.extension_data import fields_left
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression, NamedCondition, WiredCondition
@@ -206,7 +206,7 @@ class ChartWriter:
         pin = condition.input if isinstance(condition, WiredCondition) else symbol.condition
         if pin is None or not self.ctx.version.first_generation:
             return {}
-        left = left_over(pin, frozenset({"connections"}))
+        left = fields_left(pin, frozenset({"connections"}))
         return {"condition": {"input": left}} if left else {}
 
     def write_condition(self, parent: etree._Element, symbol: Symbol, condition: Condition) -> None:

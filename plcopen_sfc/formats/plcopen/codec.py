@@ -17,8 +17,7 @@ from plcopen_sfc.formats.plcopen.loading import load
 from plcopen_sfc.formats.plcopen.project_writer import write_project
 from plcopen_sfc.formats.plcopen.versions import V2_01, version_named
 from plcopen_sfc.formats.plcopen.writing import Dialect
-from plcopen_sfc.formats.xml.codec import XmlCodec
-from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.formats.xml.xml_codec import XmlCodec, XmlStyle
 from plcopen_sfc.languages.s7_flip_flops import put_logic
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport

@@ -8,7 +8,7 @@ from plcopen_sfc.formats.plcopen.logic_reader import TAGS
 from plcopen_sfc.formats.plcopen.project_reader import find_version
 from plcopen_sfc.formats.plcopen.reading import line_of
 from plcopen_sfc.formats.plcopen.versions import Tc6Version
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.xml_parsing import parse
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork

@@ -11,7 +11,7 @@ from plcopen_sfc.formats.base import Reading
 from plcopen_sfc.formats.plcopen.body_reader import misfit
 from plcopen_sfc.formats.plcopen.project_reader import find_version, read_project
 from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext
-from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
 from plcopen_sfc.model.project import Project
 
 

@@ -16,8 +16,8 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
-from plcopen_sfc.formats.xml.carrying import inner_markup, markup
-from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.formats.xml.extension_data import inner_markup, markup
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.sfc import SfcNetwork
 
 Fields = dict[str, Any]

@@ -1,7 +1,7 @@
 """Validation of PLCopen TC6 XML against our own schemas of its versions.
 
 Codes: ``XSD001`` no TC6 XML or no version of it that we know; ``XSD002`` to ``XSD019`` as in
-`plcopen_sfc.formats.xml.schema_explain`; ``XSD099`` that the list was cut off.
+`plcopen_sfc.formats.xml.schema_explanation`; ``XSD099`` that the list was cut off.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.plcopen.versions import PREFIX, VERSIONS, Tc6Version, version_of
-from plcopen_sfc.formats.xml.schema import element_path, findings
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.schema_validation import element_path, findings
+from plcopen_sfc.formats.xml.xml_parsing import parse
 
 __all__ = ["tc6_version", "validate"]
 

@@ -10,7 +10,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.plcopen.types_reader import SECTIONS
 from plcopen_sfc.formats.plcopen.writing import WriteContext, finish, sub
-from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.types import (
     ArrayType,

@@ -19,8 +19,7 @@ from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.plcopen.carrying import FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
-from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
-from plcopen_sfc.formats.xml.foreign import Markup, markup_of
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, Markup, add_markup, fields_left, legal_text, markup_of
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.base import Carried, ForeignData, Model, UnknownDataRule
@@ -129,7 +128,7 @@ def write_text(ctx: WriteContext, parent: etree._Element, name: str, text: Text 
     else:
         if isinstance(text, MultilingualText):
             text = all_languages(text.texts)
-        xhtml_child(ctx, element).text = legal(text)
+        xhtml_child(ctx, element).text = legal_text(text)
 
 
 def xhtml_child(ctx: WriteContext, parent: etree._Element) -> etree._Element:
@@ -144,11 +143,11 @@ def write_code(ctx: WriteContext, parent: etree._Element, text: str, markup: str
     Old versions of Beremiz wrote the text into ``ST`` itself; it stays there in files of that version only.
     """
     if is_direct(markup) and ctx.same:
-        parent.text = legal(text)
+        parent.text = legal_text(text)
     elif markup is not None and not is_direct(markup) and _text_of(markup).strip() == text.strip():
         add_markup(parent, markup)
     else:
-        xhtml_child(ctx, parent).text = legal(text)
+        xhtml_child(ctx, parent).text = legal_text(text)
 
 
 def _text_of(markup: str) -> str:
@@ -215,7 +214,7 @@ def finish(
     if documents:
         native = native | {"comment"}
     native = native | own
-    left = left_over(thing, native) | also
+    left = fields_left(thing, native) | also
     if owner in _WITHOUT_DATA:
         left |= data_left(ctx, carried)
     comment: Text | None = getattr(thing, "comment", None)
@@ -303,5 +302,5 @@ def fields_element(left: dict[str, Any]) -> etree._Element:
     holder = etree.Element(f"{{{FIELDS_DATA}}}fields", nsmap={None: FIELDS_DATA})  # type: ignore[dict-item]
     for name, value in left.items():
         entry = etree.SubElement(holder, f"{{{FIELDS_DATA}}}field", {"name": name})
-        entry.text = legal(json.dumps(value, ensure_ascii=False))
+        entry.text = legal_text(json.dumps(value, ensure_ascii=False))
     return holder

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
 from plcopen_sfc.model.body import StBody
 
@@ -54,7 +54,7 @@ def write_row(element: etree._Element, action: ActionAssociation, blocks: Mappin
     called = action.body.text.partition("(")[0].strip() if isinstance(action.body, StBody) else ""
     tokens = _tokens(action, kept.get(CALLEE) or (blocks or {}).get(called.strip('"').casefold(), ""))
     for token in [*_laid_out(tokens, kept.get(LAYOUT, "")), "\n"] if tokens else []:
-        sub(element, "Token", {"Text": legal(token)})
+        sub(element, "Token", {"Text": legal_text(token)})
 
 
 def _laid_out(tokens: list[str], layout: str) -> list[str]:

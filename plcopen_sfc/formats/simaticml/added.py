@@ -15,7 +15,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import ADDED, attributes, children, local
 from plcopen_sfc.formats.simaticml.writing import keep_fields
-from plcopen_sfc.formats.xml.carrying import COMMENT_MARK
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK
 
 _NUMBERED = frozenset({"ID", "UId"})
 """Attributes that number elements anew whenever a document is written."""

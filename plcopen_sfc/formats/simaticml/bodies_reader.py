@@ -31,7 +31,7 @@ from plcopen_sfc.formats.simaticml.reading import (
 )
 from plcopen_sfc.formats.simaticml.rewritten import warn_of_edit
 from plcopen_sfc.formats.simaticml.structured_text_writer import Names, read_code
-from plcopen_sfc.formats.xml.foreign import Markup, exchange
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcNetwork
 

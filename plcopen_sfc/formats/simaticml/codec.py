@@ -18,10 +18,9 @@ from plcopen_sfc.formats.simaticml.project_reader import PRODUCT, SCHEMA, find_v
 from plcopen_sfc.formats.simaticml.project_writer import write_project
 from plcopen_sfc.formats.simaticml.reading import local
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, TiaVersion, version_like
-from plcopen_sfc.formats.xml.codec import FolderCodec
-from plcopen_sfc.formats.xml.foreign import Markup, exchange, markup_of
-from plcopen_sfc.formats.xml.source import SourceLines, parse
-from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange, markup_of
+from plcopen_sfc.formats.xml.xml_codec import FolderCodec, XmlStyle
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
 from plcopen_sfc.languages.s7_flip_flops import put_boxes
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import Project, TagTable

@@ -12,7 +12,7 @@ from lxml import etree
 from plcopen_sfc.errors import OldVersionError, VersionNeed
 from plcopen_sfc.formats.simaticml.graph_reader import ALL_CATEGORIES, USUAL_CATEGORIES
 from plcopen_sfc.formats.simaticml.versions import LANGUAGES, VERSIONS, TiaVersion, namespace
-from plcopen_sfc.formats.xml.schema import faults
+from plcopen_sfc.formats.xml.schema_validation import faults
 from plcopen_sfc.model.sfc import AlarmCategory, SfcNetwork
 
 __all__ = ["fit_alarms", "refuse_older"]

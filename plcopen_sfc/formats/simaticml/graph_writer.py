@@ -44,8 +44,7 @@ from plcopen_sfc.formats.simaticml.writing import (
     verbatim,
     write_languages,
 )
-from plcopen_sfc.formats.xml.carrying import left_over
-from plcopen_sfc.formats.xml.foreign import Markup, markup_of
+from plcopen_sfc.formats.xml.extension_data import Markup, fields_left, markup_of
 from plcopen_sfc.languages.networks import chart_statements, condition_reader
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent
 from plcopen_sfc.model.base import Carried
@@ -414,7 +413,7 @@ class _ChartWriter:
             self.ctx.keep("action", target)
             finish(self.ctx, element, action, frozenset(native))
             return False
-        said = {ASSOCIATION: left_over(action, frozenset({"id"}))}
+        said = {ASSOCIATION: fields_left(action, frozenset({"id"}))}
         if not planned.rows:
             keep_fields(parent, said)
         for number, row in enumerate(planned.rows):

@@ -15,7 +15,7 @@ from plcopen_sfc.formats.simaticml.sections import LAYOUT, SECTIONS, is_usual, m
 from plcopen_sfc.formats.simaticml.start_values import write_elements
 from plcopen_sfc.formats.simaticml.types import is_sayable, read_type, struct_of, write_type
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, finish, sub, write_languages
-from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, SimpleValue, StructType, StructValue, Variable
@@ -137,7 +137,7 @@ def write_member(
         if write_nested(element, type_, start, ctx.s7_types.declared):
             native.add("initial")
     elif isinstance(start, SimpleValue):
-        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal(start.text or "") or None
+        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal_text(start.text or "") or None
         (native if start == variable.initial else told).add("initial")
     elif start is not None and write_elements(element, type_, start):
         (native if start == variable.initial else told).add("initial")

@@ -28,8 +28,8 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_model,
     whole_number,
 )
-from plcopen_sfc.formats.xml.foreign import Markup, exchange
-from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.pou import DataBlock, Pou
 from plcopen_sfc.model.project import TagTable

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
-from plcopen_sfc.formats.xml.canonical import canonical_form
+from plcopen_sfc.formats.xml.extension_data import canonical_form
 
 
 def text_of(element: etree._Element) -> bytes:

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 from plcopen_sfc.formats.simaticml.reading import N, XmlNode, children, local
 from plcopen_sfc.formats.simaticml.types import read_type, write_type
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.start_values import Path, PathError, apart, assembled
 from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, StructType, Value, Variable
 
@@ -127,7 +127,7 @@ def write_nested(element: etree._Element, type_: DataType, value: Value | None, 
             parent.remove(old)
     for (member, indices), (_, text) in zip(places, entries, strict=True):
         holder = sub(member, "Subelement", {"Path": indices}) if indices else member
-        sub(holder, "StartValue").text = legal(text)
+        sub(holder, "StartValue").text = legal_text(text)
     return True
 
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.project_reader import find_version
-from plcopen_sfc.formats.xml import writing
-from plcopen_sfc.formats.xml.source import parse
-from plcopen_sfc.formats.xml.writing import XmlStyle
+from plcopen_sfc.formats.xml.xml_codec import XmlStyle, write_xml
+from plcopen_sfc.formats.xml.xml_parsing import parse
 
 _DATES = frozenset(
     """
@@ -40,7 +39,7 @@ def normalize(data: bytes, style: XmlStyle, *, file: str | None = None) -> bytes
     for holder in root.findall(".//{*}Member/{*}AttributeList"):
         if not len(holder) and not holder.attrib:
             _remove(holder)
-    return writing.write(root, style)
+    return write_xml(root, style)
 
 
 def _ignored(element: etree._Element) -> bool:

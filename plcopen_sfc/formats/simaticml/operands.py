@@ -11,7 +11,7 @@ from functools import lru_cache
 from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, XmlNode, attributes, children, local
 from plcopen_sfc.formats.simaticml.versions import schema_of
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.formats.xml.extension_data import legal_text
 
 _PLAIN = re.compile(r"[^\W\d]\w*")
 _VARIABLES = {"LocalVariable": "#", "GlobalVariable": ""}
@@ -286,7 +286,9 @@ def details(hint: str) -> dict[str, str]:
         found = json.loads(hint) if hint.startswith("{") else {}
     except ValueError:
         return {}
-    return {name: legal(value) for name, value in found.items() if isinstance(value, str) and _PLAIN.fullmatch(name)}
+    return {
+        name: legal_text(value) for name, value in found.items() if isinstance(value, str) and _PLAIN.fullmatch(name)
+    }
 
 
 def _write_address(parent: XmlNode, text: str) -> None:

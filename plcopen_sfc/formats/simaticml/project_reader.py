@@ -24,7 +24,7 @@ from plcopen_sfc.formats.simaticml.reading import (
 )
 from plcopen_sfc.formats.simaticml.strangers import look_at_object, no_document, no_object
 from plcopen_sfc.formats.simaticml.versions import DEFAULT, VERSIONS, TiaVersion, schema_of, version_like, version_named
-from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.dialect import Dialect
 
 PRODUCT = TIA_PORTAL

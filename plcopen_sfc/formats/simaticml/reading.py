@@ -17,8 +17,8 @@ from pydantic import ValidationError
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location, StructureError
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, neutral, schema_of
-from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, markup
-from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.base import Carried, Model
 
 M = TypeVar("M", bound=Model)

@@ -1,6 +1,6 @@
 """Validation of documents of TIA Portal Openness against our own schemas: the frame, and each part by its namespace.
 
-Codes: those of `plcopen_sfc.formats.xml.schema_explain`, and
+Codes: those of `plcopen_sfc.formats.xml.schema_explanation`, and
 
 ======  ==============================================================
 XSD001  no document of Openness, or of a version that is not known
@@ -28,8 +28,8 @@ from plcopen_sfc.formats.simaticml.versions import (
     schema_of,
     version_named,
 )
-from plcopen_sfc.formats.xml.schema import MAX_FINDINGS, element_path, findings
-from plcopen_sfc.formats.xml.source import SourceLines, parse
+from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, findings
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
 
 __all__ = ["validate"]
 

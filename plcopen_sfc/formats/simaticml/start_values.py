@@ -9,7 +9,7 @@ from lxml import etree
 
 from plcopen_sfc.formats.simaticml.reading import Fields, children, local
 from plcopen_sfc.formats.simaticml.writing import sub
-from plcopen_sfc.formats.xml.carrying import legal
+from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.model.types import ArrayType, ArrayValue, DataType, SimpleValue, Value
 
 _BOUND = re.compile(r"[-+]?\d{1,9}")
@@ -67,7 +67,7 @@ def write_elements(parent: etree._Element, type: DataType, value: Value) -> bool
     for text, count in texts:
         for number in range(place, place + count) if text is not None else ():
             element = sub(parent, "Subelement", {"Path": _path(number, ranges)})
-            sub(element, "StartValue").text = legal(text or "")
+            sub(element, "StartValue").text = legal_text(text or "")
         place += count
     return True
 

@@ -30,7 +30,7 @@ from plcopen_sfc.formats.simaticml.structured_text import scl_text
 from plcopen_sfc.formats.simaticml.uids import FIRST, NUMBERS, UID, are_numbers, renumber, shortened
 from plcopen_sfc.formats.simaticml.versions import concrete, neutral
 from plcopen_sfc.formats.simaticml.writing import WriteContext, add_element, sub
-from plcopen_sfc.formats.xml.carrying import legal, markup
+from plcopen_sfc.formats.xml.extension_data import legal_text, markup
 from plcopen_sfc.languages.st.lexer import Comment, Token, tokenize
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.dialect import Dialect
@@ -49,7 +49,7 @@ def write_code(ctx: WriteContext, source: etree._Element, body: StBody) -> None:
     if body.text:
         root = ctx.root("StructuredText", "StructuredText", source)
         kept = body.carried.attributes if body.carried is not None else {}
-        write_text(root, legal(body.text), Names(ctx.types, ctx.constants), ctx.culture, kept)
+        write_text(root, legal_text(body.text), Names(ctx.types, ctx.constants), ctx.culture, kept)
         if NUMBERS in kept:
             renumber(root, kept[NUMBERS])
 

@@ -13,7 +13,7 @@ from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.simaticml.reading import VERBATIM, N
 from plcopen_sfc.formats.simaticml.sections import LAYOUT
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace
-from plcopen_sfc.formats.xml.carrying import COMMENT_MARK, add_markup, left_over, legal
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, add_markup, fields_left, legal_text
 from plcopen_sfc.languages.s7_globals import called_actions
 from plcopen_sfc.languages.s7_types import s7_types
 from plcopen_sfc.model.base import Carried, Model
@@ -126,7 +126,7 @@ def write_languages(
         return
     element = sub(parent, name, attributes)
     for language, content in languages(ctx, text).items():
-        sub(element, "MultiLanguageText", {"Lang": language}).text = legal(content) or None
+        sub(element, "MultiLanguageText", {"Lang": language}).text = legal_text(content) or None
 
 
 def write_object_text(ctx: WriteContext, parent: etree._Element, role: str, text: Text | None) -> None:
@@ -139,7 +139,7 @@ def write_object_text(ctx: WriteContext, parent: etree._Element, role: str, text
         item = sub(holder, "MultilingualTextItem", {ID: "", "CompositionName": "Items"})
         values = sub(item, "AttributeList")
         sub(values, "Culture").text = culture
-        sub(values, "Text").text = legal(content) or None
+        sub(values, "Text").text = legal_text(content) or None
 
 
 def verbatim(ctx: WriteContext, carried: Carried | None) -> etree._Element | None:
@@ -178,7 +178,7 @@ def finish(
 
     `told` are those of which the report says already what becomes of them.
     """
-    left = left_over(thing, native | {"carried"}) | (also or {})
+    left = fields_left(thing, native | {"carried"}) | (also or {})
     carried: Carried | None = getattr(thing, "carried", None)
     foreign = [data for data in carried.data if data.name != VERBATIM] if carried is not None else []
     if foreign:

@@ -50,7 +50,7 @@ class Reading:
         self._values: list[Any] = self._parser.parser_state.value_stack
         self._states: list[Any] = self._parser.parser_state.state_stack
         # lark's own tokens are strings that remember much more and cost as much
-        self._feed = cast(Callable[..., Any], self._parser.parser_state.feed_token)
+        self._feed = cast("Callable[..., Any]", self._parser.parser_state.feed_token)
         self._builder = builder
         self._is_list = start in ("statements", "declarations")
         self._text = text

@@ -57,7 +57,7 @@ def transform(node: AnyNode, change: Callable[[Node], Node]) -> AnyNode:
             members = tuple(transform(item, change) if isinstance(item, Node) else item for item in value)
             if any(a is not b for a, b in zip(members, value, strict=True)):
                 new[name] = members
-    return cast(AnyNode, change(replace(node, **new) if new else node))
+    return cast("AnyNode", change(replace(node, **new) if new else node))
 
 
 def without_parentheses(node: AnyNode) -> AnyNode:

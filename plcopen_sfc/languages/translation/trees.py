@@ -55,7 +55,7 @@ class TreeTranslator:
         return self._node(self._tree)
 
     def _expression(self, node: Expression) -> Expression:
-        return cast(Expression, self._node(node))
+        return cast("Expression", self._node(node))
 
     def _node(self, node: Node) -> Node:
         match node:

@@ -11,7 +11,7 @@ from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.schema import validate
 from plcopen_sfc.formats.plcopen.schema import validate as validate_tc6
-from plcopen_sfc.formats.xml.schema import is_valid
+from plcopen_sfc.formats.xml.schema_validation import is_valid
 from tests.corpus import ROOT, corpus_files, require_corpus
 from tests.mutants import Mutator
 

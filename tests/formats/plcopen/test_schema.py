@@ -12,9 +12,8 @@ from lxml import etree
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FileAccessError, XmlSyntaxError
 from plcopen_sfc.formats.plcopen.schema import validate
-from plcopen_sfc.formats.xml.schema import MAX_FINDINGS, is_valid
-from plcopen_sfc.formats.xml.schema_files import schema_path
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, is_valid, schema_path
+from plcopen_sfc.formats.xml.xml_parsing import parse
 from tests.corpus import ROOT
 from tests.mutants import systematic_mutants
 

@@ -12,8 +12,8 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.formats.plcopen.versions import VERSIONS, version_of
-from plcopen_sfc.formats.xml.schema import is_valid
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.schema_validation import is_valid
+from plcopen_sfc.formats.xml.xml_parsing import parse
 from tests.corpus import ROOT, corpus_files, require_corpus, require_official_schema
 from tests.mutants import Mutator, systematic_mutants
 from tests.sweeps import WHOLE

@@ -8,7 +8,7 @@ from typing import Any
 import xmlschema
 from lxml import etree
 
-from plcopen_sfc.formats.xml.schema_files import schema_path
+from plcopen_sfc.formats.xml.schema_validation import schema_path
 
 DEEP = 6
 _VALUES = {

@@ -14,7 +14,7 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.versions import namespace
-from plcopen_sfc.formats.xml.schema import is_valid
+from plcopen_sfc.formats.xml.schema_validation import is_valid
 from tests.corpus import ROOT, require_corpus
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
 from tests.formats.simaticml.instances import Instances

@@ -8,8 +8,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.xml.canonical import canonical_form
-from plcopen_sfc.formats.xml.carrying import markup
+from plcopen_sfc.formats.xml.extension_data import canonical_form, markup
 from tests.corpus import ROOT
 
 FIXTURES = ROOT / "fixtures"

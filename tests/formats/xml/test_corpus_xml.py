@@ -11,10 +11,9 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import FormatError
-from plcopen_sfc.formats.xml.patch import patch
-from plcopen_sfc.formats.xml.source import decode, parse
-from plcopen_sfc.formats.xml.textdiff import changes
-from plcopen_sfc.formats.xml.tokens import SourceTree
+from plcopen_sfc.formats.xml.source_patch import patch
+from plcopen_sfc.formats.xml.source_tree import SourceTree, text_edits
+from plcopen_sfc.formats.xml.xml_parsing import decode, parse
 
 pytestmark = pytest.mark.corpus
 
@@ -51,7 +50,7 @@ def _roots(sources: list[tuple[Path, bytes]]) -> list[tuple[Path, bytes, etree._
 
 def _is_cut_out(small: str, large: str) -> bool:
     """Whether one piece cut out of `large` leaves `small`."""
-    (change,) = changes(small.replace("\n", " "), large.replace("\n", " "))
+    (change,) = text_edits(small.replace("\n", " "), large.replace("\n", " "))
     return change.start == change.end
 
 

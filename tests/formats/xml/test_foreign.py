@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.formats.plcopen.schema import validate
-from plcopen_sfc.formats.xml.foreign import PUT_AWAY, Markup, exchange, markup_of
+from plcopen_sfc.formats.xml.extension_data import KEPT_MARKUP, Markup, exchange, markup_of
 from plcopen_sfc.model.base import Carried, ForeignData
 from tests.samples import FIXTURES, accepting
 
@@ -41,7 +41,7 @@ def contents(project: m.Project, *, put_away: bool = False) -> list[str]:
     """What is carried as it is, and what is `put_away`."""
     found = [carried.model_copy(deep=True) for carried in carried_in(project)]
     for carried in found:
-        carried.data = [data for data in carried.data if put_away or not data.name.startswith(PUT_AWAY)]
+        carried.data = [data for data in carried.data if put_away or not data.name.startswith(KEPT_MARKUP)]
     return sorted(carried.model_dump_json() for carried in found if carried != Carried())
 
 
@@ -52,7 +52,7 @@ def test_what_is_carried_comes_back_through_simaticml(source: str) -> None:
     assert markup_of(there) is Markup.TC6
     assert contents(there) == contents(project)
     data = sfc.dumps(there, format="codesys", partial=True)
-    assert f"{PUT_AWAY}:tc6".encode() not in data
+    assert f"{KEPT_MARKUP}:tc6".encode() not in data
     assert [d for d in validate(data) if d.severity == "error"] == []
     assert contents(sfc.loads(data)) == contents(project)
 
@@ -67,7 +67,7 @@ def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form
     before, mark, block = data.partition(b"<SW.Blocks.F")  # before it stand copies of global variables
     edited = sfc.loads(before + mark + block.replace(b"</AttributeList>", AUTHOR + b"</AttributeList>", 1))
     (away,) = (carried.model_dump_json() for carried in carried_in(edited) if "HeaderAuthor" in str(carried))
-    assert f"{PUT_AWAY}:simaticml" in away
+    assert f"{KEPT_MARKUP}:simaticml" in away
     other = sfc.dumps(edited, format=form, partial=True)
     if form.startswith(("codesys", "plcopen")):
         assert [d for d in validate(other) if d.severity == "error"] == []
@@ -92,7 +92,7 @@ def test_an_edit_of_a_simaticml_file_with_a_project_of_others_is_one_line(tmp_pa
 
 
 TEXT = st.text(st.characters(codec="utf-8", exclude_categories=["Cs"]), max_size=8)
-DATA = st.builds(ForeignData, name=TEXT.filter(lambda name: not name.startswith(PUT_AWAY)), content=TEXT)
+DATA = st.builds(ForeignData, name=TEXT.filter(lambda name: not name.startswith(KEPT_MARKUP)), content=TEXT)
 CARRIED = st.builds(
     Carried,
     data=st.lists(DATA, max_size=2),
@@ -112,7 +112,7 @@ def test_what_is_put_away_is_taken_out_as_it_was(carried: Carried, families: tup
     assert step.carried is not None
     assert step.carried.attributes == {}
     assert step.carried.elements == []
-    assert [data.name for data in step.carried.data] == [f"{PUT_AWAY}:{own}"]
+    assert [data.name for data in step.carried.data] == [f"{KEPT_MARKUP}:{own}"]
     exchange(step, wanted, own)
     assert step.carried == carried
 
@@ -128,7 +128,7 @@ def test_markup_of_both_changes_places(mine: Carried, theirs: Carried) -> None:
     step.carried.data += theirs.data
     both = step.carried.model_copy(deep=True)
     exchange(step, Markup.SIMATICML, Markup.TC6)
-    rest = [data for data in step.carried.data if not data.name.startswith(PUT_AWAY)]
+    rest = [data for data in step.carried.data if not data.name.startswith(KEPT_MARKUP)]
     assert step.carried.model_copy(update={"data": rest}) == mine
     exchange(step, Markup.TC6, Markup.SIMATICML)
     key = lambda data: (data.name, data.content)  # noqa: E731
@@ -136,9 +136,9 @@ def test_markup_of_both_changes_places(mine: Carried, theirs: Carried) -> None:
     assert step.carried.attributes == both.attributes
 
 
-@pytest.mark.parametrize("content", ["", "<carried", "{}", f'<carried xmlns="{PUT_AWAY}">{{"data": 3}}</carried>'])
+@pytest.mark.parametrize("content", ["", "<carried", "{}", f'<carried xmlns="{KEPT_MARKUP}">{{"data": 3}}</carried>'])
 def test_damaged_data_stays(content: str) -> None:
-    data = ForeignData(name=f"{PUT_AWAY}:tc6", content=content)
+    data = ForeignData(name=f"{KEPT_MARKUP}:tc6", content=content)
     step = m.Step(id=1, name="S", carried=Carried(data=[data]))
     exchange(step, Markup.SIMATICML, Markup.TC6)
     assert step.carried is not None

@@ -21,7 +21,7 @@ def _read_bounded(make: str, *, extra_mb: int, seconds: int = 20) -> str:
     code = f"""
     import resource, sys
     from plcopen_sfc.errors import SfcError
-    from plcopen_sfc.formats.xml.source import parse
+    from plcopen_sfc.formats.xml.xml_parsing import parse
     {make}
     used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
     limit = used + {extra_mb} * 2**20

@@ -9,8 +9,9 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import EncodingError
-from plcopen_sfc.formats.xml.patch import PatchError, patch
-from plcopen_sfc.formats.xml.source import parse
+from plcopen_sfc.formats.xml.source_patch import patch
+from plcopen_sfc.formats.xml.source_tree import PatchError
+from plcopen_sfc.formats.xml.xml_parsing import parse
 
 
 def edit(source: str, before: str, after: str) -> str:
@@ -389,7 +390,7 @@ def test_another_root_is_refused() -> None:
 
 
 def test_damage_is_never_returned(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("plcopen_sfc.formats.xml.merge.escape_text", lambda text, _habits: text)
+    monkeypatch.setattr("plcopen_sfc.formats.xml.source_patch.escape_text", lambda text, _habits: text)
     with pytest.raises(PatchError, match="would be damaged"):
         edit("<a/>", "<a><b/></a>", "<a>&lt;<b/></a>")
 

@@ -1,4 +1,4 @@
-"""Whatever the file looks like and whatever is edited: the edit arrives, and nothing else changes.
+"""Whatever the file looks like and whatever is edited: the edit arrives, and nothing else text_edits.
 
 Random trees, written as files in random handwritings, with and without things that the trees do not know; random edits.
 """
@@ -13,9 +13,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from plcopen_sfc.formats.xml.patch import patch
-from plcopen_sfc.formats.xml.source import decode, parse
-from plcopen_sfc.formats.xml.textdiff import Change, changes
+from plcopen_sfc.formats.xml.source_patch import patch
+from plcopen_sfc.formats.xml.source_tree import text_edits
+from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.languages.edits import Edit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -272,7 +273,7 @@ def test_with_unknown_parts_the_known_ones_say_what_the_edited_tree_says(data: s
 
 def _middles(old: str, new: str) -> tuple[str, str]:
     """What is left of two texts without their common beginning and end."""
-    (change,) = changes(old.replace("\n", " "), new.replace("\n", " ")) or [Change(0, 0, "")]
+    (change,) = text_edits(old.replace("\n", " "), new.replace("\n", " ")) or [Edit(0, 0, "")]
     return old[change.start : change.end], change.text
 
 

@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import EncodingError, FormatError, UnsafeXmlError, XmlSyntaxError
-from plcopen_sfc.formats.xml.source import MAX_DEPTH, SourceLines, decode, detect_encoding, parse
+from plcopen_sfc.formats.xml.xml_parsing import MAX_DEPTH, SourceLines, decode, detect_encoding, parse
 
 TEXT = "<a>Förderer <b/></a>"
 

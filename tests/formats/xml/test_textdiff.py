@@ -10,36 +10,37 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcopen_sfc.formats.xml.align import Item, align, longest_rising
+from plcopen_sfc.formats.xml.element_alignment import AlignedItem, align, longest_rising
 from plcopen_sfc.formats.xml.escaping import RawText
-from plcopen_sfc.formats.xml.textdiff import Change, apply, changes
+from plcopen_sfc.formats.xml.source_tree import text_edits
+from plcopen_sfc.languages.edits import Edit, apply_edits
 
 LINES = st.lists(st.sampled_from(["a", "b", "", "long line", "x := 1;"]), max_size=8).map("\n".join)
 
 
 @given(LINES, LINES)
 def test_changes_turn_one_text_into_the_other(old: str, new: str) -> None:
-    found = changes(old, new)
-    assert apply(old, found) == new
+    found = text_edits(old, new)
+    assert apply_edits(old, found) == new
     assert all(left.end <= right.start for left, right in pairwise(found))
 
 
 def test_changes_leave_equal_lines_alone() -> None:
     old, new = "one\ntwo\nthree\nfour\nfive", "oNe\ntwo\nthree\nfour\nfi\nve"
-    assert changes(old, new) == [Change(1, 2, "N"), Change(21, 21, "\n")]
-    assert changes("a", "a") == []
-    assert changes("", "a") == [Change(0, 0, "a")]
+    assert text_edits(old, new) == [Edit(1, 2, "N"), Edit(21, 21, "\n")]
+    assert text_edits("a", "a") == []
+    assert text_edits("", "a") == [Edit(0, 0, "a")]
 
 
 def test_long_texts_of_equal_lines() -> None:
     old = "x\n" * 5000
-    assert apply("y\n" + old + "z", changes("y\n" + old + "z", "u\n" + old + "v")) == "u\n" + old + "v"
+    assert apply_edits("y\n" + old + "z", text_edits("y\n" + old + "z", "u\n" + old + "v")) == "u\n" + old + "v"
 
 
 def test_edits_that_overlap_are_refused() -> None:
     with pytest.raises(ValueError, match="overlap"):
-        apply("abc", [Change(0, 2, ""), Change(1, 3, "")])
-    assert apply("abc", [Change(1, 2, "x"), Change(1, 1, "1"), Change(1, 1, "2")]) == "a12xc"
+        apply_edits("abc", [Edit(0, 2, ""), Edit(1, 3, "")])
+    assert apply_edits("abc", [Edit(1, 2, "x"), Edit(1, 1, "1"), Edit(1, 1, "2")]) == "a12xc"
 
 
 @given(st.lists(st.sampled_from(["a", "\n", "\r\n", "&lt;", "&#65;", "&#x1F600;", " ", "\t"]), max_size=10))
@@ -56,14 +57,14 @@ def test_raw_meanings() -> None:
     assert RawText("&amp;\r\n", cdata=True).value == "&amp;\n"
 
 
-def items(*texts: str) -> list[Item]:
+def items(*texts: str) -> list[AlignedItem]:
     """`tag:key=value,key=value/content`."""
-    found: list[Item] = []
+    found: list[AlignedItem] = []
     for text in texts:
         head, _, content = text.partition("/")
         tag, _, keys = head.partition(":")
         pairs = [(pair.split("=")[0], pair.split("=")[1]) for pair in keys.split(",") if pair]
-        found.append(Item(tag, pairs, partial(str, text), partial(Counter, content)))
+        found.append(AlignedItem(tag, pairs, partial(str, text), partial(Counter, content)))
     return found
 
 

@@ -8,8 +8,8 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import EncodingError
-from plcopen_sfc.formats.xml.source import parse
-from plcopen_sfc.formats.xml.writing import XmlStyle, write
+from plcopen_sfc.formats.xml.xml_codec import XmlStyle, write_xml
+from plcopen_sfc.formats.xml.xml_parsing import parse
 
 TREE = '<a x="1"><b/><c>text<!-- c --></c><d> <e y="&gt;"/></d></a>'
 
@@ -19,7 +19,7 @@ def tree(text: str = TREE) -> etree._Element:
 
 
 def test_the_usual_style() -> None:
-    assert write(tree()).decode() == (
+    assert write_xml(tree()).decode() == (
         '<?xml version="1.0" encoding="utf-8"?>\n'
         '<a x="1">\n  <b />\n  <c>text<!-- c --></c>\n  <d>\n    <e y="&gt;" />\n  </d>\n</a>'
     )
@@ -36,7 +36,7 @@ def test_every_choice() -> None:
         standalone=True,
         final_newline=True,
     )
-    data = write(tree(), style)
+    data = write_xml(tree(), style)
     assert data.startswith(codecs.BOM_UTF16_LE)
     assert data.decode("utf-16") == (
         "<?xml version='1.0' encoding='UTF-16' standalone='yes'?>\r\n"
@@ -46,14 +46,14 @@ def test_every_choice() -> None:
 
 
 def test_without_declaration_and_indentation() -> None:
-    assert write(tree(), XmlStyle(declaration="", indent=None)).decode() == TREE.replace("/>", " />")
-    assert write(tree(), XmlStyle(bom=True)).startswith(codecs.BOM_UTF8 + b"<?xml")
-    assert b"standalone='no'" in write(tree(), XmlStyle(standalone=False, declaration="'"))
+    assert write_xml(tree(), XmlStyle(declaration="", indent=None)).decode() == TREE.replace("/>", " />")
+    assert write_xml(tree(), XmlStyle(bom=True)).startswith(codecs.BOM_UTF8 + b"<?xml")
+    assert b"standalone='no'" in write_xml(tree(), XmlStyle(standalone=False, declaration="'"))
 
 
 def test_the_tree_is_left_alone() -> None:
     root = tree()
-    write(root)
+    write_xml(root)
     assert etree.tostring(root).decode() == TREE
 
 
@@ -72,49 +72,49 @@ def test_the_tree_is_left_alone() -> None:
 def test_text_is_never_reformatted(text: str) -> None:
     inner = text[3:-4]
     expected = f"<a>\n  {inner}\n</a>"
-    assert write(tree(text), XmlStyle(declaration="", self_closing="/>")).decode() == expected
+    assert write_xml(tree(text), XmlStyle(declaration="", self_closing="/>")).decode() == expected
 
 
 def test_a_space_before_the_end_of_empty_elements_only() -> None:
     text = '<a x="/&gt;"><!-- a/> --><?p b/>?><b><![CDATA[c/>]]></b>d/&gt;<e/></a>'
     root = parse(text.encode())
-    assert write(root, XmlStyle(declaration="")).decode() == text.replace("<e/>", "<e />")
+    assert write_xml(root, XmlStyle(declaration="")).decode() == text.replace("<e/>", "<e />")
 
 
 def test_line_ends_in_text_follow_the_style() -> None:
     root = tree("<a>x\ny</a>")
     root.text = "x\ny\r"
     root.set("k", "1\n2")
-    assert write(root, XmlStyle(declaration="", newline="\r\n")) == b'<a k="1&#10;2">x\r\ny&#13;</a>'
+    assert write_xml(root, XmlStyle(declaration="", newline="\r\n")) == b'<a k="1&#10;2">x\r\ny&#13;</a>'
 
 
 def test_comments_around_the_root() -> None:
     root = parse(b"<!-- 1 --><?p?><a/><!-- 2 -->")
-    assert write(root, XmlStyle(declaration="")) == b"<!-- 1 -->\n<?p?>\n<a />\n<!-- 2 -->"
+    assert write_xml(root, XmlStyle(declaration="")) == b"<!-- 1 -->\n<?p?>\n<a />\n<!-- 2 -->"
 
 
 def test_characters_beyond_the_code_page() -> None:
     root = tree('<a x="€ä">€<b>ä</b></a>')
     style = XmlStyle(encoding="ISO-8859-1", indent=None)
-    assert write(root, style) == (
+    assert write_xml(root, style) == (
         '<?xml version="1.0" encoding="ISO-8859-1"?>\n<a x="&#8364;ä">&#8364;<b>ä</b></a>'.encode("latin-1")
     )
     root.text = None
     root[0].text = etree.CDATA("<€>")
-    assert parse(write(root, style))[0].text == "<€>"
+    assert parse(write_xml(root, style))[0].text == "<€>"
 
 
 @pytest.mark.parametrize("text", ["<a><€/></a>", '<a €="1"/>', "<a><!-- € --></a>", "<a><?p €?></a>"])
 def test_names_beyond_the_code_page_are_refused(text: str) -> None:
     root = tree(text.replace("€", "ж"))
     with pytest.raises(EncodingError, match="'ж' in a name, comment or instruction cannot be written"):
-        write(root, XmlStyle(encoding="windows-1252"))
+        write_xml(root, XmlStyle(encoding="windows-1252"))
 
 
 def test_a_subtree_is_written_without_what_follows_it() -> None:
-    assert write(tree()[1], XmlStyle(declaration="")) == b"<c>text<!-- c --></c>"
+    assert write_xml(tree()[1], XmlStyle(declaration="")) == b"<c>text<!-- c --></c>"
 
 
 def test_cdata_stays() -> None:
     root = parse(b"<a><b><![CDATA[<]]></b></a>")
-    assert write(root, XmlStyle(declaration="")) == b"<a>\n  <b><![CDATA[<]]></b>\n</a>"
+    assert write_xml(root, XmlStyle(declaration="")) == b"<a>\n  <b><![CDATA[<]]></b>\n</a>"

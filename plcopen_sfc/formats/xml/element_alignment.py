@@ -1,9 +1,9 @@
-"""Which child is which: alignment of two lists of sibling elements.
+"""Alignment of two lists of sibling elements: which child is which.
 
-Two children are the same when an identifying attribute says so (`localId`, `name`, ...). Where none does, order and
-content decide: what is equal is the same, and what is left between two neighbours that are already known is paired if
-it is alike enough. Used twice: source against tree (which element of the file is this?) and tree before against after
-(what was renamed, what removed, what is new?).
+Two children are the same when an identifying attribute (`localId`, `name`, ...) agrees. Without one, order and content
+decide: equal children are the same, and children left between two known neighbours are paired if they are alike enough.
+Used twice: source against tree (which element of the file is this?) and tree before against after (what was renamed,
+what removed, what is new?).
 """
 
 from __future__ import annotations
@@ -12,14 +12,23 @@ from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from difflib import SequenceMatcher
+from functools import partial
 from itertools import islice
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-__all__ = ["DEFAULT_KEYS", "Item", "KeyFunction", "Keys", "align", "default_keys", "longest_rising", "similarity"]
+from lxml import etree
+
+from plcopen_sfc.formats.xml.source_style import kind_of
+
+if TYPE_CHECKING:
+    from plcopen_sfc.formats.xml.source_tree import SourceNode, SourceTree
+
 
 Keys: TypeAlias = Sequence[tuple[str, str]]
+
 KeyFunction: TypeAlias = Callable[[str, Mapping[str, str]], Keys]
 """From tag and attributes of an element to its identifying attributes (name, value), strongest first."""
+
 
 DEFAULT_KEYS = (
     "localId", "guid", "Guid", "globalId", "UId", "Id", "ID", "Number", "name", "Name", "formalParameter",
@@ -32,7 +41,7 @@ def default_keys(_tag: str, attributes: Mapping[str, str]) -> Keys:
     return [(name, attributes[name]) for name in DEFAULT_KEYS if name in attributes]
 
 
-class Item:
+class AlignedItem:
     """One child in an alignment: its tag, its identifying attributes, and its content on request."""
 
     __slots__ = ("_exact", "_features", "_make_exact", "_make_features", "keys", "tag")
@@ -66,19 +75,22 @@ class Item:
         return self._features
 
 
-def similarity(left: Item, right: Item) -> float:
+def similarity(left: AlignedItem, right: AlignedItem) -> float:
     """How much of their content two items share, 0 to 1. Two items without any content are alike."""
     total = left.features.total() + right.features.total()
     return 2 * (left.features & right.features).total() / total if total else 1.0
 
 
 _ALIKE = 0.5
+
 _MAX_PAIRS = 40_000
+
 _MAX_EXACT = 1_000_000
+
 _MAX_CANDIDATES = 8
 
 
-def align(left: Sequence[Item], right: Sequence[Item]) -> list[int | None]:
+def align(left: Sequence[AlignedItem], right: Sequence[AlignedItem]) -> list[int | None]:
     """For every item of `right` the index of the item of `left` that it is the same as, or None."""
     matches: list[int | None] = [None] * len(right)
     free = [True] * len(left)
@@ -87,7 +99,7 @@ def align(left: Sequence[Item], right: Sequence[Item]) -> list[int | None]:
         matches[j] = i
         free[i] = False
 
-    def group(signature: Callable[[Item], Hashable | None]) -> None:
+    def group(signature: Callable[[AlignedItem], Hashable | None]) -> None:
         groups: defaultdict[Hashable, tuple[list[int], list[int]]] = defaultdict(lambda: ([], []))
         for i, item in enumerate(left):
             if free[i] and (sign := signature(item)) is not None:
@@ -112,7 +124,7 @@ def align(left: Sequence[Item], right: Sequence[Item]) -> list[int | None]:
 _Pair: TypeAlias = Callable[[int, int], None]
 
 
-def _key_names(items: Sequence[Item]) -> list[str]:
+def _key_names(items: Sequence[AlignedItem]) -> list[str]:
     """Names of all keys, strongest first."""
     rank: dict[str, int] = {}
     for item in items:
@@ -121,11 +133,13 @@ def _key_names(items: Sequence[Item]) -> list[str]:
     return sorted(rank, key=rank.__getitem__)
 
 
-def _key(item: Item, name: str) -> Hashable | None:
+def _key(item: AlignedItem, name: str) -> Hashable | None:
     return next(((item.tag, value) for key, value in item.keys if key == name), None)
 
 
-def _pair_group(left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair) -> None:
+def _pair_group(
+    left: Sequence[AlignedItem], right: Sequence[AlignedItem], lefts: list[int], rights: list[int], pair: _Pair
+) -> None:
     """Pair items that differ in content only."""
     if len(lefts) == len(rights) == 1:
         pair(lefts[0], rights[0])
@@ -138,7 +152,7 @@ def _pair_group(left: Sequence[Item], right: Sequence[Item], lefts: list[int], r
 
 
 def _pair_equal(
-    left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair
+    left: Sequence[AlignedItem], right: Sequence[AlignedItem], lefts: list[int], rights: list[int], pair: _Pair
 ) -> list[tuple[list[int], list[int]]]:
     """Pair what is equal and in the same order; return what was replaced in between."""
     head = 0
@@ -167,7 +181,9 @@ def _pair_equal(
     return replaced
 
 
-def _pair_alike(left: Sequence[Item], right: Sequence[Item], lefts: list[int], rights: list[int], pair: _Pair) -> None:
+def _pair_alike(
+    left: Sequence[AlignedItem], right: Sequence[AlignedItem], lefts: list[int], rights: list[int], pair: _Pair
+) -> None:
     """Pair in order: all if their number is the same, else so that the pairs are as alike as can be."""
     if len(lefts) == len(rights) or len(lefts) * len(rights) > _MAX_PAIRS:
         for i, j in zip(lefts, rights, strict=False):
@@ -192,7 +208,11 @@ def _pair_alike(left: Sequence[Item], right: Sequence[Item], lefts: list[int], r
 
 
 def _between_neighbours(
-    left: Sequence[Item], right: Sequence[Item], pair: _Pair, matches: Sequence[int | None], free: Sequence[bool]
+    left: Sequence[AlignedItem],
+    right: Sequence[AlignedItem],
+    pair: _Pair,
+    matches: Sequence[int | None],
+    free: Sequence[bool],
 ) -> None:
     """Pair what has other keys now (renamed, renumbered) but stands between the same neighbours and is alike."""
     waiting: defaultdict[str, list[int]] = defaultdict(list)
@@ -220,7 +240,7 @@ def _between_neighbours(
             waiting[item.tag].remove(found)
 
 
-def _renamed(left: Item, right: Item) -> bool:
+def _renamed(left: AlignedItem, right: AlignedItem) -> bool:
     """Whether two items with different strongest keys can be the same thing."""
     ours, theirs = dict(left.keys), dict(right.keys)
     both = ours.keys() & theirs.keys()
@@ -247,3 +267,85 @@ def longest_rising(numbers: Sequence[int]) -> set[int]:
         chosen.add(index)
         index = previous[index]
     return chosen
+
+
+_FEATURE_LIMIT = 400
+
+
+class ElementComparison:
+    """What the alignment needs to know about elements, for one source and a pair of trees."""
+
+    def __init__(self, tree: SourceTree, before: etree._Element, after: etree._Element, keys: KeyFunction) -> None:
+        self._tree = tree
+        self._keys = keys
+        # Plain serialisation is twice as fast but names every namespace in scope: it only compares trees that declare
+        # the same ones.
+        self._plain = before.nsmap == after.nsmap
+
+    def bytes_of(self, element: etree._Element) -> bytes:
+        """Equal for elements that say the same."""
+        if not self._plain and isinstance(cast("object", element.tag), str):
+            try:
+                return etree.tostring(element, method="c14n", exclusive=True, with_tail=False)
+            except etree.C14NError:  # for namespaces that are no absolute URIs
+                self._plain = True
+        return etree.tostring(element, with_tail=False)
+
+    def same(self, before: etree._Element, after: etree._Element) -> bool:
+        """Whether two elements are equal, down to the last descendant."""
+        return before is after or self.bytes_of(before) == self.bytes_of(after)
+
+    def tree_item(self, element: etree._Element, *, exact: bool = True) -> AlignedItem:
+        """An element of `before` or `after`."""
+        tag = kind_of(element)
+        keys: Keys = () if tag.startswith("#") else self._keys(tag, cast("Any", element.attrib))
+        return AlignedItem(
+            tag, keys, partial(self.bytes_of, element) if exact else None, partial(_tree_features, element, keys)
+        )
+
+    def source_item(self, node: SourceNode) -> AlignedItem:
+        """A node of the source."""
+        tree = self._tree
+        tag = tree.tag(node)
+        keys: Keys = self._keys(tag, tree.values(node)) if node.is_element else ()
+        return AlignedItem(tag, keys, None, partial(_source_features, tree, node, keys))
+
+
+def _tree_features(element: etree._Element, keys: Keys) -> Counter[Hashable]:
+    """What an element says, in small pieces; without its keys, for these are compared by themselves."""
+    own = {name for name, _ in keys}
+    found: Counter[Hashable] = Counter()
+    for count, node in enumerate(element.iter()):
+        if count > _FEATURE_LIMIT:
+            break
+        tag = kind_of(node)
+        if node is not element:
+            found[tag] += 1
+        for name, value in node.attrib.items():
+            if node is not element or name not in own:
+                found[tag, str(name), str(value)] += 1
+        if text := (node.text or "").strip():
+            found[tag, text] += 1
+    return found
+
+
+def _source_features(tree: SourceTree, node: SourceNode, keys: Keys) -> Counter[Hashable]:
+    """The same of an element in the source."""
+    own = {name for name, _ in keys}
+    found: Counter[Hashable] = Counter()
+    waiting = [node]
+    count = 0
+    while waiting and count <= _FEATURE_LIMIT:
+        here = waiting.pop()
+        count += 1
+        tag = tree.tag(here)
+        if here is not node:
+            found[tag] += 1
+        for name, value in tree.values(here).items():
+            if here is not node or name not in own:
+                found[tag, name, value] += 1
+        text = tree.value_of(tree.content(here)) if here.is_element else tree.inner(here)
+        if text.strip():
+            found[tag, text.strip()] += 1
+        waiting += reversed(here.children)
+    return found

@@ -1,4 +1,4 @@
-"""From a tree to bytes, in the handwriting of the tool that the file is for.
+"""Codecs of XML formats: from a tree to bytes in the style of a tool, and a file as its tool sees it.
 
 libxml2 does the work (indentation and escaping in C). What it cannot do is put right in its text afterwards: `<a />`
 instead of `<a/>`, CRLF, a declaration in single quotes, characters that a code page does not have.
@@ -9,15 +9,58 @@ from __future__ import annotations
 import codecs
 import copy
 import re
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
 from lxml import etree
 
-from plcopen_sfc.formats.xml.canonical import canonical_form
+from plcopen_sfc.formats.base import Codec, WriteOptions
 from plcopen_sfc.formats.xml.escaping import encode_text
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, OWN_DATA, canonical_form
+from plcopen_sfc.formats.xml.source_tree import COMMENT, SourceNode, SourceTree
+from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.languages.edits import without
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.report import ConversionReport
 
-__all__ = ["XmlStyle", "write"]
+
+class XmlCodec(Codec):
+    """Reads and writes an XML format, whose files can be patched."""
+
+    @abstractmethod
+    def to_tree(self, project: Project, options: WriteOptions, report: ConversionReport) -> etree._Element:
+        """The tree of the file for `project`."""
+
+    @abstractmethod
+    def style(self) -> XmlStyle:
+        """How the tool writes XML."""
+
+    def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
+        """Write a file anew."""
+        return write_xml(self.to_tree(project, options, report), self.style())
+
+    def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
+        """The file without data and comments of this package."""
+        return as_tool_sees(data, file=file)
+
+
+class FolderCodec(XmlCodec):
+    """Reads and writes a format in which a folder of files is one project."""
+
+    @abstractmethod
+    def standard_folder(self, thing: ProjectObject) -> str:
+        """Where an object belongs that has no folder yet."""
+
+    @abstractmethod
+    def new_document(self, version: str) -> Project:
+        """A project without objects."""
+
+    def added_objects(self, project: Project) -> Sequence[ProjectObject]:
+        """Objects for the tool that `project` has otherwise, and that are none of its own when they are read again."""
+        return ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +88,20 @@ _BOMS = {
     "utf-16-be": ("utf-16-be", codecs.BOM_UTF16_BE),
     "utf-32": ("utf-32-le", codecs.BOM_UTF32_LE),
 }
+
 _DEFAULT = XmlStyle()
+
 # Two paths, each a single walk in C; one path with "or" takes three times as long.
 _LOOSE_TEXT = etree.XPath("//text()[normalize-space()][following-sibling::node() or preceding-sibling::node()]")
+
 _ONLY_COMMENTS = etree.XPath("descendant-or-self::*[comment() and not(*)]")
+
 _PRESERVED = etree.XPath("//*[@xml:space='preserve']")
+
 _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
 
-def write(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
+def write_xml(root: etree._Element, style: XmlStyle = _DEFAULT) -> bytes:
     """The file for the tree `root` in `style`. The tree itself is not changed.
 
     Elements with text are never reformatted, nor what stands inside them. Comments and processing instructions before
@@ -128,3 +176,31 @@ def _self_closing(text: str, style: str) -> str:
     parts = _RAW.split(text)
     parts[::2] = [part.replace("/>", style) for part in parts[::2]]
     return "".join(parts)
+
+
+def as_tool_sees(data: bytes, *, file: str | None = None) -> bytes:
+    """The file `data` without what is ours; `data` itself where there is nothing. Raises `FormatError`."""
+    text, encoding = decode(data, file=file)
+    if COMMENT_MARK not in text and OWN_DATA not in text:
+        return data
+    parse(data, file=file)  # says what is wrong with the file, where it is no XML
+    tree = SourceTree(text)
+    return encoding.encode(without(text, [(node.start, node.end) for node in _own(tree, tree.root)]))
+
+
+def _own(tree: SourceTree, node: SourceNode) -> Iterator[SourceNode]:
+    for child in node.children:
+        if _is_own(tree, child):
+            yield child
+        else:
+            yield from _own(tree, child)
+
+
+def _is_own(tree: SourceTree, node: SourceNode) -> bool:
+    if node.name == COMMENT:
+        return tree.inner(node).startswith(COMMENT_MARK)
+    local = node.name.rpartition(":")[2]
+    if local == "data":
+        return tree.values(node).get("name", "").startswith(OWN_DATA)
+    # a holder with nothing but our data was made for it
+    return local == "addData" and bool(node.children) and all(_is_own(tree, child) for child in node.children)

@@ -1,22 +1,24 @@
-"""The source text as a tree of positions.
+"""The text of an XML file as a tree of positions, and the smallest edits that turn one text into another.
 
-lxml forgets how a file was written: quotes, CDATA, blanks inside tags, where exactly an element stands. This reads the
-same text once more with one regular expression and keeps nothing but positions; what is in a tag (attributes,
-namespaces) is looked at only for the few elements that somebody asks about.
+lxml forgets how a file was written: quotes, CDATA, blanks inside tags, the position of each element. `SourceTree` reads
+the same text once more with one regular expression and keeps nothing but positions. It parses the inside of a tag
+(attributes, namespaces) only for the few elements that a caller asks about.
 """
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.formats.xml.escaping import RawText
-
-__all__ = ["COMMENT", "INSTRUCTION", "Attribute", "Node", "PatchError", "Segment", "SourceTree"]
+from plcopen_sfc.languages.edits import Edit
 
 COMMENT = "#comment"
+
 INSTRUCTION = "#instruction"
+
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
 
@@ -24,7 +26,7 @@ class PatchError(SfcError):
     """An edit could not be put into the source text. Nothing was written; this is an error of ours, not the user's."""
 
 
-class Node:
+class SourceNode:
     """An element, comment or processing instruction: `text[start:end]`.
 
     `open_end` and `close_start` are the end of the start tag and the beginning of the end tag; for anything without
@@ -33,13 +35,13 @@ class Node:
 
     __slots__ = ("attributes", "children", "close_start", "declared", "end", "name", "open_end", "parent", "start")
 
-    def __init__(self, name: str, start: int, open_end: int, parent: Node | None) -> None:
+    def __init__(self, name: str, start: int, open_end: int, parent: SourceNode | None) -> None:
         self.name = name
         self.start = start
         self.open_end = self.close_start = self.end = open_end
         self.parent = parent
-        self.children: list[Node] = []
-        self.attributes: list[Attribute] | None = None
+        self.children: list[SourceNode] = []
+        self.attributes: list[SourceAttribute] | None = None
         self.declared: dict[str, str] | None = None
 
     @property
@@ -54,7 +56,7 @@ class Node:
 
 
 @dataclass(frozen=True, slots=True)
-class Attribute:
+class SourceAttribute:
     """An attribute as written: `text[start:end]` with the blanks before it from `blank`, its value between quotes."""
 
     name: str
@@ -70,7 +72,7 @@ class Attribute:
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class TextSegment:
     """A piece of character data: `text[start:end]`; in a CDATA section, `outer_*` include its marks."""
 
     cdata: bool
@@ -85,10 +87,13 @@ _TOKEN = re.compile(
     r"""|(?P<open>[^\s/>!?]++)[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>)""",
     re.DOTALL,
 )
+
 _PROLOG = re.compile(
     r"""(?:\s++|<\?.*?\?>|<!--.*?-->|<!DOCTYPE(?:[^\[>"']|"[^"]*"|'[^']*'|\[.*?\]\s*(?=>))*>)*+""", re.DOTALL
 )
+
 _ATTRIBUTE = re.compile(r"""(\s+)([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+
 _BLANKS = " \t"
 
 
@@ -100,16 +105,16 @@ class SourceTree:
         self.newline = "\r\n" if 2 * text.count("\r\n") > text.count("\n") else "\n"
         self.root = self._read()
 
-    def _read(self) -> Node:
+    def _read(self) -> SourceNode:
         prolog = _PROLOG.match(self.text)
         text = self.text
-        top = Node("", 0, 0, None)
+        top = SourceNode("", 0, 0, None)
         current = top
         for token in _TOKEN.finditer(text, prolog.end() if prolog else 0):
             kind = token.lastgroup
             end = token.end()
             if kind == "open":
-                node = Node(token["open"], token.start(), end, current)
+                node = SourceNode(token["open"], token.start(), end, current)
                 current.children.append(node)
                 if text[end - 2] != "/":
                     current = node
@@ -121,7 +126,7 @@ class SourceTree:
                 current = current.parent
             elif kind != "cdata":
                 name = COMMENT if kind == "comment" else INSTRUCTION
-                current.children.append(Node(name, token.start(), end, current))
+                current.children.append(SourceNode(name, token.start(), end, current))
         root = next((child for child in top.children if child.is_element), None)
         if current is not top or root is None:
             raise PatchError("the source text is not well-formed")
@@ -130,7 +135,7 @@ class SourceTree:
 
     # What is in a tag
 
-    def attributes(self, node: Node) -> list[Attribute]:
+    def attributes(self, node: SourceNode) -> list[SourceAttribute]:
         """Attributes in the order written, namespace declarations among them."""
         if node.attributes is None:
             node.attributes = []
@@ -138,24 +143,24 @@ class SourceTree:
                 for found in _ATTRIBUTE.finditer(self.text, self.name_end(node), node.open_end):
                     group = 3 if found[3] is not None else 4
                     node.attributes.append(
-                        Attribute(found[2], found.start(), found.start(2), found.start(group), found.end(group))
+                        SourceAttribute(found[2], found.start(), found.start(2), found.start(group), found.end(group))
                     )
         return node.attributes
 
-    def name_end(self, node: Node) -> int:
+    def name_end(self, node: SourceNode) -> int:
         """Behind the name in the start tag."""
         return node.start + 1 + len(node.name)
 
-    def tag_end(self, node: Node) -> int:
+    def tag_end(self, node: SourceNode) -> int:
         """Behind the last attribute (or the name) in the start tag."""
         attributes = self.attributes(node)
         return attributes[-1].end if attributes else self.name_end(node)
 
-    def value(self, attribute: Attribute) -> str:
+    def value(self, attribute: SourceAttribute) -> str:
         """The value of an attribute, as a parser reports it."""
         return RawText(self.text[attribute.value_start : attribute.value_end], attribute=True).value
 
-    def declared(self, node: Node) -> dict[str, str]:
+    def declared(self, node: SourceNode) -> dict[str, str]:
         """Namespaces declared in this start tag, by prefix ("" is the default namespace)."""
         if node.declared is None:
             node.declared = {}
@@ -165,7 +170,7 @@ class SourceTree:
                         node.declared[attribute.name[6:]] = self.value(attribute)
         return node.declared
 
-    def scope(self, node: Node | None) -> dict[str, str]:
+    def scope(self, node: SourceNode | None) -> dict[str, str]:
         """All namespaces in scope inside `node`, by prefix."""
         chain: list[dict[str, str]] = []
         while node is not None:
@@ -176,9 +181,9 @@ class SourceTree:
             scope.update(declared)
         return scope
 
-    def namespace(self, node: Node, prefix: str) -> str:
+    def namespace(self, node: SourceNode, prefix: str) -> str:
         """The namespace that `prefix` stands for in `node`; "" for none."""
-        here: Node | None = node
+        here: SourceNode | None = node
         while here is not None:
             found = self.declared(here).get(prefix)
             if found is not None:
@@ -186,7 +191,7 @@ class SourceTree:
             here = here.parent
         return XML_NAMESPACE if prefix == "xml" else ""
 
-    def tag(self, node: Node) -> str:
+    def tag(self, node: SourceNode) -> str:
         """The tag as lxml names it, `{namespace}local`; `COMMENT` or `INSTRUCTION`."""
         if not node.is_element:
             return node.name
@@ -194,9 +199,9 @@ class SourceTree:
         uri = self.namespace(node, prefix)
         return f"{{{uri}}}{local}" if uri else local
 
-    def named_attributes(self, node: Node) -> dict[str, Attribute]:
+    def named_attributes(self, node: SourceNode) -> dict[str, SourceAttribute]:
         """Attributes by the name that lxml gives them, without namespace declarations."""
-        found: dict[str, Attribute] = {}
+        found: dict[str, SourceAttribute] = {}
         for attribute in self.attributes(node):
             prefix, _, local = attribute.name.rpartition(":")
             if prefix == "xmlns" or attribute.name == "xmlns":
@@ -204,53 +209,53 @@ class SourceTree:
             found[f"{{{self.namespace(node, prefix)}}}{local}" if prefix else local] = attribute
         return found
 
-    def values(self, node: Node) -> dict[str, str]:
-        """Attribute values by the name that lxml gives them."""
+    def values(self, node: SourceNode) -> dict[str, str]:
+        """SourceAttribute values by the name that lxml gives them."""
         return {name: self.value(attribute) for name, attribute in self.named_attributes(node).items()}
 
     # What is between tags
 
-    def segments(self, start: int, end: int) -> list[Segment]:
+    def segments(self, start: int, end: int) -> list[TextSegment]:
         """Character data between two positions that have no tags between them."""
-        found: list[Segment] = []
+        found: list[TextSegment] = []
         text = self.text
         while start < end:
             mark = text.find("<![CDATA[", start, end)
             stop = end if mark < 0 else mark
             if stop > start:
-                found.append(Segment(False, start, stop, start, stop))
+                found.append(TextSegment(False, start, stop, start, stop))
             if mark < 0:
                 break
             close = text.index("]]>", mark, end)
-            found.append(Segment(True, mark + 9, close, mark, close + 3))
+            found.append(TextSegment(True, mark + 9, close, mark, close + 3))
             start = close + 3
         return found
 
-    def raw(self, segment: Segment) -> RawText:
+    def raw(self, segment: TextSegment) -> RawText:
         """The segment's characters and their meaning."""
         return RawText(self.text[segment.start : segment.end], cdata=segment.cdata)
 
-    def value_of(self, segments: list[Segment]) -> str:
+    def value_of(self, segments: list[TextSegment]) -> str:
         """The text that some segments mean together."""
         return "".join(self.raw(segment).value for segment in segments)
 
-    def content(self, node: Node) -> list[Segment]:
+    def content(self, node: SourceNode) -> list[TextSegment]:
         """All character data directly in an element."""
-        found: list[Segment] = []
+        found: list[TextSegment] = []
         position = node.open_end
         for child in node.children:
             found += self.segments(position, child.start)
             position = child.end
         return found + self.segments(position, node.close_start)
 
-    def inner(self, node: Node) -> str:
+    def inner(self, node: SourceNode) -> str:
         """The text of a comment or processing instruction."""
         text = self.text[node.start : node.end]
         return text[4:-3] if node.name == COMMENT else text[2:-2].partition(" ")[2]
 
     # How things stand on lines
 
-    def line_indent(self, node: Node) -> str | None:
+    def line_indent(self, node: SourceNode) -> str | None:
         """The blanks before a node that is the first on its line; None if something else stands before it."""
         start = self.blank_before(node.start)
         if start > 0 and self.text[start - 1] not in "\r\n":
@@ -278,3 +283,63 @@ class SourceTree:
             return None
         first -= 2 if self.text[max(first - 2, 0) : first] == "\r\n" else 1
         return first, last
+
+
+_MAX_LINE_PAIRS = 4_000_000
+
+
+def text_edits(old: str, new: str) -> list[Edit]:
+    """Replacements in rising order that do not overlap; lines that are the same on both sides stay untouched."""
+    if old == new:
+        return []
+    whole = _trim(old, new, 0)
+    first, second = whole.text.splitlines(keepends=True), old[whole.start : whole.end].splitlines(keepends=True)
+    if len(first) < 2 or len(second) < 2:
+        return [whole]
+    # Compare whole lines: the trimmed block begins and ends inside lines.
+    begin = old.rfind("\n", 0, whole.start) + 1
+    finish = len(old) if (stop := old.find("\n", whole.end)) < 0 else stop + 1
+    left = old[begin:finish].splitlines(keepends=True)
+    right = new[begin : finish + len(new) - len(old)].splitlines(keepends=True)
+    if len(left) * len(right) > _MAX_LINE_PAIRS:
+        return [whole]
+    found: list[Edit] = []
+    position, line = begin, 0
+    for operation, i1, i2, j1, j2 in SequenceMatcher(None, left, right, autojunk=False).get_opcodes():
+        position += sum(map(len, left[line:i1]))
+        line = i1
+        if operation == "equal":
+            continue
+        if i2 - i1 == j2 - j1:
+            for before, after in zip(left[i1:i2], right[j1:j2], strict=True):
+                if before != after:
+                    found.append(_trim(before, after, position))
+                position += len(before)
+            line = i2
+        else:
+            found.append(_trim("".join(left[i1:i2]), "".join(right[j1:j2]), position))
+    return found
+
+
+def _trim(old: str, new: str, offset: int) -> Edit:
+    """One replacement without what both begin and end with."""
+    limit = min(len(old), len(new))
+    head = _common(old, new, limit)
+    tail = 0
+    while tail < limit - head and old[-1 - tail] == new[-1 - tail]:
+        tail += 1
+    return Edit(offset + head, offset + len(old) - tail, new[head : len(new) - tail])
+
+
+def _common(old: str, new: str, limit: int) -> int:
+    """Length of the common beginning; by halves, because texts may have megabytes."""
+    if old[:limit] == new[:limit]:
+        return limit
+    low, high = 0, limit
+    while high - low > 1:
+        middle = (low + high) // 2
+        if old[low:middle] == new[low:middle]:
+            low = middle
+        else:
+            high = middle
+    return low

@@ -1,16 +1,24 @@
-"""New pieces of XML in the handwriting of the file that they go into."""
+"""New text in the style of the file that it goes into: elements, attributes, and changed values.
+
+A change of a value stays inside the CDATA section that holds it and keeps the references that its author wrote.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from lxml import etree
 
-from plcopen_sfc.formats.xml.escaping import Habits, escape_attribute, escape_text
-from plcopen_sfc.formats.xml.tokens import COMMENT, INSTRUCTION, XML_NAMESPACE, Node, SourceTree
+from plcopen_sfc.formats.xml.escaping import Habits, RawText, escape_attribute, escape_text
+from plcopen_sfc.formats.xml.source_tree import COMMENT, INSTRUCTION, XML_NAMESPACE, SourceNode, SourceTree, text_edits
+from plcopen_sfc.languages.edits import Edit, apply_edits
 
-__all__ = ["Fragments", "Handwriting", "Reuse", "is_mixed", "kind_of", "nodes_of", "qualified_name"]
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from plcopen_sfc.formats.xml.source_tree import SourceAttribute, TextSegment
+
 
 _XML_SPACE = f"{{{XML_NAMESPACE}}}space"
 
@@ -37,7 +45,7 @@ def is_mixed(element: etree._Element) -> bool:
     return bool((element.text or "").strip()) or any((child.tail or "").strip() for child in element)
 
 
-class Handwriting:
+class SourceStyle:
     """How a file is written, as far as new pieces of it need to know."""
 
     def __init__(self, tree: SourceTree, codec: str) -> None:
@@ -71,9 +79,9 @@ class Handwriting:
             return " />"
         return " />" if text[found - 1] in " \t\r\n" else "/>"
 
-    def unit(self, node: Node) -> str:
+    def unit(self, node: SourceNode) -> str:
         """What one level of indentation is, near `node`."""
-        here: Node | None = node
+        here: SourceNode | None = node
         while here is not None:
             step = self._step(here)
             if step:
@@ -83,7 +91,7 @@ class Handwriting:
             self._unit = self._first_step(self.tree.root) or "  "
         return self._unit
 
-    def _step(self, parent: Node) -> str | None:
+    def _step(self, parent: SourceNode) -> str | None:
         outer = self.tree.line_indent(parent)
         if outer is None:
             return None
@@ -93,7 +101,7 @@ class Handwriting:
                 return inner[len(outer) :]
         return None
 
-    def _first_step(self, root: Node) -> str | None:
+    def _first_step(self, root: SourceNode) -> str | None:
         waiting = [root]
         for node in waiting:
             if step := self._step(node):
@@ -103,7 +111,7 @@ class Handwriting:
                 break
         return None
 
-    def child_indent(self, parent: Node) -> str | None:
+    def child_indent(self, parent: SourceNode) -> str | None:
         """The indentation of the children of `parent`; None where they stand in one line with it."""
         for child in parent.children:
             indent = self.tree.line_indent(child)
@@ -121,10 +129,10 @@ Reuse: TypeAlias = Callable[[etree._Element, Mapping[str, str], str | None], str
 """Gives the source text of an element that was only moved here; None for one that is new."""
 
 
-class Fragments:
+class NewMarkup:
     """Writes elements that the source does not have yet."""
 
-    def __init__(self, writing: Handwriting, reuse: Reuse) -> None:
+    def __init__(self, writing: SourceStyle, reuse: Reuse) -> None:
         self._writing = writing
         self._reuse = reuse
 
@@ -223,3 +231,78 @@ def qualified_name(
         prefix = f"{base}{number}"
     scope[prefix] = declared[prefix] = uri
     return f"{prefix}:{local}" if prefix else local
+
+
+def attribute_changes(writing: SourceStyle, attribute: SourceAttribute, value: str) -> Iterator[Edit]:
+    """Edits of the source that give an attribute another value."""
+    text = writing.tree.text
+    start = attribute.value_start
+    raw = RawText(text[start : attribute.value_end], attribute=True)
+    habits = Habits(raw.raw, newline=writing.newline)
+    quote = text[attribute.value_end]
+    for change in text_edits(raw.value, value):
+        yield Edit(
+            start + raw.raw_position(change.start),
+            start + raw.raw_position(change.end),
+            escape_attribute(change.text, quote, habits),
+        )
+
+
+def with_source_blanks(current: str, old: str, new: str) -> str:
+    """`new` with the blanks that the source has around the text, if the writer does not keep them.
+
+    `current` is the text in the source, `old` what the writer made of it: a difference in the blanks at both ends is
+    not part of the edit.
+    """
+    if current == old or current.strip() != old.strip() or not old.strip():
+        return new
+    return current[: len(current) - len(current.lstrip())] + new.strip() + current[len(current.rstrip()) :]
+
+
+def text_changes(writing: SourceStyle, segments: list[TextSegment], current: str, new: str) -> Iterator[Edit]:
+    """Edits of the source that turn the text `current`, which `segments` hold together, into `new`."""
+    waiting = text_edits(current, new)
+    begin = 0
+    for index, segment in enumerate(segments):
+        raw = writing.tree.raw(segment)
+        end = begin + len(raw.value)
+        last = index == len(segments) - 1
+        mine: list[Edit] = []
+        rest: list[Edit] = []
+        for change in waiting:
+            # An insertion between two segments goes to the first of them, unless the second is the CDATA section.
+            between = change.start == end and not last
+            if change.start > end or (between and (change.end > end or segments[index + 1].cdata > segment.cdata)):
+                rest.append(change)
+                continue
+            mine.append(Edit(change.start - begin, min(change.end, end) - begin, change.text))
+            if change.end > end:
+                rest.append(Edit(end, change.end, ""))
+        waiting = rest
+        begin = end
+        if mine:
+            yield from _segment_changes(writing, segment, raw, mine)
+
+
+def _segment_changes(writing: SourceStyle, segment: TextSegment, raw: RawText, mine: list[Edit]) -> Iterator[Edit]:
+    value = apply_edits(raw.value, mine)
+    newline = writing.newline
+    if "\n" in raw.value:
+        newline = "\r\n" if "\r\n" in raw.raw else "\n"
+    if segment.cdata:
+        habits = Habits("", newline=newline)
+        if not value:
+            yield Edit(segment.outer_start, segment.outer_end, "")
+            return
+        if "]]>" in value or "\r" in value or not writing.encodable(value):
+            yield Edit(segment.outer_start, segment.outer_end, escape_text(value, habits))
+            return
+    else:
+        habits = Habits(raw.raw, newline=newline)
+        if "]]>" in value and not habits.greater:
+            # The three characters may come together from old and new ones; text must not contain them.
+            yield Edit(segment.start, segment.end, escape_text(value, habits))
+            return
+    for change in mine:
+        text = change.text.replace("\n", newline) if segment.cdata else escape_text(change.text, habits)
+        yield Edit(segment.start + raw.raw_position(change.start), segment.start + raw.raw_position(change.end), text)

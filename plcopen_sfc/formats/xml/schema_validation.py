@@ -1,28 +1,52 @@
-"""Checking a tree against one of our XML schemas: libxml2 decides; where it objects the reason is looked for."""
+"""Validation against the package's XML schemas: libxml2 decides, `schema_explanation` finds the reason.
+
+The schemas are in `schemas/` of a source checkout, in `plcopen_sfc/schemas/` of an installation.
+"""
 
 from __future__ import annotations
 
 import re
 import threading
 from collections.abc import Callable, Iterator
+from functools import cache
+from importlib import resources
 from itertools import islice
+from pathlib import Path
 
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.xml.schema_files import schema_path
-from plcopen_sfc.formats.xml.source import SourceLines
+from plcopen_sfc.errors import FileAccessError, Location
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 
-__all__ = ["MAX_FINDINGS", "Judge", "element_path", "faults", "findings", "is_valid"]
+
+@cache
+def schema_path(name: str) -> Path:
+    """The file of the schema `name` (``plcopen-2.01``).
+
+    Raises `FileAccessError` where the package was installed without its schemas.
+    """
+    package = resources.files("plcopen_sfc")
+    for folder in (package / "schemas", Path(str(package)).parent / "schemas"):
+        path = Path(str(folder)) / f"{name}.xsd"
+        if path.is_file():
+            return path
+    raise FileAccessError(
+        f"the schema {name}.xsd is missing from this installation of plcopen_sfc",
+        hint="Install the package anew, unpacked: libxml2 cannot read schemas inside an archive.",
+    )
+
 
 MAX_FINDINGS = 100
 """So many findings are reported for one file; who repairs these will run the check again."""
 
+
 Judge = Callable[[etree._Element], Severity]
 """How bad a violation at an element is."""
 
+
 _KEYS = ("localId", "name", "Name", "guid", "alias", "instancePathAndName", "member", "formalParameter")
+
 _per_thread = threading.local()
 
 
@@ -63,8 +87,9 @@ def findings(
     if validator.validate(root):
         return []
     # Only a file with errors pays for loading xmlschema.
-    from plcopen_sfc.formats.xml.schema_explain import explain  # noqa: PLC0415
+    from plcopen_sfc.formats.xml.schema_explanation import explain  # noqa: PLC0415
 
+    path = schema_path(schema)
     lines = SourceLines(root.getroottree().getroot(), data)
     found: list[Diagnostic] = []
     left_out = 0
@@ -72,7 +97,7 @@ def findings(
         if len(found) >= MAX_FINDINGS:
             left_out += 1
             continue
-        for code, message, place in explain(element, schema, fallback):
+        for code, message, place in explain(element, path, fallback):
             location = Location(file, lines.line(place), path=element_path(place))
             finding = Diagnostic(code, judge(place), message, location)
             if finding not in found:

@@ -1,6 +1,8 @@
-"""Why an element is invalid, in words that say what to do.
+"""Reasons why an element is invalid, in words that tell what to do.
 
-libxml2 says where; here the element is looked at once more with the grammar in hand. Codes (docs/diagnostics.md):
+libxml2 finds the place; here the element is looked at once more with the grammar in hand. The grammar comes from
+xmlschema, which is slow to load: `schema_validation` imports this module only for files that libxml2 found invalid.
+Codes (docs/diagnostics.md):
 
 ======  ==============================================================
 XSD002  an element that is unknown, or stands where it may not
@@ -18,30 +20,34 @@ XSD019  anything else, in libxml2's words
 from __future__ import annotations
 
 import difflib
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
+import xmlschema
 from lxml import etree
-
-from plcopen_sfc.formats.xml.schema_grammar import Grammar, Rejection, local_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["Finding", "explain"]
 
-Finding = tuple[str, str, etree._Element]
+Explanation = tuple[str, str, etree._Element]
 """Code, message, and the element that it is about."""
 
+
 _XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
+
 _XHTML = "http://www.w3.org/1999/xhtml"
+
 _MANY = 12
 
 
-def explain(element: etree._Element, schema: str, fallback: str) -> list[Finding]:
+def explain(element: etree._Element, schema: Path, fallback: str) -> list[Explanation]:
     """What is wrong with an element that libxml2 objected to; `fallback` are libxml2's words for it."""
     grammar = Grammar.of(schema)
     declaration = grammar.declaration(element)
-    found: list[Finding] = []
+    found: list[Explanation] = []
     if declaration is not None:
         found += _attributes(grammar, declaration, element)
         found += _content(grammar, declaration, element)
@@ -57,7 +63,7 @@ def explain(element: etree._Element, schema: str, fallback: str) -> list[Finding
 # Attributes
 
 
-def _attributes(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Finding]:
+def _attributes(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Explanation]:
     declared: dict[str | None, Any] = dict(declaration.attributes)
     tag = local_name(element.tag)
     present = {str(name): str(value) for name, value in element.attrib.items()}
@@ -82,7 +88,7 @@ def _attributes(grammar: Grammar, declaration: Any, element: etree._Element) -> 
             yield from _duplicate(tag, name, value, element)
 
 
-def _unknown_attribute(tag: str, name: str, declared: Iterable[str | None], element: etree._Element) -> Finding:
+def _unknown_attribute(tag: str, name: str, declared: Iterable[str | None], element: etree._Element) -> Explanation:
     known = [other for other in declared if other is not None]
     if name.startswith("{"):
         message = f"<{tag}> has the foreign attribute {local_name(name)}, which this format does not allow"
@@ -95,7 +101,7 @@ def _unknown_attribute(tag: str, name: str, declared: Iterable[str | None], elem
     return "XSD005", f"{message}; {listed}", element
 
 
-def _duplicate(tag: str, name: str, value: str, element: etree._Element) -> Iterator[Finding]:
+def _duplicate(tag: str, name: str, value: str, element: etree._Element) -> Iterator[Explanation]:
     same = element.getroottree().xpath("//*[@*[local-name() = $name] = $value]", name=name, value=value)
     others = [other for other in same if other is not element] if isinstance(same, list) else []
     first = next((other for other in others if isinstance(other, etree._Element)), None)
@@ -122,7 +128,7 @@ def _repaired(grammar: Grammar, simple_type: Any, value: str) -> str | None:
 # Content
 
 
-def _content(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Finding]:
+def _content(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Explanation]:
     tag = local_name(element.tag)
     content = declaration.type
     children = [child for child in element if isinstance(child.tag, str)]
@@ -164,7 +170,7 @@ def _holds_xhtml(declaration: Any) -> bool:
     return len(particles) == 1 and particles[0].name is None and _XHTML in (particles[0].namespace or ())
 
 
-def _children(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Finding]:
+def _children(grammar: Grammar, declaration: Any, element: etree._Element) -> Iterator[Explanation]:
     rejection = grammar.rejection(declaration, element)
     if rejection is None:
         return
@@ -178,7 +184,7 @@ def _children(grammar: Grammar, declaration: Any, element: etree._Element) -> It
         yield _misplaced(grammar.children(declaration), element, rejection.child, rejection)
 
 
-def _xhtml(tag: str, rejection: Rejection, element: etree._Element) -> Iterator[Finding]:
+def _xhtml(tag: str, rejection: RejectedChild, element: etree._Element) -> Iterator[Explanation]:
     form = f'<{tag}><xhtml xmlns="{_XHTML}">...</xhtml></{tag}>'
     if rejection.child is None:
         yield "XSD003", f"<{tag}> is empty; it must hold one element of XHTML: {form}", element
@@ -189,7 +195,9 @@ def _xhtml(tag: str, rejection: Rejection, element: etree._Element) -> Iterator[
         yield "XSD002", f"<{child}> may not stand in <{tag}>, only one element of XHTML: {form}", rejection.child
 
 
-def _misplaced(known: list[str], element: etree._Element, child: etree._Element, rejection: Rejection) -> Finding:
+def _misplaced(
+    known: list[str], element: etree._Element, child: etree._Element, rejection: RejectedChild
+) -> Explanation:
     """A child that stops the sequence: unknown, once too often, out of order, or something before it is missing."""
     tag, name = local_name(element.tag), local_name(child.tag)
     if child.tag not in known:
@@ -261,3 +269,128 @@ def _quoted(text: str) -> str:
     short = " ".join(text.split(" "))
     short = short if len(short) <= 60 else short[:57] + "..."
     return '"' + short.replace("\n", "\\n") + '"'
+
+
+_XS = "{http://www.w3.org/2001/XMLSchema}"
+
+_KINDS = {
+    "dateTime": "a date and time like 2024-01-31T08:30:00",
+    "date": "a date like 2024-01-31",
+    "time": "a time of day like 08:30:00",
+    "boolean": "true or false",
+    "decimal": "a number like 12.5",
+    "integer": "a whole number",
+    "long": "a whole number",
+    "unsignedLong": "a whole number, 0 or greater",
+    "anyURI": "a web address or other URI",
+    "language": "a language code like de or en-US",
+    "ID": "a name that no other element of the file has, beginning with a letter or an underscore",
+}
+
+
+def local_name(tag: object) -> str:
+    """A tag without its namespace."""
+    return str(tag).rpartition("}")[2]
+
+
+@dataclass(frozen=True, slots=True)
+class RejectedChild:
+    """A child that may not stand where it stands, or (`child` None) the end of an element that came too early.
+
+    `expected` are the tags that could have stood there, `required` those of them without which it does not go on.
+    """
+
+    child: etree._Element | None
+    expected: tuple[str, ...]
+    required: tuple[str, ...]
+
+
+class Grammar:
+    """One of our schemas, for asking."""
+
+    def __init__(self, path: Path) -> None:
+        # The file belongs to the package; still, nothing in it could make xmlschema look anywhere but on this disk.
+        self._schema: Any = xmlschema.XMLSchema10(str(path), allow="local")
+
+    @staticmethod
+    @cache
+    def of(path: Path) -> Grammar:
+        """Return the grammar of a schema, loaded once."""
+        return Grammar(path)
+
+    def declaration(self, element: etree._Element) -> Any | None:
+        """The declaration that an element has by its place; None where the schema has none (foreign elements)."""
+        parent = element.getparent()
+        if parent is None:
+            return self._schema.maps.elements.get(element.tag)
+        above = self.declaration(parent)
+        found = None
+        if above is not None and not above.type.has_simple_content():
+            found = next((child for child in _child_declarations(above) if child.name == element.tag), None)
+        # In foreign data everything that is declared globally is checked, wherever it stands.
+        wild = above is None or any(child.name is None for child in _child_declarations(above)) or _is_anything(above)
+        return self._schema.maps.elements.get(element.tag) if found is None and wild else found
+
+    @staticmethod
+    def children(declaration: Any) -> list[str]:
+        """The tags that may stand in an element, in the order of the schema."""
+        return list(dict.fromkeys(child.name for child in _child_declarations(declaration) if child.name is not None))
+
+    @staticmethod
+    def rejection(declaration: Any, element: etree._Element) -> RejectedChild | None:
+        """The first thing that is wrong with the children of an element; None if their order is right."""
+        # The content of the children is not of interest here, so they are looked at without it.
+        children = [child for child in element if isinstance(child.tag, str)]
+        shell = etree.Element(element.tag)
+        for each in children:
+            shell.append(etree.Element(each.tag))
+        for error in declaration.iter_errors(shell):
+            if isinstance(error, xmlschema.XMLSchemaChildrenValidationError) and error.elem is cast("Any", shell):
+                particles: list[Any] = list(error.expected or ())
+                names = tuple(dict.fromkeys(particle.name for particle in particles if particle.name))
+                required = tuple(p.name for p in particles if p.name and p.min_occurs > 0)
+                child = children[error.index] if error.index < len(children) else None
+                return RejectedChild(child, names, required)
+        return None
+
+    @staticmethod
+    def kind(simple_type: Any) -> str:
+        """What a value of this type looks like, in words."""
+        if simple_type.enumeration:
+            return "one of " + ", ".join(str(value) for value in simple_type.enumeration)
+        low, high = simple_type.min_value, simple_type.max_value
+        base = _builtin(simple_type)
+        if simple_type.name == _XS + base:
+            return _KINDS.get(base, f"a value of type {base}")
+        if base == "integer" and low is not None and high is not None:
+            return f"a whole number from {low} to {high}"
+        if simple_type.patterns:
+            return "of the form " + " or ".join(simple_type.patterns.regexps)
+        return _KINDS.get(base, f"a value of type {base}")
+
+    @staticmethod
+    def accepts(simple_type: Any, value: str) -> bool:
+        """Whether a value is one of this type."""
+        return bool(simple_type.is_valid(value))
+
+    @staticmethod
+    def base(simple_type: Any) -> str:
+        """The name of the type of XML Schema that a type stands on (``dateTime``)."""
+        return _builtin(simple_type)
+
+
+def _child_declarations(declaration: Any) -> Iterator[Any]:
+    content = declaration.type.content
+    if hasattr(content, "iter_elements"):
+        yield from content.iter_elements()
+
+
+def _is_anything(declaration: Any) -> bool:
+    return bool(declaration.type.name == f"{_XS}anyType")
+
+
+def _builtin(simple_type: Any) -> str:
+    node = simple_type
+    while node is not None and not str(node.name).startswith(_XS):
+        node = node.base_type
+    return local_name(node.name) if node is not None else "string"

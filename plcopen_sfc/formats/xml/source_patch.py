@@ -1,4 +1,14 @@
-"""The walk down source, `before` and `after` together; see `patch` for the idea."""
+"""Edits of the model as a patch of the source text that changes nothing else.
+
+A three-way merge. `before` is the tree that our writer makes of the model as it was loaded, `after` the tree that the
+same writer makes of the edited model; their difference is the edit. The source text corresponds to `before` element by
+element, but holds more (comments, unknown attributes and elements, its own style). So the merge walks down all three
+together, skips what is equal in `before` and `after`, and where they differ notes which characters of the source are to
+be replaced. It never touches what the source has and `before` lacks.
+
+`source_tree` has the positions in the source, `element_alignment` pairs children, `child_places` and `source_style`
+lay out new lines and changed texts.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +16,44 @@ from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from plcopen_sfc.formats.xml.align import KeyFunction, align, longest_rising
-from plcopen_sfc.formats.xml.escaping import escape_text
-from plcopen_sfc.formats.xml.features import Comparison
-from plcopen_sfc.formats.xml.fragments import Fragments, Handwriting, is_mixed, kind_of, nodes_of, qualified_name
-from plcopen_sfc.formats.xml.layout import ChildLayout, Insertion, make_empty
-from plcopen_sfc.formats.xml.moves import FileSource, Removed, missing_declarations, reindented
-from plcopen_sfc.formats.xml.textdiff import Change, apply
-from plcopen_sfc.formats.xml.texts import attribute_changes, text_changes, with_source_blanks
-from plcopen_sfc.formats.xml.tokens import Attribute, Node, PatchError, Segment, SourceTree
+from plcopen_sfc.errors import SfcError
+from plcopen_sfc.formats.xml.child_places import (
+    ChildLayout,
+    Insertion,
+    MatchedElement,
+    RemovedElements,
+    make_empty,
+    missing_declarations,
+    reindented,
+)
+from plcopen_sfc.formats.xml.element_alignment import (
+    ElementComparison,
+    KeyFunction,
+    align,
+    default_keys,
+    longest_rising,
+)
+from plcopen_sfc.formats.xml.escaping import encode_text, escape_text
+from plcopen_sfc.formats.xml.source_style import (
+    NewMarkup,
+    SourceStyle,
+    attribute_changes,
+    is_mixed,
+    kind_of,
+    nodes_of,
+    qualified_name,
+    text_changes,
+    with_source_blanks,
+)
+from plcopen_sfc.formats.xml.source_tree import PatchError, SourceAttribute, SourceNode, SourceTree, TextSegment
+from plcopen_sfc.formats.xml.xml_parsing import decode, parse
+from plcopen_sfc.languages.edits import Edit, apply_edits
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["Merge"]
 
-
-class Merge:
+class SourceMerge:
     """One three-way merge: collects the edits of the source text that the difference of two trees asks for."""
 
     def __init__(
@@ -31,13 +62,13 @@ class Merge:
         self._tree = tree
         self._before = before
         self._after = after
-        self._comparison = Comparison(tree, before, after, keys)
-        self._writing = Handwriting(tree, codec)
-        self._fragments = Fragments(self._writing, self._reuse)
-        self._edits: list[Change] = []
+        self._comparison = ElementComparison(tree, before, after, keys)
+        self._writing = SourceStyle(tree, codec)
+        self._fragments = NewMarkup(self._writing, self._reuse)
+        self._edits: list[Edit] = []
         self._insertions: list[Insertion] = []
-        self._removed = Removed(self._comparison)
-        self._moved: dict[etree._Element, FileSource] = {}
+        self._removed = RemovedElements(self._comparison)
+        self._moved: dict[etree._Element, MatchedElement] = {}
 
     def run(self) -> str:
         """The edited text."""
@@ -49,11 +80,11 @@ class Merge:
             )
         self._element(root, self._before, self._after)
         self._write_insertions()
-        return apply(self._tree.text, self._edits)
+        return apply_edits(self._tree.text, self._edits)
 
     # One element. Recursion: `_element` -> `_children` or `_mixed` -> `_element`; depth is bounded by the parser.
 
-    def _element(self, node: Node, before: etree._Element, after: etree._Element) -> None:
+    def _element(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
         if self._comparison.same(before, after):
             return
         if not node.is_element:
@@ -74,7 +105,7 @@ class Merge:
         else:
             self._children(node, nodes_of(before), nodes_of(after))
 
-    def _attributes(self, node: Node, before: etree._Element, after: etree._Element) -> None:
+    def _attributes(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
         written = self._tree.named_attributes(node)
         for name in before.attrib:
             found = written.get(str(name))
@@ -98,8 +129,8 @@ class Merge:
             blank = self._tree.text[anchor.blank : anchor.start] if anchor else " "
             self._replace(position, position, "".join(blank + text for text in new))
 
-    def _last_leading_declaration(self, node: Node) -> Attribute | None:
-        last: Attribute | None = None
+    def _last_leading_declaration(self, node: SourceNode) -> SourceAttribute | None:
+        last: SourceAttribute | None = None
         for attribute in self._tree.attributes(node):
             if attribute.name != "xmlns" and not attribute.name.startswith("xmlns:"):
                 break
@@ -109,8 +140,8 @@ class Merge:
     # Children
 
     def _match(
-        self, node: Node, old: list[etree._Element], new: list[etree._Element]
-    ) -> tuple[list[Node | None], list[int | None]]:
+        self, node: SourceNode, old: list[etree._Element], new: list[etree._Element]
+    ) -> tuple[list[SourceNode | None], list[int | None]]:
         """For every node of `old` its place in the source, and for every node of `new` its index in `old`."""
         item = self._comparison.tree_item
         places = align(
@@ -120,15 +151,15 @@ class Merge:
         origins = align([item(element) for element in old], [item(element) for element in new])
         return [None if place is None else node.children[place] for place in places], origins
 
-    def _children(self, node: Node, old: list[etree._Element], new: list[etree._Element]) -> None:
+    def _children(self, node: SourceNode, old: list[etree._Element], new: list[etree._Element]) -> None:
         places, origins = self._match(node, old, new)
         stays, going = self._sort_out(places, origins, old, new)
         layout = ChildLayout(self._writing, node, going)
         # From the end, to know of every new node which one that stays follows it.
-        following: list[Node | None] = [None] * (len(new) + 1)
+        following: list[SourceNode | None] = [None] * (len(new) + 1)
         for index in range(len(new) - 1, -1, -1):
             following[index] = stays[index][0] if index in stays else following[index + 1]
-        anchor: Node | None = None
+        anchor: SourceNode | None = None
         insertion: Insertion | None = None
         inserted = False
         for index, element in enumerate(new):
@@ -149,24 +180,24 @@ class Merge:
 
     def _sort_out(
         self,
-        places: list[Node | None],
+        places: list[SourceNode | None],
         origins: list[int | None],
         old: list[etree._Element],
         new: list[etree._Element],
-    ) -> tuple[dict[int, FileSource], set[Node]]:
+    ) -> tuple[dict[int, MatchedElement], set[SourceNode]]:
         """Which new nodes stay where they are in the source, and which source nodes go (removed or moved)."""
-        going: set[Node] = set()
+        going: set[SourceNode] = set()
         kept = set(origins)
         for index, place in enumerate(places):
             if index not in kept and place is not None:
                 going.add(place)
                 self._removed.add(place, old[index])
-        followed: list[tuple[int, int, Node]] = []
+        followed: list[tuple[int, int, SourceNode]] = []
         for index, origin in enumerate(origins):
             if origin is not None and (place := places[origin]) is not None:
                 followed.append((index, origin, place))
         in_order = longest_rising([origin for _, origin, _ in followed])
-        stays: dict[int, FileSource] = {}
+        stays: dict[int, MatchedElement] = {}
         for position, (index, origin, place) in enumerate(followed):
             if position in in_order:
                 stays[index] = (place, old[origin])
@@ -178,9 +209,15 @@ class Merge:
     # Text
 
     def _text(
-        self, node: Node, segments: list[Segment], old: str, new: str, *, cdata_like: etree._Element | None = None
+        self,
+        node: SourceNode,
+        segments: list[TextSegment],
+        old: str,
+        new: str,
+        *,
+        cdata_like: etree._Element | None = None,
     ) -> None:
-        """Change the text that `segments` hold together from `old` to `new`."""
+        """Edit the text that `segments` hold together from `old` to `new`."""
         if old == new:
             return
         current = self._tree.value_of(segments)
@@ -196,7 +233,7 @@ class Merge:
             raw = plain if cdata_like is None else self._fragments.text(cdata_like)
             self._fill(node, raw, node.open_end)
 
-    def _fill(self, node: Node, raw: str, end: int) -> None:
+    def _fill(self, node: SourceNode, raw: str, end: int) -> None:
         """Put content into an element, in place of what stands there up to `end`."""
         if node.is_closed:
             self._replace(self._tree.tag_end(node), node.end, f">{raw}</{node.name}>")
@@ -205,7 +242,7 @@ class Merge:
 
     # Text beside children
 
-    def _mixed(self, node: Node, before: etree._Element, after: etree._Element) -> None:
+    def _mixed(self, node: SourceNode, before: etree._Element, after: etree._Element) -> None:
         old, new = nodes_of(before), nodes_of(after)
         places, origins = self._match(node, old, new)
         found = [place for place in places if place is not None]
@@ -219,15 +256,15 @@ class Merge:
         for index, gone in enumerate(places):
             if gone is not None and gone not in used:
                 self._removed.add(gone, old[index])
-        matched: list[FileSource | None] = []
+        matched: list[MatchedElement | None] = []
         for origin in origins:
             known = None if origin is None else places[origin]
             matched.append(None if origin is None or known is None else (known, old[origin]))
         self._fill(node, self._mixed_anew(node, after, matched, set(found)), node.close_start)
 
-    def _runs(self, node: Node, known: set[Node]) -> list[list[Segment]]:
+    def _runs(self, node: SourceNode, known: set[SourceNode]) -> list[list[TextSegment]]:
         """The text before, between and behind the children in `known`."""
-        runs: list[list[Segment]] = [[]]
+        runs: list[list[TextSegment]] = [[]]
         position = node.open_end
         for child in node.children:
             runs[-1] += self._tree.segments(position, child.start)
@@ -237,7 +274,9 @@ class Merge:
         runs[-1] += self._tree.segments(position, node.close_start)
         return runs
 
-    def _mixed_runs(self, node: Node, before: etree._Element, after: etree._Element, places: list[Node]) -> None:
+    def _mixed_runs(
+        self, node: SourceNode, before: etree._Element, after: etree._Element, places: list[SourceNode]
+    ) -> None:
         """The children are the same ones: change the text between them, piece by piece."""
         runs = self._runs(node, set(places))
         starts = [node.open_end, *(place.end for place in places)]
@@ -247,7 +286,9 @@ class Merge:
             else:
                 self._replace(start, start, escape_text(new, self._writing.habits))
 
-    def _mixed_anew(self, node: Node, after: etree._Element, matched: list[FileSource | None], known: set[Node]) -> str:
+    def _mixed_anew(
+        self, node: SourceNode, after: etree._Element, matched: list[MatchedElement | None], known: set[SourceNode]
+    ) -> str:
         """The content written anew, out of the old pieces where they are still wanted."""
         tree = self._tree
         scope = tree.scope(node)
@@ -271,7 +312,7 @@ class Merge:
             parts.append(written(element.tail or ""))
         return "".join(parts)
 
-    def _unknown_behind(self, node: Node, place: Node | None, known: set[Node]) -> list[str]:
+    def _unknown_behind(self, node: SourceNode, place: SourceNode | None, known: set[SourceNode]) -> list[str]:
         """The source's own nodes directly behind `place`, which the trees do not have."""
         found: list[str] = []
         for child in node.children[node.children.index(place) + 1 if place else 0 :]:
@@ -283,7 +324,7 @@ class Merge:
     # Writing
 
     def _replace(self, start: int, end: int, text: str) -> None:
-        self._edits.append(Change(start, end, text))
+        self._edits.append(Edit(start, end, text))
 
     def _write_insertions(self) -> None:
         """Turn the noted insertions into edits. Only now all that goes, and may come in elsewhere, is known."""
@@ -299,7 +340,7 @@ class Merge:
             self._replace(insertion.start, insertion.end, f"{insertion.head}{''.join(parts)}{insertion.tail}")
 
     def _slice(
-        self, node: Node, before: etree._Element, after: etree._Element, scope: Mapping[str, str] | None = None
+        self, node: SourceNode, before: etree._Element, after: etree._Element, scope: Mapping[str, str] | None = None
     ) -> str:
         """The source text of `node` with the edits inside it, to stand where `scope` holds."""
         outer = self._edits, self._insertions
@@ -313,7 +354,7 @@ class Merge:
         self._write_insertions()
         edits = self._edits
         self._edits, self._insertions = outer
-        return apply(self._tree.text, edits, node.start, node.end)
+        return apply_edits(self._tree.text, edits, node.start, node.end)
 
     def _reuse(self, element: etree._Element, scope: Mapping[str, str], indent: str | None) -> str | None:
         """The source text of an element that was moved; None for a new one."""
@@ -329,3 +370,31 @@ class Merge:
 
 def _texts(element: etree._Element) -> list[str]:
     return [element.text or "", *(child.tail or "" for child in element)]
+
+
+def patch(source: bytes, before: etree._Element, after: etree._Element, *, keys: KeyFunction = default_keys) -> bytes:
+    """`source` with the difference from `before` to `after` applied; byte for byte the same where they are equal.
+
+    `keys` names the identifying attributes of an element, strongest first. Raises `PatchError` if the result would not
+    be well-formed or `before` does not describe `source`, and `EncodingError` if a new name cannot be written in the
+    encoding of the file.
+    """
+    if before is after:
+        return source
+    text, encoding = decode(source)
+    if encoding.encode(text) != source:
+        raise PatchError(f"the source text does not come back the same from {encoding.codec}")
+    try:
+        edited = SourceMerge(SourceTree(text), encoding.codec, before, after, keys=keys).run()
+    except ValueError as error:
+        if isinstance(error, SfcError):
+            raise
+        raise PatchError(f"the edits of the source text contradict each other: {error}") from error
+    if edited == text:
+        return source
+    result = encoding.bom + encode_text(edited, encoding.codec)
+    try:
+        parse(result)
+    except SfcError as error:
+        raise PatchError(f"the edited file would be damaged: {error.message}", location=error.location) from error
+    return result

@@ -1,0 +1,191 @@
+"""Extension data: markup kept as text, fields that a format has no place for, and markup of another format.
+
+The model does not interpret what an object carries: markup of TC6 or of SimaticML, never both as they are. The product
+in the header of their project, which files of both formats keep, tells whose markup it is. Where the other format is
+read or written, its own markup changes places with that: markup that does not belong there is kept as one piece of data
+at the object, and restored on the way back.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Sequence
+from enum import StrEnum
+from functools import cache
+from typing import Any
+from xml.sax.saxutils import escape
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.formats.base import TIA_PORTAL
+from plcopen_sfc.model.base import Carried, ForeignData, Model
+from plcopen_sfc.model.project import Project
+
+
+def canonical_form(
+    element: etree._Element, *, comments: bool = True, exclusive: bool = True, prefixes: Sequence[str] | None = None
+) -> bytes:
+    """`element` without what follows it; `prefixes` are declared even where nothing but a value uses them.
+
+    There is no canonical form of elements in namespaces whose names are relative (``xmlns:a="b"``): they come as they
+    are, with comments.
+    """
+    try:
+        form: bytes = etree.tostring(
+            element,
+            method="c14n",
+            exclusive=exclusive,
+            with_comments=comments,
+            with_tail=False,
+            inclusive_ns_prefixes=prefixes or None,
+        )
+    except etree.C14NError:
+        return etree.tostring(element, encoding="utf-8", with_tail=False)
+    return form
+
+
+COMMENT_MARK = "plcopen_sfc "
+"""XML comments that begin with it are ours: they hold fields that the format cannot say, as JSON."""
+
+OWN_DATA = "urn:plcopen-sfc:"
+"""The names of foreign data of ours begin with it: no other tool reads them."""
+
+
+def markup(element: etree._Element) -> str:
+    """`element` as text, with the namespaces it needs and no others, without what follows it.
+
+    The form is canonical, so that the same content is the same text wherever it stands: how it was indented is left
+    out.
+    """
+    element = copy.deepcopy(element)
+    for node in _INDENTED(element):
+        node.text = None
+        for child in node:
+            child.tail = None
+    prefixes = [prefix for prefix in element.nsmap if prefix]
+    if prefixes:
+        # names in values (xsi:type="x:Name") need their prefix too; canonical XML cannot see them
+        plain = etree.tostring(element, encoding="unicode", with_tail=False)
+        prefixes = [prefix for prefix in prefixes if f'"{prefix}:' in plain or f">{prefix}:" in plain]
+    text = canonical_form(element, prefixes=prefixes).decode()
+    name = etree.QName(element)
+    if name.namespace is None and ' xmlns="' not in text.partition(">")[0]:
+        # canonical XML leaves this out at the top; elsewhere it would put the element into the surrounding namespace
+        return f'<{name.localname} xmlns=""' + text.removeprefix(f"<{name.localname}")
+    return text
+
+
+_INDENTED: Any = etree.XPath(
+    "descendant-or-self::*[text()][* or comment() or processing-instruction()][not(text()[normalize-space()])]"
+)
+"""The elements that have other nodes and blanks in them, and no other text."""
+
+
+def inner_markup(element: etree._Element) -> str:
+    """The content of `element` as text, each child with the namespaces it needs, without blanks between children."""
+    return _escaped(element.text) + "".join(markup(child) + _escaped(child.tail) for child in element)
+
+
+def _escaped(text: str | None) -> str:
+    return escape(text) if text is not None and text.strip() else ""
+
+
+def add_markup(parent: etree._Element, markup: str) -> None:
+    """Append markup that was carried as text."""
+    holder = etree.fromstring(f"<x>{markup}</x>", etree.XMLParser(resolve_entities=False, huge_tree=True))
+    if holder.text and holder.text.strip():
+        parent.text = (parent.text or "") + holder.text
+    for child in list(holder):
+        parent.append(child)
+
+
+def legal_text(text: str) -> str:
+    """`text` without the control characters that XML 1.0 cannot hold."""
+    return (
+        text
+        if text.isprintable()
+        else "".join(c for c in text if c in "\t\n\r" or (c >= " " and c not in "\ufffe\uffff"))
+    )
+
+
+def fields_left(thing: Model, native: frozenset[str]) -> dict[str, Any]:
+    """The fields of `thing` that are not in `native` and do not have their default value, as plain data."""
+    names = {name for name, default in _defaults(type(thing), native) if getattr(thing, name) != default}
+    return thing.model_dump(mode="json", include=names, exclude_none=True) if names else {}
+
+
+@cache
+def _defaults(kind: type[Model], native: frozenset[str]) -> list[tuple[str, Any]]:
+    """The fields of a class but for `native`, and their default values to compare with: pydantic makes each anew."""
+    fields = kind.model_fields.items()
+    return [(name, info.get_default(call_default_factory=True)) for name, info in fields if name not in native]
+
+
+KEPT_MARKUP = "urn:plcopen-sfc:carried"
+"""The data that is put away has a name that begins so; the `Markup` that it is follows after a colon."""
+
+
+class Markup(StrEnum):
+    """Whose markup it is."""
+
+    TC6 = "tc6"
+    SIMATICML = "simaticml"
+
+
+def markup_of(project: Project) -> Markup:
+    """Whose markup the objects of a project carry as it is."""
+    return Markup.SIMATICML if project.header.product == TIA_PORTAL else Markup.TC6
+
+
+def exchange(thing: Model, own: Markup, wanted: Markup) -> None:
+    """Change what `thing` and the objects in it carry: markup of `wanted` as it is, instead of that of `own`.
+
+    Objects and charts that are unread stay so, and as they are.
+    """
+    if own is not wanted:
+        for holder, name, carried in list(_carried_in(thing)):
+            setattr(holder, name, _exchanged(carried, own, wanted))
+
+
+def _carried_in(thing: Any) -> Iterator[tuple[Model, str, Carried]]:
+    if isinstance(thing, Model):
+        for name, value in thing.__dict__.items():
+            if isinstance(value, Carried):
+                yield thing, name, value
+            else:
+                yield from _carried_in(value)
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from _carried_in(item)
+
+
+def _exchanged(carried: Carried, own: Markup, wanted: Markup) -> Carried:
+    left = Carried(attributes=carried.attributes, elements=carried.elements)
+    found = Carried()
+    for data in carried.data:
+        if data.name == f"{KEPT_MARKUP}:{wanted}" and (taken := _taken_out(data)) is not None:
+            found.data += taken.data
+            found.attributes |= taken.attributes
+            found.elements += taken.elements
+        elif data.name.startswith(KEPT_MARKUP):
+            found.data.append(data)
+        else:
+            left.data.append(data)
+    if left != Carried() or not carried.data:
+        found.data.append(_put_away(left, own))
+    return found
+
+
+def _put_away(carried: Carried, own: Markup) -> ForeignData:
+    element = etree.Element(f"{{{KEPT_MARKUP}}}carried", nsmap={None: KEPT_MARKUP})  # type: ignore[dict-item]  # lxml-stubs
+    element.text = carried.model_dump_json(exclude_defaults=True)
+    return ForeignData(name=f"{KEPT_MARKUP}:{own}", content=markup(element))
+
+
+def _taken_out(data: ForeignData) -> Carried | None:
+    """What was put away; None where somebody has damaged it."""
+    try:
+        return Carried.model_validate_json(etree.fromstring(data.content).text or "")
+    except (etree.XMLSyntaxError, ValidationError):
+        return None
