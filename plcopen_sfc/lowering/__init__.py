@@ -1,1 +1,19 @@
-"""Lowering: a chart as program code for controllers and tools that have no SFC."""
+"""Lowering: a chart as program code, with the proof that the code does the same.
+
+`lower`              one chart as code in a copy of its project, compared with the chart
+`whole_project`      all charts of a project, one after the other
+`proof`              the comparison of code and chart
+`proof_as_written`   the comparison of the code in a file, as the tool of the file reads it, with the chart
+`lowering_losses`    what a chart holds and its code does not
+`other_bodies`       actions and other bodies of the POU that refer to the chart
+`faults`             the faults of textbook sequences, and the search for them
+`construction`       the choice of encoding and language, and the code as a POU
+`grafcet`, `graph`   what only GRAFCET and S7-GRAPH have
+`encodings`          what holds the situation: step bits, flip-flops, state variables with CASEs
+`schedule`           what happens in a scan, and in which order
+`actions`            when an action is executed, and its code
+`reading`            a chart as syntax trees; what is not understood completely is refused
+`code`               expressions, statements, declarations and memory; code as ST, FBD or LD
+`lowering_options`   what a user can choose
+`code_texts`         titles, comments and names in the code, in English and German
+"""

@@ -12,21 +12,25 @@ from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.code.targets import tool_of, without_version
-from plcopen_sfc.lowering.constructing import Constructed, construct
-from plcopen_sfc.lowering.faults.kinds import Fault
-from plcopen_sfc.lowering.faults.search import find_faults
-from plcopen_sfc.lowering.forms import Construction, Language, Style
-from plcopen_sfc.lowering.grafcet.classic import read_plain
-from plcopen_sfc.lowering.inlining import with_actions_inside
-from plcopen_sfc.lowering.leftovers import without_leftovers
-from plcopen_sfc.lowering.losses import losses
-from plcopen_sfc.lowering.nested import with_actions
-from plcopen_sfc.lowering.placing import errors_of
-from plcopen_sfc.lowering.proving import ProofOptions, prove, refuse_untested
-from plcopen_sfc.lowering.rules import ActionPlace, LoweringRules, OperatingMode, States
-from plcopen_sfc.lowering.step_data import ContactError
-from plcopen_sfc.lowering.texts import TEXTS
+from plcopen_sfc.lowering.code_texts import TEXTS
+from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
+from plcopen_sfc.lowering.faults.fault_kinds import Fault
+from plcopen_sfc.lowering.faults.fault_search import find_faults
+from plcopen_sfc.lowering.grafcet.grafcet_reading import read_plain
+from plcopen_sfc.lowering.lowering_losses import losses
+from plcopen_sfc.lowering.lowering_options import (
+    ActionPlace,
+    Construction,
+    Language,
+    LoweringRules,
+    OperatingMode,
+    States,
+    Style,
+    tool_of,
+    without_version,
+)
+from plcopen_sfc.lowering.other_bodies import ContactError, with_actions, with_actions_inside, without_leftovers
+from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project

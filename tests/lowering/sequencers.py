@@ -7,10 +7,9 @@ from typing import Any
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.constructing import Constructed, construct
-from plcopen_sfc.lowering.forms import Construction, Language
-from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.construction import Constructed, construct
+from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.semantics.charts.rig import chain
 

@@ -12,15 +12,15 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.chains.bits import StepBits
-from plcopen_sfc.lowering.code.memory import BitMemory
-from plcopen_sfc.lowering.code.naming import Naming
-from plcopen_sfc.lowering.code.program import Code
-from plcopen_sfc.lowering.grafcet.reading import read_grafcet
-from plcopen_sfc.lowering.grafcet.scan import GrafcetScan
+from plcopen_sfc.lowering.code.code_declarations import Naming
+from plcopen_sfc.lowering.code.code_memory import BitMemory
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.encodings.step_flags import StepBits
+from plcopen_sfc.lowering.grafcet.grafcet_reading import read_grafcet
+from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan
 from plcopen_sfc.lowering.lower import LoweredPou, lower
-from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
 from tests.corpus import require_corpus
 from tests.lowering.grafcets import pou_with

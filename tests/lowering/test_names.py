@@ -9,7 +9,7 @@ import pytest
 
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.code.naming import Naming
+from plcopen_sfc.lowering.code.code_declarations import Naming
 from plcopen_sfc.lowering.lower import lower
 from tests.analysis.nets import chart_of
 from tests.lowering.charts import act, pou_with

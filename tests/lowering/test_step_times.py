@@ -9,13 +9,12 @@ from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
-from plcopen_sfc.lowering.code.naming import Naming
-from plcopen_sfc.lowering.code.program import Code
-from plcopen_sfc.lowering.code.times import StepTimes
-from plcopen_sfc.lowering.constructing import construct
-from plcopen_sfc.lowering.forms import Construction, Language
-from plcopen_sfc.lowering.rules import LoweringRules
-from plcopen_sfc.lowering.texts import Texts
+from plcopen_sfc.lowering.code.code_declarations import Naming
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.construction import construct
+from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
+from plcopen_sfc.lowering.reading.step_variables import StepTimes
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.lowering.charts import act
 from tests.lowering.test_executing import chain, chart

@@ -1,1 +1,6 @@
-"""What lowered code executes, and when."""
+"""Actions in lowered code; internal to `plcopen_sfc.lowering`.
+
+`action_control`     the expression that tells when an action is executed
+`action_execution`   the decision on all actions, and their statements
+`drive_block`        actions in a function block of their own
+"""

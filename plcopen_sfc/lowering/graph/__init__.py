@@ -1,1 +1,12 @@
-"""Lowering sequencers of S7-GRAPH: their semantics in plain structured text, which any controller can hold."""
+"""Lowering of sequencers of S7-GRAPH to plain structured text or networks; internal to `plcopen_sfc.lowering`.
+
+`sequencer_source`    a sequencer as syntax trees, and the step data that texts ask for
+`sequencer_reading`   reads it from the model
+`sequencer_scan`      the schedule: one cycle in the order of S7-GRAPH
+`sequencer_bits`      encodings with a bit or flip-flop for each step
+`sequencer_cases`     encodings with a CASE for each sequence or branch
+`sequencer_actions`   the actions of steps, and their S5 timers
+`step_supervision`    interlock, supervision and step times
+`block_parameters`    commands, operating modes and reports of the block
+`sequencer_texts`     titles and comments, in English and German
+"""

@@ -1,0 +1,343 @@
+"""Control of actions: the expression that tells when an action is executed.
+
+`ActionControl` is the action control of IEC 61131-3, `SequentialControl` lets associations act one after the other, as
+in the code of matiec.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.literals import literal_value
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+)
+from plcopen_sfc.lowering.code.code_declarations import TIME
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code_texts import Suffix
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, Use
+from plcopen_sfc.lowering.reading.step_variables import StepTimes
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.semantics.net import Net
+
+Q = Qualifier
+_STORED = {Q.S, Q.SD, Q.DS, Q.SL}
+
+
+class ActionControl:
+    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
+
+    `ending`: what ends stored actions besides R.
+    """
+
+    def __init__(self, memory: Memory, active: StepValue, ending: Expression = FALSE) -> None:
+        self._memory = memory
+        self._active = active
+        self._ending = ending
+
+    def drive(self, action: ActionSource, into: list[Statement]) -> Expression:
+        """Whether the action is active: the output Q of its action control, with its pulses P1 and P0."""
+        reset = self._input(action, Q.R, Q.R0)
+        terms = [*self._lasting(action, reset, into), *self._single(action, into)]
+        return self._unless(reset, terms, action)
+
+    def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
+        """The same in two parts: what lasts, after whose end an action is executed once more, and P1 and P0."""
+        reset = self._input(action, Q.R, Q.R0)
+        lasting = self._unless(reset, self._lasting(action, reset, into), action)
+        single = conjunction([disjunction(self._single(action, into)), negation(reset)])
+        return lasting, single
+
+    def _unless(self, reset: Expression, terms: list[Expression], action: ActionSource) -> Expression:
+        """Any of the terms, and no reset, which flip-flops and what hangs on them have seen already."""
+        if {use.qualifier for use in action.uses} <= _STORED | {Q.R, Q.R0}:
+            return disjunction(terms)
+        return conjunction([disjunction(terms), negation(reset)])
+
+    def _lasting(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        reset = disjunction([reset, self._ending])
+        makers = (self._level, self._stored, self._limited, self._delayed, self._pulse, self._stored_and_timed)
+        return [term for make in makers for term in make(action, reset, into)]
+
+    def _single(self, action: ActionSource, into: list[Statement]) -> list[Expression]:
+        found: list[Expression] = []
+        for qualifier, edge in ((Q.P1, self._memory.rising), (Q.P0, self._memory.falling)):
+            value = self._input(action, qualifier)
+            if not is_constant(value, FALSE):
+                found.append(edge(f"{action.name}_{qualifier}", value, into))
+        return found
+
+    def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
+        """The input of the action control for these qualifiers: any step that uses the action with one of them."""
+        return disjunction(self._of(use) for use in action.uses if use.qualifier in qualifiers)
+
+    def _of(self, use: Use) -> Expression:
+        active = disjunction(self._active(step) for step in use.steps)
+        return conjunction([negation(active) if use.inverted else active, use.condition])
+
+    def _level(self, action: ActionSource, _: Expression, __: list[Statement]) -> list[Expression]:
+        return [self._input(action, Q.N)]
+
+    def _stored(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        set_ = self._input(action, Q.S)
+        if is_constant(set_, FALSE):
+            return []
+        return [self._memory.latch(f"{action.name}_S", set_, reset, into)]
+
+    def _limited(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        value = self._input(action, Q.L)
+        if is_constant(value, FALSE):
+            return []
+        over = self._memory.delayed(f"{action.name}_L", value, self._time(action, Q.L, into), into)
+        return [conjunction([value, negation(over)])]
+
+    def _delayed(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        value = self._input(action, Q.D)
+        if is_constant(value, FALSE):
+            return []
+        return [self._memory.delayed(f"{action.name}_D", value, self._time(action, Q.D, into), into)]
+
+    def _pulse(self, action: ActionSource, _: Expression, into: list[Statement]) -> list[Expression]:
+        value = self._input(action, Q.P)
+        return [] if is_constant(value, FALSE) else [self._memory.rising(f"{action.name}_P", value, into)]
+
+    def _stored_and_timed(self, action: ActionSource, reset: Expression, into: list[Statement]) -> list[Expression]:
+        found: list[Expression] = []
+        stored = self._input(action, Q.SD)
+        if not is_constant(stored, FALSE):
+            latch = self._memory.latch(f"{action.name}_SD", stored, reset, into)
+            found.append(self._memory.delayed(f"{action.name}_SD_T", latch, self._time(action, Q.SD, into), into))
+        delayed = self._input(action, Q.DS)
+        if not is_constant(delayed, FALSE):
+            late = self._memory.delayed(f"{action.name}_DS_T", delayed, self._time(action, Q.DS, into), into)
+            found.append(self._memory.latch(f"{action.name}_DS", late, reset, into))
+        limited = self._input(action, Q.SL)
+        if not is_constant(limited, FALSE):
+            latch = self._memory.latch(f"{action.name}_SL", limited, reset, into)
+            over = self._memory.delayed(f"{action.name}_SL_T", latch, self._time(action, Q.SL, into), into)
+            found.append(conjunction([latch, negation(over)]))
+        return found
+
+    def _time(self, action: ActionSource, qualifier: Qualifier, into: list[Statement]) -> Expression:
+        """The time of the first use that is on. Where it can change it is kept in a variable."""
+        uses = [use for use in action.uses if use.qualifier is qualifier and use.duration is not None]
+        times = [use.duration for use in uses if use.duration is not None]
+        kept = qualifier in (Q.SD, Q.SL) and not isinstance(times[0], n.Literal)  # their timers go on without the step
+        if all(time == times[0] for time in times) and not kept:
+            return times[0]
+        chosen = self._memory.variable(self._memory.texts.with_suffix(f"{action.name}_{qualifier}", "time"), TIME)
+        for use, time in reversed(list(zip(uses, times, strict=True))):
+            into += self._memory.conditional("", self._of(use), [assignment(chosen, time)])
+        return chosen
+
+
+_STORING = frozenset({Q.S, Q.SD, Q.DS, Q.SL})
+
+
+class Decision(NamedTuple):
+    """When something becomes TRUE, and when FALSE: never both, and in other scans it keeps what it has."""
+
+    on: Expression
+    off: Expression
+
+    def then(self, later: Decision) -> Decision:
+        """This decision, unless a later one says otherwise."""
+        on = disjunction([later.on, conjunction([self.on, negation(later.off)])])
+        off = disjunction([later.off, conjunction([self.off, negation(later.on)])])
+        return Decision(on, off)
+
+
+_UNDECIDED = Decision(FALSE, FALSE)
+
+
+def stepwise_timed(source: ChartSource) -> list[int]:
+    """The steps whose times this control asks for."""
+    timed = [use for action in source.actions for use in action.uses if use.qualifier in (Q.D, Q.L)]
+    return sorted({step for use in timed for step in use.steps})
+
+
+class SequentialControl:
+    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
+
+    `ending`: what ends stored actions besides R. `entered`: the start is an activation of the initial steps. Raises
+    `LoweringError` for what cannot be measured so.
+    """
+
+    def __init__(
+        self,
+        net: Net,
+        code: Code,
+        memory: Memory,
+        times: StepTimes,
+        *,
+        active: StepValue,
+        ending: Expression = FALSE,
+        entered: bool = False,
+    ) -> None:
+        self._net, self._code, self._memory, self._active = net, code, memory, active
+        self._times, self._ending, self._entered = times, ending, entered
+        self._before: dict[tuple[int, ...], n.Name] = {}
+
+    def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
+        """Whether an action with a body is executed; the second part, pulses for which others differ, is FALSE."""
+        decided = self._decided(action)
+        set_, reset = self._set_and_reset(action, into)
+        if is_constant(set_, FALSE):
+            return decided.on, FALSE
+        stored = self._memory.latch(f"{action.name}_S", set_, reset, into)
+        return disjunction([decided.on, stored]), FALSE
+
+    def decision(self, action: ActionSource, into: list[Statement]) -> Decision:
+        """When a Boolean variable is written."""
+        set_, reset = self._set_and_reset(action, into)
+        return self._decided(action).then(Decision(conjunction([set_, negation(reset)]), reset))
+
+    def remember(self) -> list[Statement]:
+        """What must stand behind everything that this control made: the flags of steps for the next scan."""
+        return [assignment(before, self._is_active(steps)) for steps, before in self._before.items()]
+
+    def never_holds(self, action: ActionSource) -> bool:
+        """Whether a variable is FALSE in every scan in which nothing decides on it, if nothing else writes it.
+
+        A D whose time changes can decide on TRUE, and not at all in the next scan.
+        """
+        delayed = [use.duration for use in action.uses if use.qualifier is Q.D]
+        return all(isinstance(each, n.Literal) for each in delayed) and not any(
+            use.qualifier in _STORING for use in action.uses
+        )
+
+    # -- what associations decide
+
+    def _decided(self, action: ActionSource) -> Decision:
+        """What the associations without memory decide together."""
+        found = _UNDECIDED
+        for use in action.uses:
+            found = found.then(self._decides(action, use))
+        return found
+
+    def _decides(self, action: ActionSource, use: Use) -> Decision:
+        qualifier = use.qualifier
+        if qualifier in (Q.P, Q.P1):
+            begins = self._begins(use)
+            return Decision(begins, negation(begins))
+        if qualifier is Q.P0:
+            ends = self._ends(use)
+            return Decision(ends, negation(ends))
+        if qualifier not in (Q.N, Q.L, Q.D):
+            return _UNDECIDED
+        active = conjunction([self._acts(use), use.condition])
+        off = [self._ends(use), conjunction([self._acts(use), negation(use.condition)])]
+        if qualifier is Q.N:
+            return Decision(active, disjunction(off))
+        late = self._is_late(action, use)
+        if qualifier is Q.D:
+            return Decision(conjunction([active, late]), disjunction(off))
+        return Decision(conjunction([active, negation(late)]), disjunction([*off, conjunction([active, late])]))
+
+    def _is_active(self, steps: Sequence[int]) -> Expression:
+        return disjunction(self._active(step) for step in steps)
+
+    def _acts(self, use: Use) -> Expression:
+        active = self._is_active(use.steps)
+        return negation(active) if use.inverted else active
+
+    def _acted(self, use: Use) -> Expression:
+        if use.steps not in self._before:
+            name = "_".join(self._net.steps[step].path for step in use.steps[:1])
+            initial = not self._entered and any(self._net.initial >> step & 1 for step in use.steps)
+            self._before[use.steps] = self._code.declare(
+                self._code.texts.with_suffix(name, "before"), initial="TRUE" if initial else None
+            )
+        before = self._before[use.steps]
+        return negation(before) if use.inverted else before
+
+    def _begins(self, use: Use) -> Expression:
+        return conjunction([self._acts(use), use.condition, negation(self._acted(use))])
+
+    def _ends(self, use: Use) -> Expression:
+        return conjunction([negation(self._acts(use)), self._acted(use)])
+
+    def _is_late(self, action: ActionSource, use: Use) -> Expression:
+        """Whether the step has been active for the time of a D or L."""
+        if use.inverted or len(use.steps) != 1 or use.duration is None:
+            raise LoweringError(
+                f"{use.qualifier} is measured by the time of one step while that is active",
+                location=Location(path=f"action {action.name}"),
+            )
+        return n.Operation(Operator.GREATER_OR_EQUAL, (self._times.elapsed(use.steps[0]), use.duration))
+
+    # -- what is stored
+
+    def _set_and_reset(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
+        """What sets a stored action in this scan, and what resets it."""
+        uses = {q: [use for use in action.uses if use.qualifier is q] for q in Q}
+        stored = any(uses[q] for q in _STORING)
+        set_ = [conjunction([self._acts(use), use.condition]) for use in uses[Q.S]]
+        set_ += [self._begins(use) for use in uses[Q.SL]]
+        reset = [conjunction([self._acts(use), use.condition]) for use in (*uses[Q.R], *uses[Q.R0])]
+        reset += [self._ending] if stored else []
+        delayed = [use for use in action.uses if use.qualifier in (Q.SD, Q.DS)]
+        if delayed:
+            set_ = [self._timer(f"{action.name}_SD", delayed, disjunction(set_), into)]
+        if uses[Q.SL]:
+            reset = [self._timer(f"{action.name}_SL", uses[Q.SL], disjunction(reset), into)]
+        return disjunction(set_), disjunction(reset)
+
+    def _timer(self, name: str, uses: Sequence[Use], also: Expression, into: list[Statement]) -> Expression:
+        """TRUE when the time since the last activation of a step is over, and with `also`, which ends the time too.
+
+        A time of zero never ends in the code of matiec. The time is that of the scan of the activation.
+        """
+        running = self._code.declare(self._suffixed(name, "on"))
+        timer = self._code.declare(name, DerivedType(name="TON"))
+        times = [use.duration for use in uses if use.duration is not None]
+        time: Expression = times[0]
+        if not isinstance(time, n.Literal) or any(each != time for each in times):
+            time = self._code.declare(f"{name}_PT", TIME)
+        into.append(call(timer, IN=running, PT=time))
+        ended = self._memory.named(
+            self._suffixed(name, "over"), disjunction([n.Member(timer, n.Name("Q")), also]), into
+        )
+        goes_on: Expression = running
+        starts: list[Expression] = []
+        for use, duration in zip(uses, times, strict=True):
+            positive = _is_positive(duration)
+            begins = conjunction([self._begins(use), positive])
+            if not is_constant(begins, FALSE):
+                begins = self._memory.named(self._suffixed(name, "start"), begins, into)
+            if time is not duration and time != duration:
+                into += self._memory.conditional("", begins, [assignment(time, duration)])
+            starts.append(begins)
+            if not is_constant(positive, TRUE):
+                goes_on = conjunction([goes_on, negation(self._begins(use))])
+            goes_on = disjunction([begins, goes_on])
+            if use.qualifier is Q.DS:
+                goes_on = conjunction([goes_on, negation(self._ends(use))])
+        into.append(assignment(running, conjunction([goes_on, negation(ended)])))
+        into += self._memory.conditional("", disjunction(starts), [call(timer, IN=FALSE, PT=time)])
+        into.append(call(timer, IN=running, PT=time))
+        return ended
+
+    def _suffixed(self, name: str, suffix: Suffix) -> str:
+        return self._code.texts.with_suffix(name, suffix)
+
+
+def _is_positive(duration: Expression) -> Expression:
+    """Whether a time is longer than zero; what a literal says is decided here."""
+    if isinstance(duration, n.Literal):
+        return TRUE if literal_value(duration, Dialect.IEC).value else FALSE
+    return n.Operation(Operator.GREATER, (duration, n.Literal("T#0s")))

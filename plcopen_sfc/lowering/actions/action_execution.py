@@ -1,0 +1,341 @@
+"""Execution of the actions of a chart, and of the entry, main and exit actions of its steps.
+
+All actions are decided on first, then executed, those first that have ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from textwrap import dedent
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.effects import ANYTHING, Path, path_of, reads, writes
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.lowering.actions.action_control import ActionControl, SequentialControl
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+)
+from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue, TextNetwork
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
+from plcopen_sfc.model.types import DerivedType, SimpleValue, Variable
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.profile import ActionControl as ActionControlKind
+from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets
+
+
+class OwnVariables:
+    """The variables that only the actions of a chart write. `beside`: what else is executed in the POU."""
+
+    def __init__(self, source: ChartSource, beside: Iterable[Statement] = ()) -> None:
+        blocks = standard_instances(source)
+        self._others = WrittenPaths()
+        steps = (each for step in source.step_code for each in (*step.entry, *step.main, *step.exit))
+        before = (each for statements in source.preparations for each in statements)
+        asked = (each for action in source.actions for use in action.uses for each in use.preparation)
+        for statement in (*steps, *source.logic, *before, *asked, *beside):
+            self._others.add(0, writes(statement, blocks))
+        self._variables: dict[Path, Variable] = {}
+        for section in source.pou.interface.sections if source.pou.interface is not None else ():
+            if (
+                section.kind in (SectionKind.LOCAL, SectionKind.OUTPUT)
+                and not section.retain
+                and not section.persistent
+            ):
+                self._variables |= {(variable.name.casefold(),): variable for variable in section.variables}
+
+    def has(self, target: Expression) -> bool:
+        """Whether it is such a variable, one that does not outlive a restart."""
+        path = path_of(target)
+        return path in self._variables and not self._others.touching([path])
+
+    def is_false_at_rest(self, target: Expression) -> bool:
+        """Whether it is one that is FALSE anyway while its action is not executed."""
+        if not self.has(target):
+            return False
+        initial = self._variables[path_of(target)].initial
+        value = initial.text if isinstance(initial, SimpleValue) else None
+        return (value or "FALSE").upper() in ("FALSE", "BOOL#FALSE", "0")
+
+
+class WrittenPaths:
+    """What actions write: finds those that write a path, a part of it, or what it is part of."""
+
+    def __init__(self) -> None:
+        self._whole: dict[tuple[bool, Path], set[int]] = {}
+        self._starts: dict[tuple[bool, Path], set[int]] = {}
+        self._anything: set[int] = set()
+        self._all: set[int] = set()
+
+    def add(self, index: int, written: Iterable[Path]) -> None:
+        """An action writes these paths."""
+        for path in written:
+            self._all.add(index)
+            if path == ANYTHING:
+                self._anything.add(index)
+            for is_part, form in _forms(path):
+                self._whole.setdefault((is_part, form), set()).add(index)
+                for length in range(1, len(form) + 1):
+                    self._starts.setdefault((is_part, form[:length]), set()).add(index)
+
+    def touching(self, paths: Iterable[Path]) -> set[int]:
+        """The actions that write something of these paths."""
+        found: set[int] = set()
+        for path in paths:
+            found |= self._all if path == ANYTHING else self._anything
+            for is_part, form in _forms(path):
+                for kind in (False,) if is_part else (False, True):
+                    found |= self._starts.get((kind, form), set())
+                    for length in range(1, len(form)):
+                        found |= self._whole.get((kind, form[:length]), set())
+        return found
+
+
+def _forms(path: Path) -> list[tuple[bool, Path]]:
+    """A path as it is, and without its first name: a global variable may be named with or without its list."""
+    return [(False, path)] + ([(True, path[1:])] if len(path) > 1 else []) if path else []
+
+
+def standard_instances(source: ChartSource) -> set[Path]:
+    """The instances of standard function blocks of a POU: calling them writes nothing else."""
+    kinds = {v.name: v.type.name for v in source.pou.variables() if isinstance(v.type, DerivedType)}
+    kinds |= {helper.name: helper.type_name for helper in source.helpers if helper.type_name}
+    blocks = {name: standard_block(kind) for name, kind in kinds.items()}
+    return {(name.casefold(),) for name, block in blocks.items() if block is not None and block.stateful}
+
+
+def add_actions(
+    source: ChartSource, code: Code, control: ActionControl | SequentialControl, memory: Memory, rules: LoweringRules
+) -> None:
+    """Append what drives and executes the actions, in the order in which the profile does."""
+    actions = _in_order(source, rules)
+    execution = _Execution(source, code, control, memory, rules)
+    acting = [action for action in actions if action.target is not None or action.statements]
+    if execution.interfere(acting):
+        execution.in_phases(acting)
+    else:
+        for action in acting:
+            execution.at_once(action)
+    for action in actions:
+        if action.target is None and not action.statements:
+            execution.explain(action)
+    if isinstance(control, SequentialControl):
+        code.add(rules.texts.steps_before, control.remember())
+
+
+def add_conditions(source: ChartSource, code: Code, memory: Memory, active: StepValue, rules: LoweringRules) -> None:
+    """Append the blocks with a state in conditions of actions, executed while their steps drive these."""
+    statements: list[Statement] = []
+    for action in _in_order(source, rules):
+        for use in action.uses:
+            driven = disjunction(active(step) for step in use.steps)
+            driven = negation(driven) if use.inverted else driven
+            statements += memory.conditional(f"{action.name}_asked", driven, use.preparation)
+    code.add(rules.texts.conditions, statements)
+
+
+def _in_order(source: ChartSource, rules: LoweringRules) -> list[ActionSource]:
+    order = rules.profile.action_order
+    variables_first = rules.profile.action_control is ActionControlKind.SEQUENTIAL
+    declared = {action.name.casefold(): number for number, action in enumerate(source.pou.actions)}
+
+    def place(action: ActionSource) -> tuple[bool, int, str]:
+        name = "" if action.in_place else action.name.casefold()
+        late = variables_first and action.target is None
+        if order is ActionOrder.ALPHABETIC:
+            return late, 0, name
+        return late, declared.get(name, -1) if order is ActionOrder.DECLARED else 0, ""
+
+    return sorted(source.actions, key=place)
+
+
+class _Execution:
+    def __init__(
+        self,
+        source: ChartSource,
+        code: Code,
+        control: ActionControl | SequentialControl,
+        memory: Memory,
+        rules: LoweringRules,
+    ) -> None:
+        self._source, self._code, self._control, self._memory = source, code, control, memory
+        self._texts = rules.texts
+        self._verbatim = not code.drawn
+        self._final_scan = rules.profile.final_scan
+        self._always = rules.profile.boolean_targets is BooleanTargets.ALWAYS
+        self._blocks = standard_instances(source)
+        self._owned = OwnVariables(source)
+
+    # -- one after the other
+
+    def at_once(self, action: ActionSource) -> None:
+        """Append a network that drives and executes an action."""
+        statements: list[Statement] = []
+        if action.target is None:
+            lasting, single = self._control.outputs(action, statements)
+            executed = disjunction([lasting, single])
+            if self._final_scan and not is_constant(lasting, FALSE):
+                lasting = self._memory.named(f"{action.name}_Q", lasting, statements)
+                ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), lasting, statements)
+                executed = disjunction([lasting, single, ended])
+            self._add(action, executed, statements)
+            return
+        if isinstance(self._control, SequentialControl):
+            self._decide(action, self._control, statements)
+        elif self._always or self._owned.is_false_at_rest(action.target):
+            statements.append(assignment(action.target, self._control.drive(action, statements)))
+        else:
+            driven = self._memory.named(f"{action.name}_Q", self._control.drive(action, statements), statements)
+            ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
+            statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
+            statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
+        self._code.add(self._texts.action(action.name), statements, self._said(action))
+
+    def _decide(self, action: ActionSource, control: SequentialControl, statements: list[Statement]) -> None:
+        """Write a variable where its associations decide on it."""
+        assert action.target is not None  # noqa: S101
+        decision = control.decision(action, statements)
+        if control.never_holds(action) and self._owned.is_false_at_rest(action.target):
+            statements.append(assignment(action.target, decision.on))
+            return
+        statements += self._memory.conditional("", decision.off, [assignment(action.target, FALSE)])
+        statements += self._memory.conditional("", decision.on, [assignment(action.target, TRUE)])
+
+    # -- all decided on, then all executed
+
+    def in_phases(self, actions: Sequence[ActionSource]) -> None:
+        """Append what decides on all actions, what executes those that have ended, and what executes the others."""
+        deciding: list[Statement] = []
+        ending: list[Statement] = []
+        acting: list[tuple[ActionSource, Expression]] = []
+        idle: list[Statement] = []
+        for action in actions:
+            name = action.name
+            if action.target is not None and isinstance(self._control, SequentialControl):
+                decision = self._control.decision(action, deciding)
+                off = self._memory.named(self._texts.with_suffix(name, "end"), decision.off, deciding)
+                driven = self._memory.named(f"{name}_Q", decision.on, deciding)
+                idle += self._memory.conditional("", off, [assignment(action.target, FALSE)])
+                acting.append((replace(action, statements=(assignment(action.target, TRUE),)), driven))
+                continue
+            lasting, single = self._control.outputs(action, deciding)
+            if action.target is not None:
+                driven = self._memory.named(f"{name}_Q", disjunction([lasting, single]), deciding)
+                rest, on = [assignment(action.target, FALSE)], assignment(action.target, TRUE)
+                if self._always:
+                    idle += self._memory.conditional("", negation(driven), rest)
+                else:
+                    ended = self._memory.falling(self._texts.with_suffix(name, "end"), driven, deciding)
+                    ending += self._memory.conditional("", ended, rest)
+                acting.append((replace(action, statements=(on,)), driven))
+                continue
+            if not is_constant(single, FALSE):
+                single = self._memory.named(self._texts.with_suffix(name, "pulse"), single, deciding)
+            if not is_constant(lasting, FALSE):
+                lasting = self._memory.named(f"{name}_Q", lasting, deciding)
+                if self._final_scan:
+                    ended = self._memory.falling(self._texts.with_suffix(name, "end"), lasting, deciding)
+                    last = conjunction([ended, negation(single)])
+                    ending += self._memory.conditional(self._texts.with_suffix(name, "last"), last, action.statements)
+            acting.append((action, disjunction([lasting, single])))
+        self._code.add(self._texts.control, deciding)
+        self._code.add(self._texts.ended, [*idle, *ending])
+        for action, executed in acting:
+            self._add(action, executed)
+
+    def _add(self, action: ActionSource, executed: Expression, before: Sequence[Statement] = ()) -> None:
+        """Append a network that executes an action: with its comments where its text can stand there."""
+        title = self._texts.action(action.name)
+        if not self._verbatim or not action.statements or not has_comments(action.text):
+            acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
+            self._code.add(title, [*before, *acting], self._said(action))
+            return
+        lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
+        lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
+        lines += [f"    {line}".rstrip() for line in dedent(action.text).strip("\n").splitlines()]
+        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"]), self._said(action)))
+
+    def explain(self, action: ActionSource) -> None:
+        """Append the comments of an action that does nothing."""
+        lines = comment_lines(self._said(action))
+        lines += dedent(action.text).strip("\n").splitlines() if has_comments(action.text) else []
+        if self._verbatim and lines:
+            self._code.networks.append(TextNetwork(self._texts.action(action.name), "\n".join(lines)))
+
+    def _said(self, action: ActionSource) -> str:
+        """The comments of an action and of its associations."""
+        return self._texts.said(action.comment, *(use.comment for use in action.uses))
+
+    # -- whether it matters
+
+    def interfere(self, actions: Sequence[ActionSource]) -> bool:
+        """Whether an action may see what another one does: then they cannot be lowered one after the other."""
+        written, asked, used = WrittenPaths(), [], []
+        for index, action in enumerate(actions):
+            if action.target is not None:
+                writing = frozenset({path_of(action.target)})
+                reading = frozenset(reads(action.target) - writing)
+            else:
+                writing = _union(writes(each, self._blocks) for each in action.statements)
+                reading = _union(reads(each) for each in action.statements)
+            conditions = [use.condition for use in action.uses]
+            times = [use.duration for use in action.uses if use.duration is not None]
+            asked.append(_union(reads(each) for each in (*conditions, *times)))
+            used.append(reading | writing)
+            written.add(index, writing)
+        plain = {index for index, action in enumerate(actions) if action.target is not None}
+        for index in range(len(actions)):
+            if any(other < index for other in written.touching(asked[index])):
+                return True
+            for other in written.touching(used[index]) - {index}:
+                # two variables do not disturb each other; two bodies stay in order where none of them runs once more
+                if not plain >= {index, other} and (self._final_scan or plain & {index, other}):
+                    return True
+        return False
+
+
+def has_comments(text: str) -> bool:
+    """Whether there may be comments in structured text."""
+    return any(start in text for start in ("//", "(*", "/*"))
+
+
+def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
+    return frozenset().union(*sets)
+
+
+def add_changes(source: ChartSource, code: Code, memory: Memory, active: StepValue, texts: Texts) -> None:
+    """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
+    edges: list[Statement] = []
+    exits: list[Statement] = []
+    entries: list[Statement] = []
+    for step in source.step_code:
+        name = source.net.steps[step.step].step.name
+        if step.exit:
+            left = memory.falling(texts.with_suffix(name, "exit"), active(step.step), edges)
+            exits += memory.conditional(texts.with_suffix(name, "left"), left, step.exit)
+        if step.entry:
+            entered = memory.rising(texts.with_suffix(name, "entry"), active(step.step), edges)
+            entries += memory.conditional(texts.with_suffix(name, "entered"), entered, step.entry)
+    code.add(texts.step_actions, [*edges, *exits, *entries])
+
+
+def add_main_actions(source: ChartSource, code: Code, memory: Memory, active: StepValue, texts: Texts) -> None:
+    """Append what the active steps execute in every scan."""
+    mains: list[Statement] = []
+    for step in source.step_code:
+        if step.main:
+            name = texts.with_suffix(source.net.steps[step.step].step.name, "main")
+            mains += memory.conditional(name, active(step.step), step.main)
+    code.add(texts.main_actions, mains)

@@ -1,0 +1,200 @@
+"""The drive block: the actions of a chain in a function block of their own, which gets the step flags."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import NamedTuple, NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, standard_block
+from plcopen_sfc.lowering.actions.action_execution import OwnVariables
+from plcopen_sfc.lowering.code.boolean_logic import negation
+from plcopen_sfc.lowering.code.code_bodies import body_of
+from plcopen_sfc.lowering.code.code_declarations import BOOL, free_name
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.flat_statements import flatten
+from plcopen_sfc.lowering.code.lowered_code import Code, CodeNetwork
+from plcopen_sfc.lowering.lowering_options import Language
+from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.types import DataType, DerivedType, Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+
+class Signal(NamedTuple):
+    """What a chain says by an expression, as an input of a drive block: its name and comment."""
+
+    name: str
+    comment: str
+
+
+class DriveBlock:
+    """A function block that executes actions of one chain, whose code is `chain`, with a memory like `memory`.
+
+    Lower actions with its own `code` and `memory`, then call `finish`. `signals` are expressions that become inputs,
+    as flags of steps do. What the actions read and write of the variables of the chain is passed on; other names are
+    seen from everywhere. `wanted` is what the instance is called, `beside` what else writes variables of the chain.
+    """
+
+    def __init__(
+        self,
+        source: ChartSource,
+        chain: Code,
+        memory: Memory,
+        *,
+        wanted: str,
+        signals: Mapping[Expression, Signal],
+        beside: Iterable[Statement] = (),
+    ) -> None:
+        self.code = chain.beside()
+        self.memory = type(memory)(self.code)
+        self._source, self._chain, self._wanted = source, chain, wanted
+        self._signals = signals
+        self._owned = OwnVariables(source, beside)
+        self._given: dict[Expression, n.Name] = {}
+        self.interface = Interface()
+        self.name = ""
+        self.call: n.CallStatement
+
+    def finish(self, surroundings: Collection[str], first_scan: str) -> None:
+        """Declare what the block gets and gives, and make its `call`. `first_scan` is the title of the end of that.
+
+        Raises `LoweringError` for instances and actions of the POU: they stay there.
+        """
+        self.memory.finish(first_scan)
+        self._replace_signals()
+        if self.code.needs_flat_statements:
+            flatten(self.code, self._source.pou.variables())
+        flags = self._chain.flags
+        named = {name.identifier for name in self._names()}
+        seen = [v for v in flags.external if v.name in named] if flags is not None else []
+        self.name = free_name(f"{self._source.pou.name}_{self._wanted}", surroundings)
+        instance = self._chain.declare(self._wanted, DerivedType(name=self.name))
+        arguments = [n.Argument(value, n.Name(name.identifier)) for value, name in self._given.items()]
+        sections: dict[SectionKind, list[Variable]] = {SectionKind.INPUT: self.code.inputs}
+        for name, variable in self._passed().items():
+            kind = self._kind(name)
+            is_output = kind is SectionKind.OUTPUT
+            initial = variable.initial if is_output else None
+            passed = Variable(name=name, type=variable.type, initial=initial, comment=variable.comment)
+            sections.setdefault(kind, []).append(passed)
+            arguments.append(n.Argument(self._chain.naming.local(name), n.Name(name), output=is_output))
+        sections |= {SectionKind.EXTERNAL: seen, SectionKind.LOCAL: self.code.variables}
+        self.interface.sections = [VariableSection(kind=kind, variables=vs) for kind, vs in sections.items() if vs]
+        arguments.sort(key=lambda argument: argument.output)
+        self.call = n.CallStatement(n.Call(instance, tuple(arguments)))
+
+    def _replace_signals(self) -> None:
+        """Write inputs for what the chain says by expressions, and for outputs of its instances."""
+        own = {system: block for block, system in S7_INSTANCES.items()}
+        kinds = {v.name.casefold(): v.type for v in (*self._source.pou.variables(), *self._chain.variables)}
+
+        def replaced(node: n.Node) -> n.Node:
+            match node:
+                case n.Operation() if node in self._signals:
+                    return self._input(node, *self._signals[node])
+                case n.Operation() if (opposite := negation(node)) in self._signals:
+                    return negation(self._input(opposite, *self._signals[opposite]))
+                case n.Member(n.Name(instance), n.Name(output)):
+                    kind = kinds.get(instance.casefold())
+                    block = standard_block(own.get(kind.name, kind.name)) if isinstance(kind, DerivedType) else None
+                    pin = block.output_name(output) if block is not None and block.stateful else None
+                    types = {each.name: each.type for each in block.outputs} if block is not None else {}
+                    if pin is not None and types[pin] in Elementary.__members__:
+                        return self._input(
+                            node, f"{instance}_{output}", "", ElementaryType(name=Elementary[types[pin]])
+                        )
+            return node
+
+        for place, network in enumerate(self.code.networks):
+            if isinstance(network, CodeNetwork):
+                statements = tuple(transform(statement, replaced) for statement in network.statements)
+                self.code.networks[place] = replace(network, statements=statements)
+
+    def _input(self, said: Expression, wanted: str, comment: str, kind: DataType = BOOL) -> n.Name:
+        if said not in self._given:
+            self._given[said] = self.code.declare_input(self.code.naming.fresh(wanted), comment, kind)
+        return self._given[said]
+
+    def _passed(self) -> dict[str, Variable]:
+        """The variables of the chain that the actions name, in the order of their declaration."""
+        pou = self._source.pou
+        declared = [*pou.variables(), *self._chain.inputs, *self._chain.constants, *self._chain.variables]
+        own = {v.name.casefold() for v in (*self.code.variables, *self.code.inputs)}
+        named = {name.identifier.casefold() for name in self._names()} - own
+        for action in pou.actions:
+            if action.name.casefold() in named:
+                self._refuse(f"the action {action.name} is called in other actions, and stays in its POU")
+        found = {v.name: v for v in declared if v.name.casefold() in named}
+        for variable in found.values():
+            kind = variable.type
+            if isinstance(kind, DerivedType) and kind.name.casefold() not in self._chain.known_types:
+                self._refuse(f"{variable.name} is an instance of a function block, which stays in its POU")
+        return found
+
+    def _kind(self, name: str) -> SectionKind:
+        """What a variable of the chain is in the block: only read, only written, or both."""
+        written = [each for each in self._targets() if _root(each).casefold() == name.casefold()]
+        if not written:
+            return SectionKind.INPUT
+        each_scan = [each for each in self._statements() if isinstance(each, n.Assignment)]
+        whole = {id(each.target) for each in each_scan if isinstance(each.target, n.Name)}
+        targets = {id(each) for each in written}
+        uses = sum(each.identifier.casefold() == name.casefold() for each in self._names())
+        if targets <= whole and uses == len(written):
+            return SectionKind.OUTPUT
+        if self._owned.has(n.Name(name)) and (uses == len(written) or self.code.drawn):
+            return SectionKind.OUTPUT  # the block keeps it
+        if self.code.drawn:
+            self._refuse(f"{name} is read and written: networks do not show what goes in and out")
+        return SectionKind.IN_OUT
+
+    def _targets(self) -> Iterator[Expression]:
+        """What is written: by assignments, loops and outputs of calls, and whatever else a call may write."""
+        for statement in self._statements():
+            for node in walk(statement):
+                if isinstance(node, n.Assignment | n.AssignmentExpression):
+                    yield node.target
+                elif isinstance(node, n.For):
+                    yield node.variable
+                elif isinstance(node, n.Call):
+                    yield from (a.value for a in node.arguments if a.output and a.value is not None)
+
+    def _names(self) -> Iterator[n.Name]:
+        """The variables that are named, not members, parameters and functions."""
+        for statement in self._statements():
+            nodes = list(walk(statement))
+            others = {id(each.name) for each in nodes if isinstance(each, n.Member | n.Argument)}
+            yield from (each for each in nodes if isinstance(each, n.Name) and id(each) not in others)
+
+    def _statements(self) -> Iterator[Statement]:
+        for network in self.code.networks:
+            if isinstance(network, CodeNetwork):
+                yield from network.statements
+
+    def _refuse(self, message: str) -> NoReturn:
+        raise LoweringError(message, location=Location(path=self._source.pou.name), hint="Leave actions inline.")
+
+
+def without_texts(source: ChartSource) -> ChartSource:
+    """The chart without the texts of its actions as they were written: a block has other names."""
+    return replace(source, actions=tuple(replace(action, text="") for action in source.actions))
+
+
+def _root(target: Expression) -> str:
+    """The variable that a target is, or is a part of."""
+    at = n.bare(target)
+    while isinstance(at, n.Member | n.Index | n.Dereference | n.Peripheral):
+        at = n.bare(at.base)
+    return at.identifier if isinstance(at, n.Name) else ""
+
+
+def drive_block(drive: DriveBlock, dialect: Dialect, language: Language) -> Pou:
+    """The function block that drives the actions."""
+    body = body_of(drive.code, dialect, language, drive.interface.variables(), drive.name)
+    return Pou(name=drive.name, kind=PouKind.FUNCTION_BLOCK, interface=drive.interface, bodies=[body])

@@ -1,1 +1,0 @@
-"""The constructions: what keeps the situation of a chart and how that changes."""

@@ -1,0 +1,139 @@
+"""Lowered code as the body of a POU, in structured text, FBD or LD, with the interface that it needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import DrawingRules, DrawnFbd, DrawnLd, declared_rules, draw_fbd, draw_ld
+from plcopen_sfc.languages.networks.sheets import on_one_sheet
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
+from plcopen_sfc.lowering.code.lowered_code import Code, CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.lowering_options import Language
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
+from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+
+
+def structured_text(code: Code, dialect: Dialect) -> StBody:
+    """A paragraph for each network, its title and comment before it."""
+    paragraphs = [paragraph(network, dialect) for network in code.networks]
+    return StBody(text="\n\n".join(paragraphs))
+
+
+def function_block_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
+    """A network of FBD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
+    return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared), pou))
+
+
+def ladder_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
+    """A network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
+    return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
+
+
+def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
+    """How networks are drawn. Boxes of S7 have the names of IEC 61131-3; who writes the file knows the others."""
+    rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
+    own = {system: block for block, system in S7_INSTANCES.items()}
+    instances = {name: own.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
+    operands = {print_node(name, dialect): block for name, block in code.operands.items()}
+    return replace(rules, instances=instances, operands=operands)
+
+
+def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
+    """The text of a network, with its title and comment before it."""
+    title = " ".join(network.title.split())  # a line break in a name would end the comment
+    heading = [*comment_lines(title), *comment_lines(network.comment)]
+    if isinstance(network, TextNetwork):
+        return "\n".join([*heading, network.text])
+    starts = sorted({0, *network.remarks})
+    parts = pairwise([*starts, len(network.statements)])
+    for start, end in parts:
+        heading += comment_lines(network.remarks.get(start, ""))
+        heading.append(print_node(n.Statements(network.statements[start:end]), dialect))
+    return "\n".join(heading)
+
+
+def comment_lines(text: str) -> list[str]:
+    """A text as comments, a line each."""
+    return [f"// {line}".rstrip() for line in text.splitlines() if line.strip()]
+
+
+def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules, pou: str) -> list[LogicNetwork]:
+    found: list[LogicNetwork] = []
+    free = 1
+    for network in code.networks:
+        place = Location(path=f"{pou} / network {network.title}")
+        if isinstance(network, TextNetwork):
+            raise LoweringError("structured text is no network", location=place)
+        drawn = draw(network.statements, rules, first_id=free, divided=code.tool is not None)
+        for problem in drawn.problems:
+            if code.tool is Tool.CODESYS and problem.severity is Severity.WARNING:
+                continue  # the text of an EXECUTE box, which CODESYS executes
+            boxes = (node for sheet in drawn.body.networks for node in sheet.nodes if node.id == problem.node)
+            text = next((node.code for node in boxes if isinstance(node, Block) and node.code), "")
+            raise LoweringError(
+                f"this cannot be drawn: {' '.join(text.split()) or problem.message}",
+                location=place,
+                hint="Structured text can hold it, and so can the networks of CODESYS." if text else "",
+            )
+        free = max((node.id + 1 for sheet in drawn.body.networks for node in sheet.nodes), default=free)
+        for sheet in drawn.body.networks:
+            if code.tool is Tool.S7:  # where ladders end with their coils
+                sheet.nodes = [node for node in sheet.nodes if not isinstance(node, RightPowerRail)]
+            sheet.title = code.said(network.title)
+            sheet.comment = network.comment or None
+            found.append(sheet)
+    if code.one_sheet:
+        return [on_one_sheet(found, code.tool)]
+    return found
+
+
+def assemble(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:
+    """A copy of `original` with `code` as its body instead of the chart."""
+    interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
+    interface.declaration = None
+    _declare(interface, SectionKind.INPUT, code.inputs)
+    _declare(interface, SectionKind.OUTPUT, code.outputs)
+    _declare(interface, SectionKind.LOCAL, code.variables)
+    _declare(interface, SectionKind.LOCAL, code.constants, constant=True)  # behind the variables, as in TIA Portal
+    _declare(interface, SectionKind.EXTERNAL, code.flags.external if code.flags is not None else [])
+    body = body_of(code, dialect, language, interface.variables(), original.name)
+    lowered = original.model_copy(deep=True, update={"bodies": [], "object_id": None})
+    lowered.interface = interface
+    lowered.bodies = [body, *(b for b in original.bodies if not isinstance(b, SfcBody))]
+    return lowered
+
+
+def body_of(code: Code, dialect: Dialect, language: Language, declared: list[Variable], pou: str) -> Body:
+    """Return the code as a body in `language`; `declared` are the variables of the POU called `pou`."""
+    if language is Language.ST:
+        return structured_text(code, dialect)
+    if language is Language.FBD:
+        return function_block_diagram(code, dialect, declared, pou)
+    return ladder_diagram(code, dialect, declared, pou)
+
+
+def _declare(interface: Interface, kind: SectionKind, variables: list[Variable], *, constant: bool = False) -> None:
+    """Declare variables where others of their kind are: a block of TIA Portal has each section once."""
+    if not variables:
+        return
+    plain = VariableSection(kind=kind, constant=constant)
+    for section in interface.sections:
+        if all(getattr(section, name) == getattr(plain, name) for name in _ATTRIBUTES):
+            section.variables += variables
+            section.declaration = None
+            return
+    plain.variables = variables
+    interface.sections.append(plain)
+
+
+_ATTRIBUTES = ("kind", "name", "constant", "retain", "nonretain", "persistent", "nonpersistent")

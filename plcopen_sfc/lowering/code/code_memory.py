@@ -1,0 +1,226 @@
+"""Memory of lowered code: function blocks in networks, operands in those of TIA Portal, variables in text."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.model.types import DataType, DerivedType
+
+
+class Memory(ABC):
+    """Flip-flops, edges and timers of `code`.
+
+    `ends`: what makes all of them what they were at the start, but for those with a `flag` and edges that are `kept`.
+    `texts`: what variables are called.
+    """
+
+    has_instances: ClassVar[bool] = False
+    """Whether flip-flops keep a value of their own besides their `flag`, which is FALSE at the start."""
+
+    def __init__(self, code: Code) -> None:
+        self.ends: list[Statement] = []
+        self.texts = code.texts
+        self._code = code
+
+    @abstractmethod
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
+    ) -> Expression:
+        """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
+
+    @abstractmethod
+    def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
+        """Statements that are executed under a condition, which none of them changes unless it is `wanted` by name."""
+
+    @abstractmethod
+    def starting(self) -> Expression:
+        """What sets a flip-flop whose `flag` is TRUE at the start; FALSE where that is enough."""
+
+    @abstractmethod
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
+        """TRUE in the scan in which `value` becomes TRUE."""
+
+    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """TRUE in the scan in which `value` becomes FALSE.
+
+        A variable keeps the last value: an F_TRIG sees an edge in the first scan if its input is FALSE.
+        """
+        pulse, end = _edge(self._code, wanted, value, into, rising=False)
+        self.ends.append(end)
+        return pulse
+
+    def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
+        """TRUE when `value` has been TRUE for `time`.
+
+        A TON, called in every scan: it would not notice otherwise that its input went FALSE.
+        """
+        timer = self._code.declare(wanted, DerivedType(name="TON"))
+        into.append(call(timer, IN=value, PT=time))
+        self.ends.append(call(timer, IN=FALSE, PT=time))
+        return n.Member(timer, n.Name("Q"))
+
+    def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """The value as a variable, to be used several times."""
+        flag = self._code.declare(wanted)
+        into.append(assignment(flag, value))
+        return flag
+
+    def variable(self, wanted: str, kind: DataType) -> n.Name:
+        """A variable that keeps what is assigned to it."""
+        return self._code.declare(wanted, kind)
+
+    def finish(self, title: str) -> None:
+        """Append what must stand behind everything else: the end of the first scan."""
+        self._code.end_first_scan(title)
+
+
+class BlockMemory(Memory):
+    """Instances of RS, R_TRIG and TON (IEC 61131-3 ed. 3, 6.6.3.5)."""
+
+    has_instances = True
+
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
+    ) -> Expression:
+        """An RS, whose inputs are ``S`` and ``R1``."""
+        block = self._code.declare(wanted, DerivedType(name="RS"))
+        into.append(call(block, **self._inputs(set_, reset)))
+        value = n.Member(block, n.Name("Q1"))
+        if flag is None:
+            self.ends.append(call(block, **self._inputs(FALSE, TRUE)))
+            return value
+        into.append(assignment(flag, value))
+        return flag
+
+    def _inputs(self, set_: Expression, reset: Expression) -> dict[str, Expression]:
+        """The inputs of an RS, which CODESYS calls ``SET`` and ``RESET1``."""
+        names = ("SET", "RESET1") if self._code.tool is Tool.CODESYS else ("S", "R1")
+        return dict(zip(names, (set_, reset), strict=True))
+
+    def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
+        """One by one, as networks have them."""
+        found: list[Statement] = []
+        if wanted and len(statements) > 1 and not isinstance(condition, n.Name):
+            condition = self.named(wanted, condition, found)
+        return [*found, *_apart(condition, statements)]
+
+    def starting(self) -> Expression:
+        """A pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
+        return self._code.first_scan_pulse()
+
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
+        """An R_TRIG."""
+        block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
+        into.append(call(block, CLK=value))
+        if not kept:
+            self.ends.append(call(block, CLK=FALSE))
+        return n.Member(block, n.Name("Q"))
+
+
+class BitMemory(Memory):
+    """Boolean variables, which every dialect of structured text knows, and TON."""
+
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
+    ) -> Expression:
+        """``flag := (set OR flag) AND NOT reset``."""
+        value = flag or self._code.declare(wanted)
+        into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
+        if flag is None:
+            self.ends.append(assignment(value, FALSE))
+        return value
+
+    def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:  # noqa: ARG002
+        """All in one IF."""
+        return [when(condition, *statements)] if statements else []
+
+    def starting(self) -> Expression:
+        """The flag is the memory itself."""
+        return FALSE
+
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
+        """The value and not that of the last scan."""
+        pulse, end = _edge(self._code, wanted, value, into, rising=True)
+        if not kept:
+            self.ends.append(end)
+        return pulse
+
+
+def _edge(
+    code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool
+) -> tuple[Expression, Statement]:
+    """An edge, and what makes it forget."""
+    pulse, before = code.declare(wanted), code.declare(code.texts.with_suffix(wanted, "old"))
+    now, then = (value, negation(before)) if rising else (negation(value), before)
+    into.append(assignment(pulse, conjunction([now, then])))
+    into.append(assignment(before, value))
+    return pulse, assignment(before, FALSE)
+
+
+def _apart(condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
+    """Each statement under all its conditions: a network has no place for several, or for one in another one."""
+    found: list[Statement] = []
+    for statement in statements:
+        if isinstance(statement, n.If) and len(statement.branches) == 1 and statement.otherwise is None:
+            inner = statement.branches[0]
+            if len(inner.statements) == 1:
+                found += _apart(conjunction([condition, inner.condition]), inner.statements)
+                continue
+        found.append(when(condition, statement))
+    return found
+
+
+class OperandMemory(BlockMemory):
+    """Boxes with an operand. In the statements the operand is called, as if it were an instance."""
+
+    has_instances = False
+
+    def latch(
+        self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
+    ) -> Expression:
+        """An ``Sr`` on the flag itself."""
+        value = flag
+        if value is None:
+            value = self._code.declare(wanted)
+            self.ends.append(assignment(value, FALSE))
+        into.append(call(value, S=set_, R1=reset))
+        self._code.operands[value] = "RS"
+        return n.Member(value, n.Name("Q1")) if flag is None else flag
+
+    def starting(self) -> Expression:
+        """The flag is the memory itself."""
+        return FALSE
+
+    def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
+        """A ``PBox``."""
+        return self._edge("R_TRIG", wanted, value, into, kept=kept)
+
+    def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
+        """An ``NBox``, which sees no edge in the first scan."""
+        return self._edge("F_TRIG", wanted, value, into, kept=False)
+
+    def _edge(self, block: str, wanted: str, value: Expression, into: list[Statement], *, kept: bool) -> Expression:
+        pulse = self._code.declare(wanted)
+        before = self._code.declare(self._code.texts.with_suffix(wanted, "old"))
+        self._code.operands[before] = block
+        into.append(call(before, CLK=value))
+        into.append(assignment(pulse, n.Member(before, n.Name("Q"))))
+        if not kept:
+            self.ends.append(assignment(before, FALSE))
+        return pulse

@@ -1,0 +1,173 @@
+"""IF and CASE for networks: what must be decided is decided first, as bits; then each statement waits for its bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.effects import is_impure
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.code_declarations import BOOL
+from plcopen_sfc.lowering.code.lowered_code import Code, CodeNetwork
+from plcopen_sfc.model.types import Variable
+
+_BOOLEAN = frozenset(
+    {
+        Operator.AND,
+        Operator.OR,
+        Operator.XOR,
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+    }
+)
+_RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
+
+
+def flatten(code: Code, declared: Iterable[Variable] = ()) -> None:
+    """Make statements of each network that a network can hold. What it cannot make flat is left as it is.
+
+    `declared` are variables besides those of `code`.
+    """
+    variables = [*declared, *code.variables, *code.inputs]
+    flags = {variable.name.casefold() for variable in variables if variable.type == BOOL}
+    for place, network in enumerate(code.networks):
+        if isinstance(network, CodeNetwork):
+            flat = _Flattener(lambda: code.declare(code.texts.condition), flags).statements(network.statements, TRUE)
+            code.networks[place] = CodeNetwork(network.title, tuple(flat), network.comment)
+
+
+class _Flattener:
+    def __init__(self, declare: Callable[[], n.Name], flags: Collection[str]) -> None:
+        self._declare, self._flags = declare, flags
+
+    def statements(self, statements: Iterable[Statement], guard: Expression) -> Iterator[Statement]:
+        """Statements that are executed while `guard` is TRUE."""
+        for statement in statements:
+            if isinstance(statement, n.Empty):
+                continue
+            branches = _branches(statement)
+            if branches is not None:
+                yield from self._decided(branches, guard)
+            elif is_constant(guard, TRUE):
+                yield statement
+            elif isinstance(statement, n.Assignment) and self._is_switched(statement):
+                yield from self._switched(statement, guard)
+            else:
+                yield when(guard, statement)
+
+    def _decided(self, branches: Sequence[n.Branch], guard: Expression) -> Iterator[Statement]:
+        """Branches; all is decided on before anything is done, where that could change what is asked."""
+        guards: list[Expression] = []
+        for number, branch in enumerate(branches):
+            others = (negation(other.condition) for other in branches[:number])
+            guards.append(conjunction([guard, *others, branch.condition]))
+        if _needs_bits(branches, guards):
+            bits: list[Expression] = []
+            for branch in branches:
+                bit = self._declare()
+                yield assignment(bit, conjunction([guard, *map(negation, bits), branch.condition]))
+                bits.append(bit)
+            guards = bits
+        for each, branch in zip(guards, branches, strict=True):
+            yield from self.statements(branch.statements, each)
+
+    def _is_switched(self, statement: n.Assignment) -> bool:
+        """Whether it gives a Boolean value that is no constant."""
+        value = n.bare(statement.value)
+        match value:
+            case n.Operation(operator):
+                return operator in _BOOLEAN
+            case n.Unary(operator):
+                return operator is Operator.NOT
+            case n.Name(name):
+                return name.casefold() in self._flags
+            case n.Member(_, n.Name(name)):
+                return name.upper() in ("Q", "Q1")
+        return False
+
+    def _switched(self, statement: n.Assignment, guard: Expression) -> Iterator[Statement]:
+        """Set where the value is TRUE, reset where it is FALSE: TIA Portal has no box that moves a BOOL."""
+        value = statement.value
+        if not _names(value).isdisjoint(_names(statement.target)):
+            value = self._declare()
+            yield assignment(value, statement.value)
+        yield when(conjunction([guard, value]), assignment(statement.target, TRUE))
+        yield when(conjunction([guard, negation(value)]), assignment(statement.target, FALSE))
+
+
+def _needs_bits(branches: Sequence[n.Branch], guards: Sequence[Expression]) -> bool:
+    """Whether what is done could change what is asked, or long conditions would stand there again and again."""
+    statements = [statement for branch in branches for statement in branch.statements]
+    if len(statements) == 1 and not isinstance(statements[0], n.If | n.Case):
+        return False
+    if any(len(branch.statements) > 1 and not _is_short(g) for branch, g in zip(branches, guards, strict=True)):
+        return True
+    nodes = [node for statement in statements for node in walk(statement)]
+    if any(isinstance(node, n.CallStatement | n.Call | n.Address) for node in nodes):
+        return True
+    written = {name for node in nodes if isinstance(node, n.Assignment) for name in _names(node.target)}
+    return not written.isdisjoint(name for guard in guards for name in _names(guard))
+
+
+def _is_short(guard: Expression) -> bool:
+    return isinstance(guard, n.Name) or (isinstance(guard, n.Unary) and isinstance(guard.operand, n.Name))
+
+
+def _names(tree: n.Node) -> set[str]:
+    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
+
+
+def _branches(statement: Statement) -> list[n.Branch] | None:
+    """The branches of an IF or CASE, the last one for ELSE; None for what is no such statement, or cannot be asked."""
+    found: list[n.Branch]
+    if isinstance(statement, n.If):
+        found = list(statement.branches)
+        otherwise = statement.otherwise
+    elif isinstance(statement, n.Case):
+        conditions = [_chosen(statement.selector, branch) for branch in statement.branches]
+        found = [
+            n.Branch(condition, branch.statements)
+            for condition, branch in zip(conditions, statement.branches, strict=True)
+        ]
+        otherwise = statement.otherwise
+    else:
+        return None
+    if otherwise:
+        found.append(n.Branch(TRUE, otherwise))
+    return found if all(_may_be_asked(branch.condition) for branch in found) else None
+
+
+def _chosen(selector: Expression, branch: n.CaseBranch) -> Expression:
+    """That the value of a CASE is one of the labels of a branch."""
+    found: list[Expression] = []
+    for label in branch.labels:
+        if isinstance(label, n.Range):
+            lower = n.Operation(Operator.GREATER_OR_EQUAL, (selector, label.lower))
+            found.append(conjunction([lower, n.Operation(Operator.LESS_OR_EQUAL, (selector, label.upper))]))
+        else:
+            found.append(equal(selector, label))
+    return disjunction(found)
+
+
+def _may_be_asked(condition: Expression) -> bool:
+    """Whether it does no harm to evaluate it also where the text would not."""
+    return not is_impure(condition) and not any(
+        isinstance(node, n.Index | n.Dereference) or (isinstance(node, n.Operation) and node.operator in _RISKY)
+        for node in walk(condition)
+    )

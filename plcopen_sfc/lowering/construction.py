@@ -1,0 +1,344 @@
+"""Construction of the code of a chart as a POU: the choice of its encoding, language and options, and the making."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import print_node, transform
+from plcopen_sfc.languages.st.nodes import Expression, Name, Node
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.lowering.actions.drive_block import drive_block
+from plcopen_sfc.lowering.code.code_bodies import assemble
+from plcopen_sfc.lowering.code.code_declarations import LOCAL, FlagPlaces, Naming, names_of
+from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
+from plcopen_sfc.lowering.code.flat_statements import flatten
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.encodings.case_encodings import CaseChain, RegionChain, no_regions, one_step_at_a_time
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopChain, StepBits
+from plcopen_sfc.lowering.grafcet.grafcet_encodings import GrafcetCase, GrafcetFlipFlops, no_case
+from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
+from plcopen_sfc.lowering.grafcet.grafcet_scan import add_grafcet
+from plcopen_sfc.lowering.graph.sequencer_bits import BitSequencer, FlipFlopSequencer
+from plcopen_sfc.lowering.graph.sequencer_cases import (
+    ON_BY_HAND,
+    CaseSequencer,
+    RegionSequencer,
+    on_by_hand,
+    one_sequence,
+    sequences,
+    with_hands_off,
+)
+from plcopen_sfc.lowering.graph.sequencer_reading import read_sequencer, without_step_data
+from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
+from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
+from plcopen_sfc.lowering.lowering_options import (
+    ActionPlace,
+    Construction,
+    Language,
+    LoweringRules,
+    OperatingMode,
+    States,
+    Style,
+    has_networks,
+    has_one_sheet,
+    shows_networks,
+    tool_of,
+)
+from plcopen_sfc.lowering.reading.chart_reading import read_chart
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
+from plcopen_sfc.lowering.schedule.added_inputs import names_in_conditions, with_usual_input
+from plcopen_sfc.lowering.schedule.scan_schedule import Chain, firing_together
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import DataTypeDeclaration
+
+
+@contextmanager
+def errors_of(project: Project, pou: Pou, name: str) -> Iterator[None]:
+    """Errors of lowering the chart called `name`, that of the POU or of an action, get the place of that chart.
+
+    Whoever raises them sees a POU with a chart, and knows nothing of actions and files.
+    """
+    try:
+        yield
+    except LoweringError as error:
+        path = error.location.path or pou.name
+        if not path.startswith("POU "):  # else it is the error of a chart that this one brings along
+            inside = "" if path in (pou.name, name) else path.removeprefix(f"{pou.name} / ")
+            path = " / ".join(filter(None, [pou.report_path_of(name), inside]))
+            (error.location,) = project.locations_of([path])
+        raise
+
+
+def choose(
+    source: ChartSource,
+    wanted: Construction,
+    rules: LoweringRules,
+    *,
+    style: Style,
+    language: Language | None,
+) -> tuple[Construction, Language, str]:
+    """The construction, its language, and why it was taken.
+
+    Raises `LoweringError` where the construction has no such language, or none of the options that were asked for.
+    """
+    place = Location(path=source.pou.name)
+    if isinstance(source, GraphSource):
+        _check_options_of_sequencer(rules, place)
+        chosen, why = _choice_for_sequencer(source, wanted, rules, language)
+    elif rules.at_rest:
+        raise LoweringError("only blocks of S7-GRAPH have parameters that could be at rest", location=place)
+    elif source.grafcet is not None:
+        chosen, why = _choice_for_grafcet(source, wanted, rules)
+    else:
+        chosen, why = _choice(source, wanted, rules, style=style, language=language)
+    if language is None:
+        drawn = chosen is Construction.FLIPFLOP and shows_networks(rules.target)
+        language = Language.FBD if drawn else Language.ST
+    if language is not Language.ST and not has_networks(rules.target):
+        raise LoweringError(
+            f"{rules.target} is structured text and has no networks of {language}",
+            location=place,
+            hint="Flip-flops can be written as structured text too: language ST.",
+        )
+    if language is not Language.ST and chosen is not Construction.FLIPFLOP:
+        raise LoweringError(f"{chosen} is structured text, it cannot be drawn in {language}", location=place)
+    if rules.states is not States.NUMBERS and chosen not in (Construction.CASE, Construction.REGIONS):
+        raise LoweringError(
+            f"{chosen} has no states that could be written as {rules.states}",
+            location=place,
+            hint=f"It was taken for this reason: {why}.",
+        )
+    if rules.actions is ActionPlace.BLOCK and style is Style.CLASSIC and chosen is Construction.CASE:
+        raise LoweringError(
+            "actions cannot stand in a block of their own where they are a part of a CASE", location=place
+        )
+    if rules.flags != LOCAL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
+        raise LoweringError("only flip-flops and step bits have flags that could be put elsewhere", location=place)
+    return chosen, language, why
+
+
+def _choice(
+    source: ChartSource, wanted: Construction, rules: LoweringRules, *, style: Style, language: Language | None
+) -> tuple[Construction, str]:
+    if wanted is not Construction.AUTO:
+        return wanted, "asked for"
+    if language not in (None, Language.ST):
+        return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
+    several = one_step_at_a_time(source)
+    if style is Style.CLASSIC and several:
+        return Construction.FLIPFLOP, f"textbooks have flip-flops for it: {several}"
+    if rules.flags != LOCAL and style is Style.EXACT:
+        return Construction.BITS, f"there are to be step flags at {rules.flags}"
+    if firing_together(source.net, rules.profile) is not None:
+        why = f"rivals fire together under the profile {rules.profile.name}"
+        return Construction.BITS, f"no CASE can hold the chart: {why}"
+    if not several:
+        ends = any(not transition.targets for transition in source.net.transitions)
+        return Construction.CASE, f"{'at most' if ends else 'exactly'} one step is active at a time"
+    objection = no_regions(source)
+    if not objection:
+        return Construction.REGIONS, f"in each of its parts one step is active at a time, but {several}"
+    return Construction.BITS, f"no CASE can hold the chart: {objection}"
+
+
+def _choice_for_grafcet(source: ChartSource, wanted: Construction, rules: LoweringRules) -> tuple[Construction, str]:
+    if wanted is not Construction.AUTO:
+        return wanted, "asked for"
+    if rules.flags != LOCAL:
+        return Construction.BITS, f"there are to be step flags at {rules.flags}"
+    objection = no_case(source, rules.profile)
+    if objection:
+        return Construction.BITS, f"no CASE can hold the chart: {objection}"
+    return Construction.CASE, "one step is active at a time"
+
+
+def _choice_for_sequencer(
+    source: GraphSource, wanted: Construction, rules: LoweringRules, language: Language | None
+) -> tuple[Construction, str]:
+    if wanted is not Construction.AUTO:
+        return wanted, "asked for"
+    if language not in (None, Language.ST):
+        return Construction.FLIPFLOP, f"flip-flops are what {language} can hold"
+    if rules.flags != LOCAL:
+        return Construction.BITS, f"there are to be step flags at {rules.flags}"
+    several = one_sequence(source, rules.profile)
+    if not isinstance(several, str):
+        return Construction.CASE, "at most one step is active at a time"
+    objection = sequences(source, rules.profile)
+    if not isinstance(objection, str):
+        return Construction.REGIONS, f"in each of its parts at most one step is active at a time, but {several}"
+    why = f"no CASE can hold the chart: {objection}"
+    if on_by_hand(source) and not isinstance(sequences(with_hands_off(source), rules.profile), str):
+        why += f"; with {ON_BY_HAND} at rest one could"
+    return Construction.BITS, why
+
+
+def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
+    """Refuse options that sequencers do not have."""
+    hint = ""
+    if rules.modes:
+        objection = "sequencers of S7-GRAPH have operating modes of their own"
+        hint = "Declare SW_AUTO, SW_MAN, SW_TAP, SW_TOP, T_PUSH, S_SEL, S_ON or S_OFF in the block instead."
+    elif rules.actions is not ActionPlace.INLINE:
+        objection = "actions of a sequencer of S7-GRAPH cannot stand in a block of their own"
+    elif rules.reset_actions:
+        objection = "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it"
+    else:
+        return
+    raise LoweringError(objection, location=place, hint=hint)
+
+
+@dataclass(frozen=True)
+class Constructed:
+    """A POU made of a chart. `why` says why this construction was taken, `rules` what it obeys.
+
+    `step_flags` is what tells in its code that a step is active, by the path of the step; `situation` what does between
+    two scans, where that is not the same. `at_rest` and `left_out` say when it does what the chart does: while inputs
+    that were added have these values, and the variable is FALSE. `data_types` are what the project needs besides.
+    `step_numbers` are the numbers that steps have in the code, by their paths, where it knows them by numbers.
+    """
+
+    pou: Pou
+    construction: Construction
+    rules: LoweringRules
+    why: str
+    step_flags: dict[str, str]
+    situation: dict[str, str]
+    at_rest: dict[str, bool]
+    left_out: str | None
+    data_types: tuple[DataTypeDeclaration, ...]
+    step_numbers: dict[str, int]
+    flags: FlagPlaces | None = None
+    blocks: tuple[Pou, ...] = ()
+
+
+def construct(
+    pou: Pou,
+    chart: SfcNetwork,
+    dialect: Dialect,
+    rules: LoweringRules,
+    *,
+    construction: Construction = Construction.AUTO,
+    style: Style = Style.EXACT,
+    language: Language | None = None,
+    project: Project | None = None,
+) -> Constructed:
+    """Lower `chart`, which is the body of `pou`, a part of `project`.
+
+    Raises `LoweringError` for what cannot be said in the target.
+    """
+    project = project or Project(dialect=dialect)
+    surroundings = names_of(project)
+    source = _read(pou, chart, dialect, rules, project)
+    rules = with_usual_input(rules, style, source, surroundings)
+    if isinstance(source, GraphSource):
+        pou = without_step_data(pou)
+    chosen, language, why = choose(source, construction, rules, style=style, language=language)
+    code = _code(source, dialect, rules, language, project)
+    if rules.flags != LOCAL:
+        code.flags = FlagPlaces(rules, pou.name, project, code.tool)
+    maker: Sequencer | Chain
+    if isinstance(source, GraphSource):
+        maker = _SEQUENCERS[chosen](source, code, _memory(code, language), rules, surroundings)
+        _fill(maker, chosen, style)
+    else:
+        plain = plain_chart(source) if style is Style.CLASSIC else source
+        kinds = _CHAINS if plain.grafcet is None else _CHAINS | _GRAFCET_CHAINS
+        maker = kinds[chosen](plain, code, _memory(code, language), rules, surroundings)
+        if plain.grafcet is not None:
+            add_grafcet(maker)
+        else:
+            _fill(maker, chosen, style)
+    # most of a sequencer would be the text of boxes in CODESYS
+    if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
+        flatten(code, pou.variables())
+    drives = maker.drives if isinstance(maker, Chain) else []
+    return Constructed(
+        assemble(pou, code, dialect, language),
+        chosen,
+        rules,
+        why,
+        {path: _told(expression, dialect) for path, expression in maker.tells().items()},
+        {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps},
+        code.at_rest,
+        code.left_out.identifier if code.left_out is not None else None,
+        tuple(code.data_types),
+        _numbers(source, chosen, rules),
+        code.flags,
+        tuple(drive_block(drive, dialect, language) for drive in drives),
+    )
+
+
+_SEQUENCERS: dict[Construction, type[Sequencer]] = {
+    Construction.FLIPFLOP: FlipFlopSequencer,
+    Construction.CASE: CaseSequencer,
+    Construction.REGIONS: RegionSequencer,
+    Construction.BITS: BitSequencer,
+}
+_CHAINS: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
+    Construction.FLIPFLOP: FlipFlopChain,
+    Construction.CASE: CaseChain,
+    Construction.REGIONS: RegionChain,
+    Construction.BITS: StepBits,
+}
+_GRAFCET_CHAINS: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
+    Construction.FLIPFLOP: GrafcetFlipFlops,
+    Construction.CASE: GrafcetCase,
+}
+
+
+def _read(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, project: Project) -> ChartSource:
+    if rules.profile.graph_parameters:
+        return read_sequencer(pou, chart, dialect, rules, project)
+    if is_grafcet(chart, rules.profile):
+        return read_grafcet(pou, dialect, rules.profile, names_of(project), project=project)
+    return read_chart(pou, chart, dialect, rules.profile, names_of(project), project=project)
+
+
+def _code(source: ChartSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project) -> Code:
+    """Nothing yet, but all that is known of what it is for."""
+    code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
+    code.tool = tool_of(rules.target, dialect)
+    code.known_types = {kind.name.casefold() for kind in project.data_types}
+    code.texts = rules.texts
+    code.instances = source.instances
+    code.culture = rules.texts.culture if code.tool is Tool.S7 and has_networks(rules.target) else ""
+    code.drawn, code.one_sheet = language is not Language.ST, has_one_sheet(rules.target)
+    return code
+
+
+def _memory(code: Code, language: Language) -> Memory:
+    if language is Language.ST:
+        return BitMemory(code)
+    return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
+
+
+def _fill(maker: Sequencer | Chain, construction: Construction, style: Style) -> None:
+    if style is Style.EXACT:
+        maker.exact()
+    elif isinstance(maker, FlipFlopChain | CaseChain):
+        maker.classic()
+    else:
+        raise LoweringError(f"{construction} has no classic style")
+
+
+def _numbers(source: ChartSource, construction: Construction, rules: LoweringRules) -> dict[str, int]:
+    """The numbers of steps where they are states, or are selected by them."""
+    if construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
+        return {}
+    return dict(zip((step.path for step in source.net.steps), step_numbers(source.net), strict=True))
+
+
+def _told(expression: Expression, dialect: Dialect) -> str:
+    """What tells of a step, by bare names of variables, which are the same in files of other dialects."""
+
+    def bare(node: Node) -> Node:
+        return Name(node.identifier) if isinstance(node, Name) else node
+
+    return print_node(transform(expression, bare), dialect)

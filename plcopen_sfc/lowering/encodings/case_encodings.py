@@ -1,0 +1,380 @@
+"""Encodings with a CASE: one for the chart, or one for each of its parts with one active step at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+
+from plcopen_sfc.analysis.regions import ParallelBlock, Regions
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.lowered_code import TextNetwork
+from plcopen_sfc.lowering.encodings.case_states import (
+    INDENT,
+    Machine,
+    StateMachines,
+    StateNames,
+    Try,
+    one_region,
+    regions_of,
+)
+from plcopen_sfc.lowering.lowering_options import States
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, Use
+from plcopen_sfc.lowering.schedule.scan_schedule import Chain, firing_together, refuse_classic
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.semantics.net import NetStep, NetTransition, indexes
+from plcopen_sfc.semantics.profile import ScanOrder
+
+
+def no_regions(source: ChartSource) -> str:
+    """Why a chart is not built of regions that one CASE each can hold; empty if it is."""
+    found = regions_of(source.net)
+    return found if isinstance(found, str) else ""
+
+
+class RegionChain(Chain):
+    """Lowers one chart into `code`. Raises `LoweringError` where it is not built of regions."""
+
+    def declare_states(self, source: ChartSource) -> None:
+        """A state variable for each region, that of the initial step at the start, else that of no step."""
+        self._refuse_rivals(source)
+        self._regions = self.structure(source)
+        self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
+        self.states = StateMachines(self._regions, self.names, self.texts, source.dialect)
+        self.machines = self.states.machines
+        self._bits: dict[int, n.Name] = {}
+        for index in self._needing_bits(source):
+            transition = self.net.transitions[index]
+            comment = self.texts.transition_of(transition.path)
+            self._bits[index] = self.code.declare(self.texts.transition_name(self.net, transition), comment=comment)
+        self._again: dict[int, n.Name] = {}
+
+    def active(self, step: int) -> Expression:
+        """A comparison of the state of its region."""
+        return self.states.active(step)
+
+    def exact(self) -> None:
+        """One scan, as the chart has it."""
+        for machine in self.machines:
+            if self._must_wait(machine):
+                self.states.let_wait(machine)
+        super().exact()
+
+    def choose(self) -> None:
+        """Append the CASE of each region with the transitions of each step."""
+        self.code.add(self.texts.transitions, list(self._computed_bits()))
+        self._declare_again()
+        self.code.add("", [assignment(flag, FALSE) for flag in self._again.values()])
+        for machine in self.machines:
+            lines = self._guarded(machine, self._case(machine))
+            self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(lines)))
+
+    def select(self) -> None:
+        """Append what makes the selected step the state of its region, and leaves all others without a step."""
+        selecting, selected = self.modes.selecting, self.modes.selected
+        if selecting is None or selected is None:
+            return
+        named = self.rules.states is States.ENUMERATION
+        if len(self.machines) == 1 and not named:
+            state = self.states.following(self.machines[0])
+            self.code.add(self.texts.selection, [when(selecting, assignment(state, selected))])
+            return
+        ended: list[Statement] = []
+        if len(self.machines) > 1:
+            ended = [assignment(self.states.following(machine), self.names.none) for machine in self.machines]
+        branches: list[n.CaseBranch] = []
+        for machine in self.machines:
+            state, numbers = self.states.following(machine), [self.modes.number(i) for i in machine.region.steps]
+            if named:
+                states = [assignment(state, self.names.step(i)) for i in machine.region.steps]
+                branches += [n.CaseBranch((each,), (to,)) for each, to in zip(numbers, states, strict=True)]
+            else:
+                branches.append(n.CaseBranch(tuple(numbers), (assignment(state, selected),)))
+        chosen = n.Case(selected, tuple(branches))
+        self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
+
+    def move(self) -> None:
+        """Append what makes the states those that they are to be, where that had to wait."""
+        waiting = [machine for machine in self.machines if self.states.waits(machine)]
+        restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
+        self.code.add(self.texts.moves, [*restart, *self.states.moves()])
+
+    def any_fires(self) -> Expression:
+        """Whether any state will be another one, or a step is left and entered at once."""
+        changes = [negation(equal(self.states.following(m), m.state)) for m in self.machines]
+        return disjunction([*changes, *self._again.values()])
+
+    def reentered(self) -> Mapping[int, Expression]:
+        """Steps that a transition leaves and enters at once: a flag that it sets, where anything asks for that."""
+        return self._again
+
+    def text(self, node: n.Node) -> str:
+        """A node in the dialect of the code."""
+        return self.states.text(node)
+
+    # -- structure
+
+    def structure(self, source: ChartSource) -> Regions:
+        """The regions of the chart. Raises `LoweringError` where it is not built of them."""
+        found = regions_of(source.net)
+        if isinstance(found, str):
+            raise LoweringError(
+                f"the chart is not built of parts that one CASE each could hold: {found}",
+                location=Location(path=source.pou.name),
+                hint="Step bits can hold every chart.",
+            )
+        return found
+
+    def _refuse_rivals(self, source: ChartSource) -> None:
+        rival = firing_together(source.net, self.profile)
+        if rival is not None:
+            raise LoweringError(
+                f"a CASE cannot hold rivals that fire together under the profile {self.profile.name}",
+                location=Location(path=f"{source.pou.name} / transition {rival.path}"),
+                hint="Step bits can.",
+            )
+
+    # -- states that change behind all CASEs
+
+    def _must_wait(self, machine: Machine) -> bool:
+        """Whether anything looks at the state of a region, or writes it, besides its own CASE."""
+        if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
+            return True
+        return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
+
+    @cached_property
+    def _askers(self) -> dict[str, set[int]]:
+        """By the names that conditions ask for: the regions in whose CASE that is done."""
+        found: dict[str, set[int]] = {}
+        for transition in self.net.transitions:
+            region = self.states.machine_of(transition.sources[0]).region.index
+            for tree in (self.source.conditions[transition.index], *self.source.preparations[transition.index]):
+                for node in walk(tree):
+                    if isinstance(node, n.Name):
+                        found.setdefault(node.identifier, set()).add(region)
+        return found
+
+    def _guarded(self, machine: Machine, case: list[str]) -> list[str]:
+        """A CASE that is not executed while no transition may fire."""
+        if not self.blocking:
+            return case
+        blocked = disjunction(self.blocking)
+        if self.states.waits(machine) or self.init is None:  # it is set back where it changes
+            head = [f"IF {self.text(negation(blocked))} THEN"]
+        else:
+            head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self.states.set_back(machine)), "ELSE"]
+        return [*head, *(INDENT + line for line in case), "END_IF;"]
+
+    # -- transitions whose rivals are tried in another CASE
+
+    def _needing_bits(self, source: ChartSource) -> list[int]:
+        """Joins that have rivals, with these; joins before whose condition something must be executed."""
+        found: set[int] = set()
+        for block in self._regions.blocks:
+            rivals = self._regions.exit_rivals(block)
+            if rivals:
+                found.update(block.joins, rivals)
+            found.update(join for join in block.joins if source.preparations[join])
+        return sorted(found)
+
+    def _computed_bits(self) -> Iterator[Statement]:
+        for index, bit in self._bits.items():
+            transition = self.net.transitions[index]
+            free = [negation(self._bits[rival]) for rival in transition.rivals if rival in self._bits]
+            free += [negation(each) for each in self.blocking]
+            enabled = self._enabled(transition)
+            yield from self.prepared(index, conjunction([enabled, *free]))
+            yield assignment(bit, conjunction([enabled, self.source.conditions[index], *free]))
+
+    def _enabled(self, transition: NetTransition) -> Expression:
+        return conjunction(self.active(i) for i in transition.sources)
+
+    # -- steps that are left and entered at once
+
+    def _declare_again(self) -> None:
+        reported = SfcFlag.TRANS in self.source.flags
+        # where steps change between two scans such a step is never seen to be left
+        timed = self.profile.order is ScanOrder.TRANSITIONS_FIRST
+        for transition in self.net.transitions:
+            for step in set(transition.sources) & set(transition.targets):
+                if (reported or (timed and self.times.measures(step))) and step not in self._again:
+                    path = self.net.steps[step].path
+                    wanted = self.texts.with_suffix(self.texts.flag_name(self.net.steps[step].step), "again")
+                    self._again[step] = self.code.declare(wanted, comment=self.texts.again_of(path))
+
+    # -- the CASE of one region
+
+    def _case(self, machine: Machine) -> list[str]:
+        def leaving(step: NetStep) -> list[str]:
+            transitions = [self.net.transitions[t] for t in self.net.leaving[step.index]]
+            return self.states.tried([self._try(machine, t) for t in transitions if len(t.sources) == 1])
+
+        def joining(block: ParallelBlock) -> list[str]:
+            return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
+
+        return self.states.case(machine, leaving, joining)
+
+    def _try(self, machine: Machine, transition: NetTransition) -> Try:
+        effect = self._effect(machine, transition)
+        remarks = self.states.remarks(transition.transition)
+        if transition.index in self._bits:
+            return Try((), self._bits[transition.index], effect, remarks)
+        # a step with one source is active where it is tried, a join is tried while its branches are
+        enabled = TRUE if len(transition.sources) == 1 else self._enabled(transition)
+        condition = conjunction([enabled, self.source.conditions[transition.index]])
+        before = self.source.preparations[transition.index]
+        asked = self.sfc_flags.is_asked()
+        if before and not is_constant(asked, TRUE):
+            before = (when(asked, *before),)
+        return Try(before, condition, effect, remarks)
+
+    def _effect(self, machine: Machine, transition: NetTransition) -> list[str]:
+        loops = set(transition.sources) & set(transition.targets) & set(self._again)
+        again = [f"{self.text(self._again[i])} := TRUE;" for i in loops]
+        return [*self.states.effect(machine, transition), *again]
+
+
+_STORED = (Qualifier.S, Qualifier.R, Qualifier.R0)
+
+
+def one_step_at_a_time(source: ChartSource) -> str:
+    """Why a chart can have several steps active, or none at the start; empty if it is one, until the chart ends."""
+    initial = [source.net.steps[i].path for i in indexes(source.net.initial)]
+    if len(initial) != 1:
+        return f"it has {len(initial)} initial steps"
+    for transition in source.net.transitions:
+        if len(transition.sources) != 1 or len(transition.targets) > 1:
+            return f"transition {transition.path} does not lead from one step to one step"
+    return ""
+
+
+class CaseChain(RegionChain):
+    """Lowers one chart into `code`. Raises `LoweringError` where several steps can be active."""
+
+    def structure(self, source: ChartSource) -> Regions:
+        """All steps in one region, also those that are never active."""
+        objection = one_step_at_a_time(source)
+        if objection:
+            raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=Location(path=source.pou.name))
+        return one_region(source.net)
+
+    def classic(self) -> None:
+        """Each branch: the actions of the step, then its transitions. `LoweringError` for what it cannot hold."""
+        self._check_classic()
+        self.begin_classic()
+        self._initialise(*self._stored())
+        lines = [f"CASE {self.text(self.machines[0].state)} OF"]
+        for step in self.net.steps:
+            lines += self._classic_branch(step)
+        self.code.networks.append(TextNetwork(self.texts.chain, "\n".join([*lines, "END_CASE;"])))
+
+    def _initialise(self, *ending: str) -> None:
+        if self.init is None:
+            return
+        lines = [f"IF {self.text(self.init)} THEN", INDENT + self.states.entered(self.machines[0].first)]
+        lines += [INDENT + line for line in ending]
+        lines.append("END_IF;")
+        self.code.networks.append(TextNetwork(self.texts.init, "\n".join(lines)))
+
+    def _stored(self) -> list[str]:
+        """What ends the actions that steps have stored, if starting anew is to end them."""
+        if not self.rules.reset_actions:
+            return []
+        stored = [a for a in self.source.actions if any(use.qualifier is Qualifier.S for use in a.uses)]
+        return [f"{self.text(a.target)} := false; // {self.texts.reset_action}" for a in stored if a.target is not None]
+
+    def _classic_branch(self, step: NetStep) -> list[str]:
+        used = [(action, use) for action in self.source.actions for use in action.uses if step.index in use.steps]
+        acts = [self.text(each) for code in self.source.step_code if code.step == step.index for each in code.main]
+        done = [*acts]
+        lines = [f"{self.text(self.names.step(step.index))}: // {self.states.heading(step)}"]
+        lines += [INDENT + remark for remark in self.states.remarks(step.step)]
+        for action, use in used:
+            acting = self._acting(action, use)
+            acts += acting
+            done += [*comment_lines(self.texts.said(action.comment, use.comment)), *acting]
+        if done:
+            lines.append(f"{INDENT}// {self.texts.actions}")
+            lines += [INDENT + line for text in done for line in text.splitlines()]
+            lines.append("")
+        ending = [line for action, use in used for line in self._ending(action, use)]
+        transitions = self._classic_transitions(step, ending)
+        if not (acts or transitions):  # some tools want a statement in every branch
+            transitions = [";"]
+        lines += [INDENT + line for line in transitions]
+        return [*lines, ""]
+
+    def _classic_transitions(self, step: NetStep, ending: list[str]) -> list[str]:
+        """The transitions behind a step, in the order in which they are tried; each ends the actions of the step."""
+        leaving = [self.net.transitions[i] for i in self.net.leaving[step.index]]
+        before = [self.text(each) for t in leaving for each in self.source.preparations[t.index]]
+        lines = [line for text in before for line in text.splitlines()]
+        word = "IF"
+        for transition in leaving:
+            target = self.net.steps[transition.targets[0]]
+            initial = bool(self.net.initial & target.bit)
+            jump = self.texts.jump(target.step, initial=initial, back=target.index <= step.index)
+            lines += [f"// {self.texts.transition}", *self.states.remarks(transition.transition)]
+            lines.append(f"{word} {self.text(self.source.conditions[transition.index])} THEN")
+            lines += [INDENT + line for line in ending]
+            lines.append(f"{INDENT}{self.states.entered(target.index)} // {jump}")
+            word = "ELSIF"
+        return [*lines, "END_IF;"] if leaving else lines
+
+    def _check_classic(self) -> None:
+        """Refuse what the branches of a textbook CASE cannot hold."""
+        if self.modes.selecting is not None:
+            refuse_classic(self.source, "selecting steps")
+        for transition in self.net.transitions:
+            if not transition.targets:
+                refuse_classic(self.source, "the end of a chart", f"transition {transition.path}")
+        for code in self.source.step_code:
+            if code.entry or code.exit:
+                path = self.net.steps[code.step].path
+                refuse_classic(self.source, "entry and exit actions", f"step {path}")
+        for action in self.source.actions:
+            for use in action.uses:
+                if use.preparation:
+                    refuse_classic(self.source, "blocks with a state in conditions", f"action {action.name}")
+                plain = use.qualifier in (Qualifier.N, Qualifier.NONE)
+                if use.inverted or not (plain or (action.target is not None and use.qualifier in _STORED)):
+                    what = "an action of all other steps" if use.inverted else f"qualifier {use.qualifier}"
+                    refuse_classic(self.source, what, f"action {action.name}")
+
+    def _acting(self, action: ActionSource, use: Use) -> list[str]:
+        conditional = not is_constant(use.condition, TRUE)
+        value = self.text(use.condition)
+        if action.target is None:
+            lines = [self.text(statement) for statement in action.statements]
+            if conditional:
+                return [f"IF {value} THEN", *(INDENT + x for text in lines for x in text.splitlines()), "END_IF;"]
+            return lines
+        target = self.text(action.target)
+        if use.qualifier in _STORED:
+            new = f"{target} := {'true' if use.qualifier is Qualifier.S else 'false'};"
+            if use.qualifier is not Qualifier.S:
+                new += f" // {self.texts.reset_action}"
+            return [f"IF {value} THEN", INDENT + new, "END_IF;"] if conditional else [new]
+        if conditional:
+            return [f"{target} := {value}; // {self.texts.set_while(value)}"]
+        return [f"{target} := true; // {self.texts.set_action}"]
+
+    def _ending(self, action: ActionSource, use: Use) -> list[str]:
+        if action.target is None or use.qualifier in _STORED:
+            return []
+        return [f"{self.text(action.target)} := false; // {self.texts.reset_actions}"]

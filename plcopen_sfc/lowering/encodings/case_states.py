@@ -1,0 +1,351 @@
+"""State variables of a chart and the texts of their CASEs: one for each part with one active step at a time.
+
+There is a state for each step, one for each wait for a convergence, and one for no step. The code writes numbers, names
+of constants, or values of an enumeration. A simultaneous divergence gives the state variable of its part a state of its
+own, in which the convergence is waited for. Where other code reads a state besides its own CASE, the CASE writes the
+following state into a second variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from plcopen_sfc.analysis.regions import ParallelBlock, Region, Regions, Unstructured, find_regions
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.words import objection
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, equal, is_constant
+from plcopen_sfc.lowering.code.code_bodies import comment_lines
+from plcopen_sfc.lowering.code.code_declarations import Naming, integer
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, States, tool_of
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, number_in_name, step_numbers
+from plcopen_sfc.model.sfc import Step, Transition
+from plcopen_sfc.model.types import (
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    EnumType,
+    EnumValue,
+)
+from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
+
+
+@dataclass(frozen=True)
+class _State:
+    """A state: its number, its name as a value of an enumeration and as a constant, and what it means."""
+
+    number: int
+    name: str
+    constant: str
+    comment: str
+
+
+class StateNames:
+    """The states of one chart, as its code writes them.
+
+    Raises `LoweringError` where the user wants an enumeration and the target has none.
+    """
+
+    def __init__(
+        self, source: ChartSource, regions: Regions, code: Code, rules: LoweringRules, surroundings: Collection[str]
+    ) -> None:
+        self._code, self._texts = code, rules.texts
+        # where steps are selected, the regions of all others have none
+        left = OperatingMode.SELECT in rules.modes and len(regions.regions) > 1
+        steps, waiting, none = _states(source.net, regions, rules.texts, left=left)
+        states = [*steps, *waiting, *none]
+        largest = max(state.number for state in states)
+        self._type: DataType = integer(largest)
+        written: list[Expression] = [n.Literal(str(state.number)) for state in states]
+        self._initial = [str(state.number) for state in states]
+        if rules.states is States.CONSTANTS:
+            written = [self._constant(state) for state in states]
+        elif rules.states is States.ENUMERATION:
+            _refuse_without_enumerations(source, rules)
+            written = self._enumeration(states, source, surroundings)
+            self._initial = [print_node(value, source.dialect) for value in written]
+        self._steps = written[: len(steps)]
+        self._waiting = written[len(steps) : len(steps) + len(waiting)]
+        self._none = written[-1]
+
+    def step(self, step: int) -> Expression:
+        """The state in which a step is active."""
+        return self._steps[step]
+
+    def waiting(self, block: ParallelBlock) -> Expression:
+        """The state in which a region waits for the branches of a block."""
+        return self._waiting[block.index]
+
+    def start(self, region: Region) -> Expression:
+        """The state of a region at the start: that of its initial step, else that in which none of its steps is."""
+        return self._none if region.initial is None else self._steps[region.initial]
+
+    def declare(self, region: Region, suffix: str, *, following: bool) -> n.Name:
+        """A variable for the state of a region, or for its `following` one."""
+        texts = self._texts
+        if isinstance(self._type, DerivedType):
+            usual = texts.active_step, texts.active_step_comment
+            later = texts.next_step, texts.next_step_comment
+        else:
+            usual = texts.state, texts.state_comment
+            later = texts.next_state, texts.next_state_comment
+        name, comment = later if following else usual
+        initial = self._initial[-1 if region.initial is None else region.initial]
+        wanted = f"{name}_{suffix}" if suffix else name
+        return self._code.declare(wanted, self._type, initial=initial, comment=comment)
+
+    @property
+    def none(self) -> Expression:
+        """The state in which no step of a region is active."""
+        return self._none
+
+    def _constant(self, state: _State) -> n.Name:
+        return self._code.declare_constant(state.constant, self._type, str(state.number), state.comment)
+
+    def _enumeration(
+        self, states: Sequence[_State], source: ChartSource, surroundings: Collection[str]
+    ) -> list[Expression]:
+        """Declare a type of its own: its values are written with its name, so nothing else can be meant."""
+        used = {name.casefold() for name in source.names()}
+        name = Naming(source.dialect, {*surroundings, *used}).fresh(f"{source.pou.name}_{self._texts.enumeration}")
+        naming = Naming(source.dialect, ())
+        values = [naming.fresh(state.name) for state in states]
+        listed = [EnumValue(name=v, value=str(state.number)) for v, state in zip(values, states, strict=True)]
+        self._code.data_types.append(
+            DataTypeDeclaration(
+                name=name,
+                folder=source.pou.folder,
+                place=source.pou.place,
+                type=EnumType(values=listed),
+                comment=self._texts.enumeration_of(source.pou.name),
+            )
+        )
+        self._type = DerivedType(name=name)
+        if source.dialect is Dialect.CODESYS:
+            return [n.Member(n.Name(name), n.Name(value)) for value in values]
+        return [n.Literal(f"{name}#{value}") for value in values]
+
+
+def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> None:
+    if source.dialect is Dialect.SCL or tool_of(rules.target, source.dialect) is Tool.S7:
+        raise LoweringError(
+            f"there are no enumerations in {rules.target or source.dialect}",
+            location=Location(path=source.pou.name),
+            hint="Constants name the steps there as well.",
+        )
+
+
+def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[list[_State], list[_State], list[_State]]:
+    """The states of the steps, of the waits for joins, and of no step, where that can be: any region can be `left`."""
+    numbers = step_numbers(net)
+    # waits have numbers of a hundred of their own: they stay when steps are added
+    hundred = 100 * (max(numbers) // 100 + 1)
+    steps: list[_State] = []
+    for step, number in zip(net.steps, numbers, strict=True):
+        comment = texts.step(step.step, step.path, initial=bool(net.initial & step.bit))
+        constant = f"{texts.step_constant}_{_short(step.path, number)}"
+        plain = step.path.replace(".", "_")
+        name = constant if objection(plain, Dialect.IEC) else plain
+        steps.append(_State(number, name, constant, comment))
+    waits: list[_State] = []
+    for block in regions.blocks:
+        firsts = [net.steps[regions.first_step(regions.regions[branch])] for branch in block.branches]
+        name = f"{texts.waiting_constant}_{_short(firsts[0].path, numbers[firsts[0].index])}"
+        waits.append(_State(hundred + 1 + block.index, name, name, texts.waiting(step.path for step in firsts)))
+    starting = all(region.initial is not None for region in regions.regions)
+    if starting and not left and all(t.targets for t in net.transitions):
+        return steps, waits, []
+    none = hundred if 0 in numbers else 0
+    return steps, waits, [_State(none, texts.no_step, texts.no_step, texts.no_step_comment)]
+
+
+def _short(path: str, number: int) -> str:
+    """A step in the name of a constant: its number where its name says nothing else."""
+    return str(number) if number_in_name(path) == number else path
+
+
+INDENT = "    "
+
+
+def regions_of(net: Net) -> Regions | str:
+    """The regions of a net, or why it has none that hold all of its steps."""
+    found = find_regions(net)
+    if isinstance(found, Unstructured):
+        return found.message
+    never = next((step.path for step in net.steps if found.region_of[step.index] is None), None)
+    return found if never is None else f"step {never} can never become active"
+
+
+def one_region(net: Net) -> Regions:
+    """All steps as one region, also those that are never active; the first initial step is that of the region."""
+    steps, transitions = (tuple(range(len(each))) for each in (net.steps, net.transitions))
+    region = Region(0, steps, transitions, block=None, blocks=(), initial=next(indexes(net.initial)))
+    return Regions(net, (region,), (), tuple(0 for _ in steps))
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A region and its state variable. `first`: the step with which it starts, `blocks`: what is forked from it."""
+
+    region: Region
+    first: int
+    blocks: tuple[ParallelBlock, ...]
+    state: n.Name
+
+
+class Try(NamedTuple):
+    """A transition as the CASE tries it: what must be executed before, its condition, what it does, its comment."""
+
+    before: tuple[Statement, ...]
+    condition: Expression
+    effect: list[str]
+    remarks: list[str]
+
+
+class StateMachines:
+    """The state variables of all regions of a chart, and the text of their CASEs.
+
+    At the start their states are those of the initial steps, or with `off` those of no step.
+    """
+
+    def __init__(
+        self, regions: Regions, names: StateNames, texts: Texts, dialect: Dialect, *, off: bool = False
+    ) -> None:
+        self.regions, self.names = regions, names
+        self._net, self._texts, self._dialect, self._off = regions.net, texts, dialect, off
+        self._region_of = [region or 0 for region in regions.region_of]
+        self._forked = {fork: block for block in regions.blocks for fork in block.forks}
+        self.machines = tuple(self._machine(region) for region in regions.regions)
+        self._next = {machine.region.index: machine.state for machine in self.machines}
+
+    def _machine(self, region: Region) -> Machine:
+        blocks = tuple(self.regions.blocks[i] for i in region.blocks)
+        state = self._declared(region, following=False)
+        return Machine(region, self.regions.first_step(region), blocks, state)
+
+    def _declared(self, region: Region, *, following: bool) -> n.Name:
+        at_start = replace(region, initial=None) if self._off else region
+        return self.names.declare(at_start, self.suffix(region), following=following)
+
+    def suffix(self, region: Region) -> str:
+        """What tells the variables of a region from others: its first step. Those of the first region have none."""
+        return "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
+
+    def let_wait(self, machine: Machine) -> None:
+        """Give a region a second variable, which its CASE writes and which becomes valid later."""
+        self._next[machine.region.index] = self._declared(machine.region, following=True)
+
+    def waits(self, machine: Machine) -> bool:
+        """Whether a region has a second variable."""
+        return self.following(machine) != machine.state
+
+    def following(self, machine: Machine) -> n.Name:
+        """The variable that the CASE of a region writes."""
+        return self._next[machine.region.index]
+
+    def machine_of(self, step: int) -> Machine:
+        """The machine in whose states a step, given by its index in the net, is one."""
+        return self.machines[self._region_of[step]]
+
+    def active(self, step: int) -> Expression:
+        """Whether a step is active: a comparison of the state of its region."""
+        return equal(self.machine_of(step).state, self.names.step(step))
+
+    def set_back(self, machine: Machine) -> Statement:
+        """The assignment that starts a region anew."""
+        return assignment(self.following(machine), self.names.start(machine.region))
+
+    def moves(self) -> list[Statement]:
+        """The assignments that make valid what is to be."""
+        return [assignment(m.state, self.following(m)) for m in self.machines if self.waits(m)]
+
+    # -- text
+
+    def text(self, node: n.Node) -> str:
+        """A node in the dialect of the code."""
+        return print_node(node, self._dialect)
+
+    def title(self, machine: Machine) -> str:
+        """The title of the CASE of a region."""
+        if len(self.machines) == 1:
+            return self._texts.chain
+        return self._texts.part(self._net.steps[machine.first].path)
+
+    def heading(self, step: NetStep) -> str:
+        """The comment of a step's branch."""
+        return self._texts.step(step.step, step.path, initial=bool(self._net.initial & step.bit))
+
+    def remarks(self, element: Step | Transition) -> list[str]:
+        """What the chart says of a step or transition, as comments."""
+        return comment_lines(self._texts.remark(element))
+
+    def case(
+        self,
+        machine: Machine,
+        leaving: Callable[[NetStep], list[str]],
+        joining: Callable[[ParallelBlock], list[str]],
+    ) -> list[str]:
+        """The lines of a CASE: what each step tries, and each wait for a join."""
+        lines = [f"CASE {self.text(machine.state)} OF"]
+        for i in machine.region.steps:
+            step = self._net.steps[i]
+            joined = any(len(self._net.transitions[t].sources) > 1 for t in self._net.leaving[i])
+            idle = f"; // {self._texts.until_joined}" if joined else ";"
+            content = leaving(step) or [idle]
+            lines += self.branch(self.names.step(i), self.heading(step), [*self.remarks(step.step), *content])
+        for block in machine.blocks:
+            firsts = [self._net.steps[self.machines[branch].first].path for branch in block.branches]
+            heading = self._texts.waiting(firsts)
+            lines += self.branch(self.names.waiting(block), heading, joining(block) or [";"])
+        return [*lines, "END_CASE;"]
+
+    def branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
+        """A branch of a CASE."""
+        comment = " ".join(heading.split())  # a line break in a name would end it
+        return [f"{INDENT}{self.text(label)}: // {comment}", *(INDENT * 2 + line for line in lines)]
+
+    def effect(self, machine: Machine, transition: NetTransition) -> list[str]:
+        """What a transition does that the CASE of a region tries."""
+        joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
+        lines = [self.entered(i) for i in transition.targets]
+        if len(transition.targets) > 1:
+            block = self._forked[transition.index]
+            lines.insert(0, self._becoming(machine.region.index, self.names.waiting(block)))
+        left = sorted(joined) if transition.targets else [machine.region.index]
+        return lines + [self._becoming(region, self.names.none) for region in left]
+
+    def entered(self, step: int) -> str:
+        """The assignment that activates a step."""
+        return self._becoming(self._region_of[step], self.names.step(step))
+
+    def _becoming(self, region: int, state: Expression) -> str:
+        return self.text(assignment(self._next[region], state))
+
+    def tried(self, choice: Sequence[Try]) -> list[str]:
+        """IF and ELSIF in the order in which they are tried; ELSE where something must be executed between them.
+
+        The last one stands in ELSE, or alone, if its condition is TRUE.
+        """
+        lines: list[str] = []
+        for number, each in enumerate(choice):
+            if lines and each.before:
+                return [*lines, "ELSE", *(INDENT + line for line in self.tried(choice[number:])), "END_IF;"]
+            lines += each.remarks
+            if each.before:
+                lines += self.text(n.Statements(each.before)).splitlines()
+            opened = number > 0
+            if number == len(choice) - 1 and is_constant(each.condition, TRUE):
+                return (
+                    [*lines, "ELSE", *(INDENT + x for x in each.effect), "END_IF;"] if opened else lines + each.effect
+                )
+            lines.append(f"{'ELSIF' if opened else 'IF'} {self.text(each.condition)} THEN")
+            lines += [INDENT + line for line in each.effect]
+        return [*lines, "END_IF;"] if lines else []

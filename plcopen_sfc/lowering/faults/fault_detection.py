@@ -1,0 +1,345 @@
+"""Faults of textbook sequences in single scans, found by variables that tell which transitions want to fire."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from plcopen_sfc.analysis.marking import MarkingGraph
+from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.languages.networks.numbering import apart
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, transform, walk
+from plcopen_sfc.languages.st.nodes import Expression
+from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, conjunction, is_constant
+from plcopen_sfc.lowering.code.code_bodies import function_block_diagram, ladder_diagram, structured_text
+from plcopen_sfc.lowering.code.code_declarations import Naming
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.faults.fault_kinds import FaultKind
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import VariableSection
+from plcopen_sfc.semantics.net import Rivals, indexes, mask
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
+
+
+class WatchedPou(NamedTuple):
+    """The copy, and the variables by the index of their transitions: those before all else, and those behind."""
+
+    pou: Pou
+    before: dict[int, str]
+    behind: dict[int, str]
+
+
+def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *, behind: bool) -> WatchedPou:
+    """The copy of `code`.
+
+    A variable is TRUE while the steps before its transition are active and its condition is TRUE. `situation` says what
+    tells in the code that a step is active, by the path of the step. Transitions whose condition can be evaluated
+    nowhere but in its place, because it asks for the time of a step, have no variable. `behind`: there are variables
+    that tell what transitions want at the end of a scan, too.
+    """
+    flags = {path.casefold(): parse_expression(text, source.dialect).tree for path, text in situation.items()}
+    declared = {v.name.casefold() for v in code.variables()}
+    first = Code(Naming(source.dialect, declared | source.names()))
+    last = Code(first.naming)
+    names: list[dict[int, str]] = []
+    for place, wanted in ((first, "wanted"), (last, "waits")):
+        names.append(_watch(place, source, flags, wanted) if place is first or behind else {})
+    if not names[0]:
+        return WatchedPou(code, {}, {})
+    copy = code.model_copy(deep=True)
+    if copy.interface is not None:
+        copy.interface.sections.append(VariableSection(variables=[*first.variables, *last.variables]))
+    bodies = list(copy.bodies)
+    bodies[0] = _around(bodies[0], first, last, source, copy.variables())
+    copy.bodies = bodies
+    return WatchedPou(copy, *names)
+
+
+def _watch(code: Code, source: ChartSource, flags: Mapping[str, Expression], wanted: str) -> dict[int, str]:
+    """Append what is assigned to the variables."""
+    statements: list[n.Statement] = []
+    names: dict[int, str] = {}
+    for transition in source.net.transitions:
+        condition = _told(source.conditions[transition.index], flags)
+        if condition is None:
+            continue
+        enabled = [flags[source.net.steps[i].path.casefold()] for i in transition.sources]
+        variable = code.declare(f"{wanted}_{transition.index + 1}")
+        statements.append(assignment(variable, conjunction([*enabled, condition])))
+        names[transition.index] = variable.identifier
+    code.add("", statements)
+    return names
+
+
+def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression | None:
+    """The condition with flags for the step variables in it; None where it asks for anything else of a step."""
+
+    def flag(node: n.Node) -> n.Node:
+        match node:
+            case n.Member(n.Name(step), n.Name(quantity)) if quantity.casefold() == "x":
+                return flags.get(step.casefold(), node)
+        return node
+
+    told = transform(condition, flag)
+    asks = (node.base for node in walk(told) if isinstance(node, n.Member))
+    if any(isinstance(base, n.Name) and base.identifier.casefold() in flags for base in asks):
+        return None
+    return told
+
+
+def _around(body: Body, first: Code, last: Code, source: ChartSource, declared: list[Variable]) -> Body:
+    """The body with code before and behind it."""
+    if isinstance(body, StBody):
+        texts = (structured_text(code, source.dialect).text for code in (first, last))
+        return StBody(text=body.text.join(texts))
+    if isinstance(body, FbdBody):
+        drawn = [
+            function_block_diagram(code, source.dialect, declared, source.pou.name).networks for code in (first, last)
+        ]
+        return FbdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
+    if isinstance(body, LdBody):
+        drawn = [ladder_diagram(code, source.dialect, declared, source.pou.name).networks for code in (first, last)]
+        return LdBody(networks=apart([*drawn[0], *body.networks, *drawn[1]])[0])
+    raise LoweringError(f"nothing can be put around a body in {body.language}")
+
+
+Place = tuple[str, ...]
+"""The steps, and the output, in which a fault has shown itself."""
+
+
+@dataclass(frozen=True)
+class Scan:
+    """What one scan of the code has done.
+
+    `before` and `after` are the active steps, `wanted` the transitions that were enabled with a TRUE condition at its
+    beginning, `waiting` those that are at its end, where that was asked; all as bits. `restarted`: the chain was
+    initialised. `was` and `now` are the outputs of `Facts.outputs` before and after it.
+    """
+
+    first: bool
+    before: int
+    after: int
+    wanted: int
+    waiting: int
+    restarted: bool
+    was: Sequence[bool]
+    now: Sequence[bool]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A variable that is driven by qualifier N only: by the steps `always`, and by `sometimes` under conditions."""
+
+    name: str
+    always: int
+    sometimes: int
+
+
+class Facts:
+    """What is known of a chart and its code before anything runs. `waits`: there is an initialisation."""
+
+    def __init__(
+        self, source: ChartSource, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output], *, waits: bool
+    ) -> None:
+        net = source.net
+        self.net, self.profile, self.graph = net, profile, graph
+        self.outputs, self.waits = outputs, waits
+        driven = {output.name for output in outputs}
+        self.executed = [
+            (action.name, mask(step for use in action.uses for step in use.steps))
+            for action in source.actions
+            if not (isinstance(action.target, n.Name) and action.target.identifier in driven)
+        ]
+        names = (sum(isinstance(node, n.Name) for node in walk(condition)) for condition in source.conditions)
+        self.inputs_of_a_condition = max(names, default=0)
+        self.following = [mask(x for t in each for x in net.transitions[t].targets) for each in net.leaving]
+
+    def together(self, a: int, b: int) -> bool:
+        """Whether the chart can have both steps active, as far as was searched."""
+        together = self.graph.concurrency
+        if together is not None:
+            return bool(together[a] >> b & 1)
+        both = 1 << a | 1 << b
+        return any(marking & both == both for marking in self.graph)
+
+    def names(self, *steps: int) -> Place:
+        """The paths of steps."""
+        return tuple(self.net.steps[step].path for step in steps)
+
+
+def outputs_of(actions: Sequence[ActionSource]) -> list[Output]:
+    """The Boolean variables that nothing but qualifier N drives."""
+    found: list[Output] = []
+    for action in actions:
+        plain = all(use.qualifier in (Qualifier.N, Qualifier.NONE) and not use.inverted for use in action.uses)
+        if not isinstance(action.target, n.Name) or not plain:
+            continue
+        always = sometimes = 0
+        for use in action.uses:
+            bits = mask(use.steps)
+            always |= bits if is_constant(use.condition, TRUE) else 0
+            sometimes |= bits
+        found.append(Output(action.target.identifier, always, sometimes))
+    return found
+
+
+def _overlap(facts: Facts, scan: Scan) -> Iterator[Place]:
+    for source in indexes(scan.after):
+        for target in indexes(facts.following[source] & scan.after & ~(1 << source)):
+            if not facts.together(source, target):
+                yield facts.names(source, target)
+
+
+def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if facts.profile.evolution is Evolution.UNTIL_STABLE:
+        return  # the chart does so too
+    entered = scan.after & ~scan.before
+    if scan.restarted or scan.first:
+        entered &= ~facts.net.initial
+    for step in indexes(entered):
+        ways = [facts.net.transitions[t] for t in facts.net.entering[step]]
+        if any(not way.pre & ~scan.before for way in ways):
+            continue
+        for way in ways:
+            if way.pre & ~(scan.before | scan.after):
+                continue
+            through = next(indexes(way.pre & ~scan.before))
+            origins = [facts.net.transitions[t].pre for t in facts.net.entering[through]]
+            origin = next((bits for bits in origins if not bits & ~(scan.before | scan.after)), 0)
+            yield facts.names(*indexes(origin), through, step)
+
+
+def _blocked_loop(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted:
+        return
+    for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
+        if any(scan.wanted >> rival & 1 for rival in transition.rivals):
+            continue
+        for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):
+            if transition.pre & facts.following[target]:
+                source = next(indexes(transition.pre & facts.following[target]))
+                yield facts.names(*sorted((source, target)))
+
+
+def _init_empties(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if not scan.restarted:
+        return
+    for step in indexes(facts.net.initial & ~scan.after):
+        behind = facts.following[step] & scan.before & ~(1 << step)
+        if behind and not scan.after & ~facts.net.initial:
+            yield facts.names(step, next(indexes(behind)))
+
+
+def _duplicated(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if facts.profile.rivals is Rivals.ALL:
+        return
+    entered = scan.after & ~scan.before
+    for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
+        for rival in (facts.net.transitions[t] for t in transition.rivals if scan.wanted >> t & 1):
+            mine, theirs = transition.post & ~rival.post, rival.post & ~transition.post
+            if mine & entered and theirs & entered:
+                source = next(indexes(transition.pre & rival.pre))
+                yield facts.names(source, next(indexes(theirs & entered)), next(indexes(mine & entered)))
+
+
+def _lost(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted or (scan.first and facts.waits):
+        return
+    for step in indexes(scan.before & ~scan.after):
+        leaving = [facts.net.transitions[t] for t in facts.net.leaving[step]]
+        behind = facts.following[step] & ~(1 << step)
+        if not behind & (scan.before | scan.after) and all(t.post for t in leaving):
+            yield facts.names(step)
+
+
+def _not_started(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.first and facts.waits and not scan.after and not scan.restarted and facts.net.initial:
+        yield facts.names(*indexes(facts.net.initial))
+
+
+def _gap(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.before == scan.after or scan.restarted:
+        return
+    for output, now in zip(facts.outputs, scan.now, strict=True):
+        if output.always & scan.before and output.always & scan.after and not now:
+            yield (*facts.names(*indexes(scan.before), *indexes(scan.after)), output.name)
+
+
+def _shifted(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.before == scan.after or scan.restarted:
+        return
+    late = facts.profile.order is ScanOrder.TRANSITIONS_FIRST
+    active = scan.after if late else scan.before
+    other = scan.before if late else scan.after
+    for output, now in zip(facts.outputs, scan.now, strict=True):
+        if output.always & active and not output.always & other and not now:
+            yield (*facts.names(*indexes(active)), output.name)
+
+
+def _swallowed(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.before == scan.after or scan.restarted or scan.first:
+        return
+    for output, was, now in zip(facts.outputs, scan.was, scan.now, strict=True):
+        if output.always & scan.before and not was and not now:
+            yield (*facts.names(*indexes(scan.before)), output.name)
+
+
+def _stuck(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if not scan.restarted:
+        return
+    for output, now in zip(facts.outputs, scan.now, strict=True):
+        if now and output.sometimes & scan.before and not output.sometimes & (facts.net.initial | scan.after):
+            yield (*facts.names(*indexes(scan.before)), output.name)
+
+
+def _init_ignored(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted and scan.after & ~facts.net.initial:
+        yield facts.names(*indexes(facts.net.initial), *indexes(scan.after & ~facts.net.initial))
+
+
+def _late(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if facts.profile.order is not ScanOrder.TRANSITIONS_FIRST or scan.restarted:
+        return
+    for name, steps in facts.executed:
+        if scan.after != scan.before and steps & scan.after:
+            yield (*facts.names(*indexes(scan.after)), name)
+
+
+def _not_stable(facts: Facts, scan: Scan) -> Iterator[Place]:
+    if scan.restarted:
+        return
+    for transition in (facts.net.transitions[t] for t in indexes(scan.waiting)):
+        if transition.post and not transition.post & scan.after:  # else it has fired, and its step is late to go
+            yield facts.names(next(indexes(transition.pre), 0), next(indexes(transition.post)))
+
+
+Rule = Callable[[Facts, Scan], Iterator[Place]]
+
+FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
+    FaultKind.OVERLAP: _overlap,
+    FaultKind.RUN_THROUGH: _run_through,
+    FaultKind.BLOCKED_LOOP: _blocked_loop,
+    FaultKind.INIT_EMPTIES: _init_empties,
+    FaultKind.DUPLICATED: _duplicated,
+    FaultKind.LOST: _lost,
+    FaultKind.NOT_STARTED: _not_started,
+    FaultKind.NOT_STABLE: _not_stable,
+}
+"""What can be wrong with a chain of flip-flops."""
+
+CASE_RULES: Mapping[FaultKind, Rule] = {
+    FaultKind.GAP: _gap,
+    FaultKind.SHIFTED: _shifted,
+    FaultKind.SWALLOWED: _swallowed,
+    FaultKind.STUCK: _stuck,
+    FaultKind.INIT_IGNORED: _init_ignored,
+    FaultKind.LATE: _late,
+    FaultKind.NOT_STABLE: _not_stable,
+}
+"""What can be wrong with a CASE whose branches hold their actions."""

@@ -1,0 +1,372 @@
+"""Finding the faults of a textbook chain: a search of all that the code can do, for the shortest inputs that show one.
+
+The code is searched alone, breadth first, with every value of the inputs that it reads. What a transition wants at the
+beginning of a scan is seen by variables that are put before a copy of the code. The chart is run afterwards, with the
+inputs that were found.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from typing import Any, NamedTuple
+
+from plcopen_sfc.analysis.clocking import clocking
+from plcopen_sfc.analysis.domains import Domain, NotProvableError, Probe, frozen, plain
+from plcopen_sfc.analysis.marking import marking_graph
+from plcopen_sfc.analysis.pairing import step_observations
+from plcopen_sfc.analysis.product import Branching, failure_of
+from plcopen_sfc.analysis.stimuli import stimuli
+from plcopen_sfc.analysis.systems import Observation, ProgramSystem
+from plcopen_sfc.lowering.faults.fault_detection import (
+    CASE_RULES,
+    FLIP_FLOP_RULES,
+    Facts,
+    Place,
+    Rule,
+    Scan,
+    WatchedPou,
+    outputs_of,
+    watched_pou,
+)
+from plcopen_sfc.lowering.faults.fault_kinds import Fault, FaultKind, FaultScan
+from plcopen_sfc.lowering.lowering_options import Construction, LoweringRules
+from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.semantics.net import indexes, mask
+from plcopen_sfc.semantics.profile import Evolution
+from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
+from plcopen_sfc.semantics.subjects import Subject
+
+__all__ = ["find_faults"]
+
+_SCANS = 6_000
+"""Scans of one search, and those of going through the steps; a chain of four steps needs some hundred."""
+
+_CALM_SCANS = 20_000
+_WORK = 4_000_000
+"""Steps and transitions times the scans of one search: big charts get fewer."""
+
+_MARKINGS = 10_000
+_RUNS, _RUN_SCANS = 40, 100
+Inputs = tuple[Mapping[str, Value], ...]
+
+
+def find_faults(
+    chart: Subject,
+    code: Subject,
+    source: ChartSource,
+    construction: Construction,
+    rules: LoweringRules,
+    *,
+    situation: Mapping[str, str],
+    at_rest: Mapping[str, bool],
+    left_out: str | None = None,
+) -> tuple[Fault, ...]:
+    """The faults of `code`, which is the textbook form of `chart`, each with a trace that shows it.
+
+    `source` is the chart as it was read, `situation` says what tells in the code that a step is active, by the path of
+    the step; `at_rest` and `left_out` are those of `Constructed`. All that the code can do is searched. Where that is
+    too much, the steps are gone through one after the other; and where the inputs cannot be enumerated, typical and
+    random ones are tried. What is found then is true, but its trace need not be the shortest.
+    """
+    looked_for = FLIP_FLOP_RULES if construction is Construction.FLIPFLOP else CASE_RULES
+    restarts = {rules.init, rules.stop} & set(at_rest) | ({left_out} if left_out is not None else set())
+    clock = clocking([chart, code], None)
+    original = ProgramSystem(chart, rules.profile, clock)
+    until_stable = rules.profile.evolution is Evolution.UNTIL_STABLE
+    watched = watched_pou(code.pou, source, situation, behind=until_stable)
+    program = ProgramSystem(replace(code, pou=watched.pou), rules.profile, clock)
+    known = {name.casefold() for name in program.variables}
+    outputs = [each for each in outputs_of(source.actions) if each.name.casefold() in known]
+    flags = {path: seen for path, _, seen in step_observations(original, program, situation)}
+    observed = _Observed(
+        program,
+        [flags[step.path] for step in source.net.steps],
+        watched,
+        sorted(name for name in restarts if name is not None and name.casefold() in known),
+        [output.name for output in outputs],
+    )
+    facts = Facts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs, waits=bool(restarts))
+    fixed = {name: value for name, value in at_rest.items() if name not in restarts}
+    signals = _connect(program, original, fixed)
+    found = _Search(observed, facts, looked_for, signals).all()
+    by_kind = {kind: {place: way for (each, place), way in found.items() if each is kind} for kind in looked_for}
+    shown = _Showing(observed, original, facts, signals)
+    return tuple(shown.fault(kind, places) for kind, places in by_kind.items() if places)
+
+
+def _connect(code: ProgramSystem, chart: ProgramSystem, fixed: Mapping[str, bool]) -> dict[str, Signal]:
+    """Let both read inputs by the same names, those that the code has; these with their types."""
+    constants = {name.casefold(): value for name, value in fixed.items()}
+    names: dict[str, str] = {}
+    signals: dict[str, Signal] = {}
+    for system in (code, chart):
+        own = {}
+        for name, signal in system.inputs.items():
+            if name.casefold() not in constants:
+                own[name] = names.setdefault(name.casefold(), name)
+                signals.setdefault(own[name], signal)
+        system.connect(own, {n: constants[n.casefold()] for n in system.inputs if n.casefold() in constants})
+    return signals
+
+
+class _Seen(NamedTuple):
+    """The end of a scan: active steps, transitions that wanted to fire and still do (bits), a restart, and outputs."""
+
+    marking: int
+    wanted: int
+    waiting: int
+    restarted: bool
+    outputs: tuple[bool, ...]
+
+
+class _Observed:
+    """The code, and what of it the rules look at."""
+
+    def __init__(
+        self,
+        program: ProgramSystem,
+        steps: Sequence[Observation],
+        watched: WatchedPou,
+        restarts: Sequence[str],
+        outputs: Sequence[str],
+    ) -> None:
+        self.program = program
+        self._counts = len(steps), len(watched.before), len(watched.behind), len(restarts)
+        self._before, self._behind = list(watched.before), list(watched.behind)
+        names = [*watched.before.values(), *watched.behind.values()]
+        self._cells = [program.instance.cell(name) for name in names]
+        program.observe([*steps, *(Observation(name) for name in (*names, *restarts, *outputs))])
+
+    def reset(self) -> _Seen:
+        """Go to the state before the first scan."""
+        self.program.reset()
+        return self._seen()
+
+    def scan(self, read: Callable[[str], Any], *, first: bool) -> _Seen | None:
+        """Run a scan; None if it ends with an error."""
+        return None if failure_of(self.program, read, first=first) is not None else self._seen()
+
+    def snapshot(self) -> Any:
+        """The state, to which the variables that were added do not belong."""
+        for cells, index in self._cells:
+            cells[index] = False
+        return self.program.snapshot()
+
+    def _seen(self) -> _Seen:
+        values = tuple(map(bool, self.program.observed_now()))
+        steps, before, behind, restarts = accumulate(self._counts)
+        return _Seen(
+            _bits(range(steps), values[:steps]),
+            _bits(self._before, values[steps:before]),
+            _bits(self._behind, values[before:behind]),
+            any(values[behind:restarts]),
+            values[restarts:],
+        )
+
+
+def _bits(places: Iterable[int], values: Iterable[bool]) -> int:
+    return sum(1 << place for place, value in zip(places, values, strict=True) if value)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The inputs that show a fault in one place. `shortest`: no fewer scans do."""
+
+    inputs: Inputs
+    shortest: bool
+
+
+@dataclass(frozen=True)
+class _State:
+    """A state that the search goes on from: how it was reached, and what was seen at its end."""
+
+    snapshot: Any
+    origin: int
+    inputs: Mapping[str, Any]
+    seen: _Seen
+
+
+_Faults = dict[tuple[FaultKind, Place], _Found]
+
+
+class _FewInputs(Branching):
+    """Not more than a few Boolean inputs are TRUE together: the chain goes step by step."""
+
+    def __init__(self, domains: Mapping[str, Domain], most: int) -> None:
+        super().__init__(domains)
+        self._most = most
+
+    def read(self, name: str) -> Any:
+        """The value of an input in this scan."""
+        enough = sum(value is True for value in self.values.values()) >= self._most
+        if enough and name not in self.values and self._domains[name].signal.kind is SignalKind.BOOL:
+            self.values[name] = False
+        return super().read(name)
+
+
+class _Search:
+    def __init__(
+        self, code: _Observed, facts: Facts, rules: Mapping[FaultKind, Rule], signals: Mapping[str, Signal]
+    ) -> None:
+        self._code, self._facts, self._rules, self._signals = code, facts, rules, signals
+        self._domains = {name: Domain(name, signal) for name, signal in signals.items()}
+
+    def all(self) -> _Faults:
+        """The faults by kind and place."""
+        found: _Faults = {}
+        most = _WORK // (len(self._facts.net.steps) + len(self._facts.net.transitions) + 1)
+        try:
+            if not self._code.program.clock.reason:
+                every = Branching(self._domains)
+                if self._breadth_first(found, every, lambda _: True, min(_SCANS, most // 4), shortest=True):
+                    return found
+                few = _FewInputs(self._domains, self._facts.inputs_of_a_condition + 1)
+                if self._breadth_first(found, few, self._is_calm, min(_CALM_SCANS, most), shortest=False):
+                    return found
+        except NotProvableError:
+            found.clear()
+        self._at_random(found, min(_RUNS, most // _RUN_SCANS))
+        return found
+
+    def _is_calm(self, marking: int) -> bool:
+        """Whether the chain is where the chart can be, or there and in the steps just before."""
+        following, graph = self._facts.following, self._facts.graph
+        behind = [step for step in indexes(marking) if following[step] & marking]
+        ahead = marking & ~mask(behind)
+        return marking in graph or (ahead in graph and all(following[step] & ahead for step in behind))
+
+    def _breadth_first(
+        self, found: _Faults, branching: Branching, goes_on: Callable[[int], bool], most: int, *, shortest: bool
+    ) -> bool:
+        """Search the states of the code, up to `most` scans. Whether all were seen from which it shall go on."""
+        while True:
+            for domain in self._domains.values():
+                domain.grown = False
+            complete = self._searched(found, branching, goes_on, most, shortest=shortest)
+            if not any(domain.grown for domain in self._domains.values()):
+                return complete
+            if shortest:  # a shorter trace may need a value that was not known yet
+                found.clear()
+
+    def _searched(
+        self, found: _Faults, branching: Branching, goes_on: Callable[[int], bool], most: int, *, shortest: bool
+    ) -> bool:
+        probing = any(isinstance(option, Probe) for domain in self._domains.values() for option in domain.options)
+        start = self._code.reset()
+        states = [_State(self._code.snapshot(), -1, {}, start)]
+        known: set[Any] = set()
+        waiting = deque([0])
+        scans = 0
+        while waiting:
+            number = waiting.popleft()
+            state = states[number]
+            for values in branching.combinations():
+                scans += 1
+                if scans > most:
+                    return False
+                self._code.program.restore(state.snapshot)
+                seen = self._code.scan(branching.read, first=number == 0)
+                if seen is None:
+                    continue
+                reached = _State(None, number, values, seen)
+                for fault in self._shown(state.seen, seen, first=number == 0):
+                    if fault not in found:
+                        found[fault] = _Found(_inputs(states, reached), shortest)
+                snapshot = self._code.snapshot()
+                key = (frozen(snapshot) if probing else snapshot, seen.outputs)
+                if key not in known and goes_on(seen.marking):
+                    known.add(key)
+                    states.append(replace(reached, snapshot=snapshot, inputs=dict(values)))
+                    waiting.append(len(states) - 1)
+            states[number] = replace(state, snapshot=None)  # it is not gone back to
+        return True
+
+    def _shown(self, before: _Seen, after: _Seen, *, first: bool) -> Iterator[tuple[FaultKind, Place]]:
+        scan = Scan(
+            first,
+            before.marking,
+            after.marking,
+            after.wanted,
+            after.waiting,
+            after.restarted,
+            before.outputs,
+            after.outputs,
+        )
+        for kind, rule in self._rules.items():
+            for place in rule(self._facts, scan):
+                yield kind, place
+
+    def _at_random(self, found: _Faults, runs: int) -> None:
+        """Try typical and random inputs, for faults in places where none was found yet."""
+        clock = self._code.program.clock
+        for rows in stimuli(self._signals, self._domains, clock, seed=0, runs=runs, scans=_RUN_SCANS):
+            before = self._code.reset()
+            for number, row in enumerate(rows):
+                after = self._code.scan(row.__getitem__, first=number == 0)
+                if after is None:
+                    break
+                for fault in self._shown(before, after, first=number == 0):
+                    known = found.get(fault)
+                    if known is None or (not known.shortest and number + 1 < len(known.inputs)):
+                        found[fault] = _Found(tuple(rows[: number + 1]), shortest=False)
+                before = after
+
+
+class _Showing:
+    """Makes the report of a fault, with what the chart does. It starts anew where the code is initialised."""
+
+    def __init__(self, code: _Observed, chart: ProgramSystem, facts: Facts, signals: Mapping[str, Signal]) -> None:
+        self._code, self._chart, self._facts, self._signals = code, chart, facts, signals
+
+    def fault(self, kind: FaultKind, places: Mapping[Place, _Found]) -> Fault:
+        """A fault with the trace of the place where the fewest scans show it."""
+        place = min(places, key=lambda each: len(places[each].inputs))
+        others = tuple(each for each in places if each != place)
+        names = {name.casefold() for name in place}
+        outputs = [output.name for output in self._facts.outputs if output.name.casefold() in names]
+        trace = self._trace(places[place].inputs, outputs)
+        return Fault(kind, place, others, trace, places[place].shortest, self._signals)
+
+    def _trace(self, inputs: Inputs, outputs: list[str]) -> tuple[FaultScan, ...]:
+        read = [name for name in self._signals if any(name in row for row in inputs)]
+        usual = {name: signal.default for name, signal in self._signals.items()}
+        net = self._facts.net
+        self._chart.observe([Observation(name) for name in outputs])
+        self._chart.reset()
+        self._code.reset()
+        scans = []
+        for number, given in enumerate(inputs):
+            row = {**usual, **given}
+            seen = self._code.scan(row.__getitem__, first=number == 0)
+            if seen is None:
+                break
+            active = net.initial
+            if seen.restarted:
+                self._chart.reset()
+            else:
+                failure_of(self._chart, row.__getitem__, first=number == 0)
+                active = self._chart.marking()
+            values = {each.name: now for each, now in zip(self._facts.outputs, seen.outputs, strict=True)}
+            scans.append(
+                FaultScan(
+                    {name: row[name] for name in read},
+                    net.names(active),
+                    net.names(seen.marking),
+                    dict(zip(outputs, map(bool, self._chart.observed_now()), strict=True)),
+                    {name: values[name] for name in outputs},
+                )
+            )
+        return tuple(scans)
+
+
+def _inputs(states: Sequence[_State], last: _State) -> Inputs:
+    """The inputs of the scans that lead to a state."""
+    rows: list[Mapping[str, Value]] = []
+    state = last
+    while state.origin >= 0:
+        rows.append({name: plain(value) for name, value in state.inputs.items()})
+        state = states[state.origin]
+    return tuple(rows[::-1])

@@ -1,0 +1,279 @@
+"""Encodings of a GRAFCET: a CASE or flip-flops, what an evolution changes in them, and orders of charts above."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol, TypeAlias
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.drive_block import Signal
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+)
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.encodings.case_encodings import CaseChain, one_step_at_a_time
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopChain, StepFlags
+from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, exclude, leaving_and_entering
+from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
+from plcopen_sfc.semantics.net import NetStep, Rivals, indexes
+from plcopen_sfc.semantics.profile import Profile
+
+
+def no_case(source: ChartSource, profile: Profile) -> str:
+    """Why one CASE cannot hold a GRAFCET; empty if it can."""
+    objection = one_step_at_a_time(source)
+    if objection:
+        return objection
+    if source.grafcet is not None and source.grafcet.ruled:
+        return "some of its charts rule others"
+    for transition in source.net.transitions:
+        if set(transition.sources) & set(transition.targets):
+            return f"transition {transition.path} leads back to its own step"
+        for rival in transition.rivals if profile.rivals is not Rivals.PRIORITY else ():
+            if not exclude(source.conditions[rival], source.conditions[transition.index], source.dialect):
+                first = source.net.transitions[rival].path
+                return f"the conditions of {first} and {transition.path} do not exclude each other"
+    return ""
+
+
+class GrafcetCase(CaseChain):
+    """Lowers one chart into `code`. Raises `LoweringError` for what one CASE cannot hold."""
+
+    def __init__(
+        self,
+        source: ChartSource,
+        code: Code,
+        memory: Memory,
+        rules: LoweringRules,
+        surroundings: Collection[str] = (),
+    ) -> None:
+        objection = no_case(source, rules.profile)
+        if objection:
+            raise LoweringError(
+                f"one CASE cannot hold the chart: {objection}",
+                location=Location(path=source.pou.name),
+                hint="Step bits can.",
+            )
+        # conditions exclude each other: the order in which they are tried makes no difference
+        tried = replace(rules, profile=replace(rules.profile, rivals=Rivals.PRIORITY))
+        super().__init__(source, code, memory, tried, surroundings)
+
+
+Situation: TypeAlias = Mapping[int, "Expression | None"]
+"""For each step of a chart whether it is active; None: as it was before the evolution."""
+
+
+class Ruling:
+    """What rules one chart. `active` tells whether a step is active, `before` whether it was before the evolution.
+
+    `entered` tells whether a transition has activated a step that may have been active before.
+    """
+
+    def __init__(self, chart: RuledChart, active: StepValue, before: StepValue, entered: StepValue) -> None:
+        self._chart = chart
+        self._active, self._before, self._entered = active, before, entered
+        self.steps = tuple(indexes(chart.steps))
+
+    def forced(self) -> Expression:
+        """Whether an order holds the chart."""
+        return disjunction(self._active(i) for order in self._chart.orders for i in indexes(order.steps))
+
+    def situations(self) -> Iterator[tuple[Expression, Situation]]:
+        """What the chart becomes and when; the first that is TRUE counts."""
+        for order in self._chart.orders:
+            acting = disjunction(self._active(i) for i in indexes(order.steps))
+            if order.imposed is None:
+                yield acting, dict.fromkeys(self.steps)
+            else:
+                yield acting, {i: TRUE if order.imposed >> i & 1 else FALSE for i in self.steps}
+        if self._chart.enclosures:
+            yield from self._enclosed()
+
+    def _enclosed(self) -> Iterator[tuple[Expression, Situation]]:
+        opened = [
+            (
+                enclosing.links,
+                conjunction([self._active(i), disjunction([negation(self._before(i)), self._entered(i)])]),
+            )
+            for enclosing in self._chart.enclosures
+            for i in indexes(enclosing.steps)
+        ]
+        links = {i: disjunction(when for bits, when in opened if bits >> i & 1) for i in self.steps}
+        if len(opened) == 1:
+            links = {i: FALSE if value == FALSE else TRUE for i, value in links.items()}
+        yield disjunction(when for _, when in opened), links
+        enclosing = [i for each in self._chart.enclosures for i in indexes(each.steps)]
+        yield conjunction(negation(self._active(i)) for i in enclosing), dict.fromkeys(self.steps, FALSE)
+
+
+def imposed(ruling: Ruling, flags: Sequence[Expression], before: StepValue) -> Statement:
+    """The assignment of the situation that a chart is ruled into, if it is."""
+    branches = [
+        n.Branch(when, tuple(assignment(flags[i], before(i) if value is None else value) for i, value in steps.items()))
+        for when, steps in ruling.situations()
+    ]
+    return n.If(tuple(branches))
+
+
+class GrafcetFlipFlops(FlipFlopChain):
+    """Lowers one chart into `code`. `ruled` are the charts that others rule, those above first.
+
+    `first`: TRUE in the first evolution only, where a scan can have several of them.
+    """
+
+    ruled: Sequence[Ruling] = ()
+    concurrency: Concurrency
+    first: Expression | None = None
+
+    def move(self) -> None:
+        """Append a network for each step, those of ruled charts behind those of the charts that rule them."""
+        below = {step: ruling for ruling in self.ruled for step in ruling.steps}
+        for step in self.net.steps:
+            if step.index not in below:
+                self._add_ruled(step, None)
+        for ruling in self.ruled:
+            for index in ruling.steps:
+                self._add_ruled(self.net.steps[index], ruling)
+
+    def _add_ruled(self, step: NetStep, ruling: Ruling | None) -> None:
+        leaving, entering = leaving_and_entering(self.net, step.index)
+        set_: list[Expression] = [self.fired[t.index] for t in entering if t not in leaving]
+        reset: list[Expression] = []
+        for transition in leaving:
+            if transition in entering:
+                continue
+            again = [t for t in entering if self.concurrency.both_fire(transition, t)]
+            reset.append(conjunction([self.fired[transition.index], *(negation(self.fired[t.index]) for t in again)]))
+        if ruling is not None:
+            set_, reset = self._ruled(step.index, ruling, set_, reset)
+        if self.net.initial & step.bit:
+            set_.insert(0, self.first if self.first is not None else self.memory.starting())
+        self._add_step(step, set_, reset)
+
+    def _ruled(
+        self, step: int, ruling: Ruling, set_: list[Expression], reset: list[Expression]
+    ) -> tuple[list[Expression], list[Expression]]:
+        """The inputs of a flip-flop with what orders and enclosing steps want; reset dominates."""
+        earlier: list[Expression] = []
+        sets: list[Expression] = []
+        resets: list[Expression] = []
+        locked: list[Expression] = []
+        frozen: list[Expression] = []
+        for when, situation in ruling.situations():
+            acting = conjunction([when, *(negation(each) for each in earlier)])
+            earlier.append(when)
+            value = situation[step]
+            if value is None:
+                frozen.append(acting)
+            elif is_constant(value, FALSE):
+                resets.append(acting)
+            else:
+                sets.append(conjunction([acting, value]))
+                resets.append(conjunction([acting, negation(value)]))
+                locked.append(acting)
+        free = [negation(each) for each in frozen]
+        set_ = [conjunction([disjunction(set_), *free]), *sets]
+        reset = [conjunction([disjunction(reset), *free, *(negation(each) for each in locked)]), *resets]
+        return set_, reset
+
+
+class Evolving(Protocol):
+    """What the scan of a GRAFCET asks of a construction."""
+
+    def before(self, step: int) -> Expression:
+        """Whether a step was active before the present evolution."""
+
+    def remembered(self) -> list[Statement]:
+        """What keeps that: to be executed before anything changes. Complete when everything has been asked."""
+
+    def signals(self) -> dict[Expression, Signal]:
+        """What tells of steps before the evolution by more than a variable, as far as it has been asked."""
+
+    def fired(self, transition: int) -> Expression:
+        """Whether a transition was cleared in this evolution."""
+
+    def moving(self) -> Expression:
+        """Whether any was."""
+
+
+class EvolvingFlags:
+    """Step flags and bits of transitions."""
+
+    def __init__(self, chain: StepFlags) -> None:
+        self._chain = chain
+        self._olds: dict[int, n.Name] = {}
+
+    def before(self, step: int) -> Expression:
+        """A copy of the flag."""
+        if step not in self._olds:
+            name = self._chain.texts.flag_name(self._chain.net.steps[step].step)
+            self._olds[step] = self._chain.code.declare(self._chain.texts.with_suffix(name, "old"))
+        return self._olds[step]
+
+    def remembered(self) -> list[Statement]:
+        """The flags that anyone asks for."""
+        return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
+
+    def signals(self) -> dict[Expression, Signal]:
+        """None: all of them are variables."""
+        return {}
+
+    def fired(self, transition: int) -> Expression:
+        """Its bit."""
+        return self._chain.fired[transition]
+
+    def moving(self) -> Expression:
+        """Any of the bits."""
+        return disjunction(self._chain.fired)
+
+
+class EvolvingState:
+    """The state of a CASE, in which no transition leads back to its own step."""
+
+    def __init__(self, chain: GrafcetCase) -> None:
+        self._chain = chain
+        self._state = chain.machines[0].state
+        self._old: n.Name | None = None
+
+    def before(self, step: int) -> Expression:
+        """A comparison of a copy of the state."""
+        return equal(self._copy(), self._chain.names.step(step))
+
+    def remembered(self) -> list[Statement]:
+        """The state, if anyone asks for it."""
+        return [assignment(self._old, self._state)] if self._old is not None else []
+
+    def signals(self) -> dict[Expression, Signal]:
+        """Comparisons of the copy."""
+        if self._old is None:
+            return {}
+        flags = ((self.before(s.index), self._chain.texts.flag_name(s.step)) for s in self._chain.net.steps)
+        return {before: Signal(self._chain.texts.with_suffix(flag, "old"), "") for before, flag in flags}
+
+    def fired(self, transition: int) -> Expression:  # noqa: ARG002
+        """Nothing tells, and nobody asks where steps are not left and entered at once."""
+        return FALSE
+
+    def moving(self) -> Expression:
+        """The state is another one."""
+        return negation(equal(self._state, self._copy()))
+
+    def _copy(self) -> n.Name:
+        if self._old is None:
+            code = self._chain.code
+            kind = next(v.type for v in code.variables if v.name == self._state.identifier)
+            self._old = code.declare(code.texts.with_suffix(self._state.identifier, "old"), kind)
+        return self._old

@@ -1,0 +1,245 @@
+"""Reading of GRAFCET: terms in conditions, its actions, charts that force others, and the plain form for textbooks."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+from plcopen_sfc.errors import LoweringError, UnknownBehaviourError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, walk
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, is_constant
+from plcopen_sfc.lowering.reading.chart_reading import read_chart
+from plcopen_sfc.lowering.reading.chart_source import (
+    ActionSource,
+    ChartSource,
+    Delay,
+    Edge,
+    GrafcetSource,
+    StoredAction,
+    Use,
+)
+from plcopen_sfc.lowering.reading.step_variables import bits_by_number
+from plcopen_sfc.lowering.reading.text_reading import ConditionText, Targets, TextReader
+from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
+from plcopen_sfc.model.conditions import Condition, Expression
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.semantics.charts.actions import Owner
+from plcopen_sfc.semantics.charts.grafcet.actions import CONTINUOUS, STORED
+from plcopen_sfc.semantics.charts.grafcet.extension import has_grafcet
+from plcopen_sfc.semantics.charts.grafcet.hierarchy import Hierarchy
+from plcopen_sfc.semantics.charts.grafcet.terms import EdgeTerm, TermTexts, TimeTerm, is_term, rising
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder, StepVariables
+
+Owned = tuple[Owner, SfcNetwork, ActionAssociation]
+
+
+def is_grafcet(chart: SfcNetwork, profile: Profile) -> bool:
+    """Whether a chart is read by `read_grafcet`: it has something of GRAFCET, or the profile searches for stability."""
+    net = Net.of(chart)
+    owned = [(owner, model) for owner, _, model in _owned(net)]
+    return profile.evolution is Evolution.UNTIL_STABLE or has_grafcet(net, owned, profile)
+
+
+def read_grafcet(
+    pou: Pou,
+    dialect: Dialect,
+    profile: Profile,
+    surroundings: Collection[str] = (),
+    *,
+    project: Project | None = None,
+) -> ChartSource:
+    """Read the chart of `pou`; the rest as in `read_chart`."""
+    copied = pou.model_copy(deep=True)
+    chart = copied.chart
+    if chart is None:
+        raise LoweringError("there is no chart to be lowered")
+    reader = _Reader(copied, chart, dialect, profile, Targets(pou, project, dialect))
+    grafcet = reader.grafcet()
+    once = replace(profile, evolution=Evolution.SINGLE)
+    plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=reader)
+    initial = reader.hierarchy.start(plain.net.initial)
+    ruled = replace(plain.net, initial=initial, hierarchy=bool(reader.hierarchy))
+    return replace(plain, pou=pou, net=ruled, grafcet=grafcet)
+
+
+def _owned(net: Net) -> list[Owned]:
+    """Every association with what it belongs to, in the order of the interpreter."""
+    owners = [(Owner(s.path, s.bit, 0, s.step.negated), s.chart, s.step.actions) for s in net.steps]
+    owners += [(Owner(m.path, m.steps, 0, m.step.negated), m.chart, m.step.actions) for m in net.macros]
+    return [(owner, chart, model) for owner, chart, models in owners for model in models if not model.exclude]
+
+
+class _Reader(TextReader):
+    """Takes everything out of a copy of the chart that `read_chart` does not know."""
+
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, targets: Targets) -> None:
+        super().__init__(pou, chart, dialect)
+        self._profile, self._targets = profile, targets
+        net = self._net = Net.of(chart)
+        self._owned = _owned(net)
+        self._terms = TermTexts()
+        if profile.order is ScanOrder.ACTIONS_FIRST:
+            self.refuse(f"it has something of GRAFCET, which the profile {profile.name} does not have", "")
+        try:
+            self.hierarchy = Hierarchy(net, [(owner, model) for owner, _, model in self._owned], pou.name)
+        except UnknownBehaviourError as error:
+            raise LoweringError(error.message, location=error.location, hint=error.hint) from error
+
+    def grafcet(self) -> GrafcetSource:
+        """What is taken out; conditions have the names of their terms then."""
+        for transition in self._net.transitions:
+            if transition.transition.condition is not None:
+                transition.transition.condition = self._termless(transition.transition.condition)
+        stored = tuple(self._stored())
+        continuous = tuple(self._continuous())
+        for step in [*(s.step for s in self._net.steps), *(m.step for m in self._net.macros)]:
+            step.actions = [a for a in step.actions if a.kind is None and a.forcing is None]
+        edges = [self._edge(term) for term in self._terms.edges]
+        delays = [self._delay(term) for term in self._terms.timers]
+        known = self._profile.step_variables is StepVariables.GRAFCET
+        names = frozenset(bits_by_number(self._net) if known else ())
+        return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts, names)
+
+    def _edge(self, term: EdgeTerm) -> Edge:
+        operand = self.expression(term.operand, "an edge")
+        return Edge(term.name, operand, term.rising, _words(operand))
+
+    def _delay(self, term: TimeTerm) -> Delay:
+        operand, *times = (
+            self.expression(text, "a time") if text is not None else None
+            for text in (term.operand, term.first, term.last)
+        )
+        assert operand is not None  # noqa: S101  # terms have one
+        return Delay(term.name, operand, times[0], times[1], _words(operand))
+
+    def _termless(self, condition: Condition) -> Condition:
+        if not self._profile.grafcet_terms or not isinstance(condition, Expression):
+            return condition
+        return condition.model_copy(update={"text": self._terms.read(condition.text)})
+
+    def _stored(self) -> Iterator[StoredAction]:
+        for owner, chart, model in self._owned:
+            if model.kind not in STORED:
+                continue
+            path = f"step {owner.path} / action {model.target or ''}".rstrip()
+            event: n.Expression | None = None
+            if model.kind is ActionKind.ON_EVENT:
+                if not isinstance(model.condition, Expression) or not self._profile.grafcet_terms:
+                    self.refuse("the stored action has no event that could be lowered", path)
+                event = self.condition(chart, self._termless(rising(model.condition)), path).value
+            statements: tuple[n.Statement, ...] = ()
+            if model.body is not None:
+                statements = self.statements(model.body, path)
+            elif model.target is not None:
+                if model.value is None:
+                    self.variable(model.target, self._targets, path)
+                statements = self.read(f"{model.target} := {model.value or 'TRUE'};", path)
+            if statements:
+                yield StoredAction(model.kind, tuple(indexes(owner.steps)), event, statements)
+
+    def _continuous(self) -> Iterator[ActionSource]:
+        """Associations with the same target are one action, every body in place is one of its own."""
+        found: list[tuple[ActionSource, list[Use]]] = []
+        by_target: dict[str, list[Use]] = {}
+        for owner, chart, model in self._owned:
+            if model.kind not in CONTINUOUS:
+                continue
+            path = f"step {owner.path} / action {model.target or ''}".rstrip()
+            use = self._use(owner, chart, model, path)
+            if model.target is not None:
+                uses = by_target.get(model.target.casefold())
+                if uses is None:
+                    uses = by_target[model.target.casefold()] = []
+                    found.append((self._action(model.target, path), uses))
+                uses.append(use)
+            if model.body is not None:
+                name = f"{owner.path}_{len(found) + 1}"
+                found.append((ActionSource(name, None, self.statements(model.body, path), ()), [use]))
+        return (replace(action, uses=tuple(uses)) for action, uses in found)
+
+    def _action(self, target: str, path: str) -> ActionSource:
+        action = self.pou.action(target)
+        if action is None:
+            return ActionSource(target, self.variable(target, self._targets, path), (), ())
+        statements = self.statements(action.body, f"action {target}")
+        return ActionSource(target, None, statements, (), comment=action.comment)
+
+    def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> Use:
+        assert model.kind is not None  # noqa: S101  # the caller has looked
+        if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
+            self.refuse(f"a continuous action gives it the value {model.value}: only Booleans have one", path)
+        qualifier = CONTINUOUS[model.kind]
+        inverted = owner.inverted is not model.negated
+        duration: n.Expression | None = None
+        if qualifier is not Qualifier.N:
+            if model.duration is None:
+                self.refuse("the delayed or limited action has no time", path)
+            if inverted:
+                self.refuse("an action that is delayed or limited while its step is not active has no meaning", path)
+            duration = self.expression(model.duration, path)
+        condition = ConditionText(TRUE, ())
+        if model.condition is not None:
+            condition = self.condition(chart, self._termless(model.condition), path)
+        return Use(
+            tuple(indexes(owner.steps)),
+            inverted,
+            qualifier,
+            condition.value,
+            duration,
+            model.comment,
+            condition.preparation,
+        )
+
+
+def _words(tree: n.Expression) -> tuple[str, ...]:
+    """The names in the operand of a term, but those that stand for other terms."""
+    names = (node.identifier for node in walk(tree) if isinstance(node, n.Name))
+    return tuple(name for name in names if not is_term(name))
+
+
+def read_plain(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) -> ChartSource:
+    """Read a chart as textbook forms see it. Raises `LoweringError` for what they have no place for."""
+    if is_grafcet(chart, profile):
+        return plain_chart(read_grafcet(pou, dialect, profile))
+    return read_chart(pou, chart, dialect, profile)
+
+
+def plain_chart(source: ChartSource) -> ChartSource:
+    """The chart without what only GRAFCET has. Raises `LoweringError` for what textbook forms have no place for."""
+    grafcet = source.grafcet
+    if grafcet is None:
+        return source
+    for what, there in (
+        ("edges", grafcet.edges),
+        ("times of conditions", grafcet.delays),
+        ("charts that others rule", grafcet.ruled),
+    ):
+        if there:
+            refuse_classic(source, what)
+    actions = {action.name.casefold(): action for action in (*source.actions, *grafcet.continuous)}
+    for stored in grafcet.stored:
+        target, use = _use(source, stored)
+        name = print_node(target, source.dialect)
+        before = actions.get(name.casefold(), ActionSource(name, target, (), ()))
+        actions[name.casefold()] = replace(before, uses=(*before.uses, use))
+    in_order = sorted(actions.values(), key=lambda action: min(step for use in action.uses for step in use.steps))
+    return replace(source, actions=tuple(in_order), grafcet=None)
+
+
+def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, Use]:
+    """The output that a stored action sets or resets, and the association that does so."""
+    if stored.kind is not ActionKind.ON_ACTIVATION:
+        refuse_classic(source, "stored actions on deactivation or on an event")
+    only = stored.statements[0]
+    if len(stored.statements) > 1 or not isinstance(only, n.Assignment) or not isinstance(only.value, n.Literal):
+        refuse_classic(source, "stored actions that give an output anything but TRUE or FALSE")
+    sets, resets = (is_constant(only.value, constant) for constant in (TRUE, FALSE))
+    if not sets and not resets:
+        refuse_classic(source, f"stored actions that give an output the value {only.value.text}")
+    return only.target, Use(stored.steps, False, Qualifier.S if sets else Qualifier.R, TRUE, None)

@@ -1,0 +1,380 @@
+"""One scan of a GRAFCET as code: the evolutions up to a stable situation, then the outputs of that situation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, transform
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
+from plcopen_sfc.lowering.actions.drive_block import DriveBlock, without_texts
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.code_bodies import paragraph
+from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.encodings.step_flags import StepFlags
+from plcopen_sfc.lowering.grafcet.grafcet_actions import (
+    ContinuousControl,
+    PassingControl,
+    StepSights,
+    StoredActions,
+    asked_in_between,
+    events_asked_early,
+    passed_steps,
+    written_if,
+)
+from plcopen_sfc.lowering.grafcet.grafcet_encodings import (
+    Evolving,
+    EvolvingFlags,
+    EvolvingState,
+    GrafcetCase,
+    GrafcetFlipFlops,
+    Ruling,
+    imposed,
+)
+from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, Stability, leaving_and_entering
+from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
+from plcopen_sfc.lowering.lowering_options import ActionPlace
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, GrafcetSource
+from plcopen_sfc.lowering.schedule.scan_schedule import Chain
+from plcopen_sfc.model.actions import ActionKind
+from plcopen_sfc.semantics.net import indexes
+from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets, Evolution, Profile
+
+_INDENT = "    "
+
+
+class GrafcetScan:
+    """Lowers the chart of a chain. Makes one scan with one evolution, or up to stability."""
+
+    def __init__(self, chain: StepFlags | GrafcetCase) -> None:
+        self._chain = chain
+        self._code, self._texts, self._net = chain.code, chain.texts, chain.net
+        assert chain.source.grafcet is not None  # noqa: S101  # it was read so
+        active = [chain.active(step.index) for step in self._net.steps]
+        self._terms = TermCode(chain.source.grafcet, self._code, self._texts, active)
+        chain.source = chain.source.changed(lambda tree: transform(tree, self._terms.named))
+        assert chain.source.grafcet is not None  # noqa: S101
+        self._grafcet: GrafcetSource = chain.source.grafcet
+        self._concurrency = Concurrency(chain.source, chain.profile)
+        own = [variable.name for variable in self._code.variables]
+        self.stability = Stability(chain.source, self._terms, active, own, self._concurrency)
+        self._searches = chain.profile.evolution is Evolution.UNTIL_STABLE
+        self._stable = self._searches and not self.stability.once
+        self._evolving: Evolving = EvolvingFlags(chain) if isinstance(chain, StepFlags) else EvolvingState(chain)
+        passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
+        names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
+        self._passed = {i: self._code.declare(self._texts.with_suffix(names[i], "seen")) for i in passed}
+        before = self._evolving.before
+        sights = StepSights(chain.active, before, self._fresh)
+        bits = _bits(chain.source) if self._code.drawn else ()
+        self._first: n.Name | None = None
+        self._drive, self._drive_of_stored = self._drive_blocks()
+        memory = self._drive_of_stored.memory if self._drive_of_stored is not None else chain.memory
+        self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
+        self._ruled = [Ruling(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
+
+    def append(self) -> None:
+        """Append all networks."""
+        chain, code, texts = self._chain, self._code, self._texts
+        code.add(texts.logic, chain.source.logic)
+        code.add(texts.times, chain.times.calls())  # of steps whose time conditions read
+        self._hold()
+        continuous = ContinuousControl(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
+        moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
+        evolution = self._recorded(lambda: self._evolve(continuous))
+        self._start()
+        unseen = [(flag, self._starting() if self._net.initial >> i & 1 else FALSE) for i, flag in self._passed.items()]
+        code.add(texts.passed, [assignment(flag, value) for flag, value in unseen])
+        if self._stable and code.drawn:
+            self._jump(evolution, moves)
+        elif self._stable:
+            self._loop(evolution, moves)
+        else:
+            code.networks += evolution
+        timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
+        code.add(texts.times, [*chain.times.calls(), *timers])
+        self._add_actions()
+        events = any(stored.event is not None for stored in self._grafcet.stored)
+        if not self._stable or events or chain.source.actions or chain.source.step_code:
+            code.add(texts.terms, self._terms.times)  # something may have changed since they were last called
+        outputs = replace(chain.source, actions=self._grafcet.continuous)
+        rules = replace(chain.rules, profile=_outputs(chain.profile))
+        add_conditions(outputs, code, chain.memory, chain.active, rules)
+        if self._drive is None:
+            add_actions(outputs, code, continuous, chain.memory, rules)
+        else:
+            add_actions(without_texts(outputs), self._drive.code, continuous, self._drive.memory, rules)
+            self._call(self._drive, texts.drive_call)
+        chain.memory.finish(texts.first_scan)
+
+    def _add_actions(self) -> None:
+        """Append what the profile executes besides: actions of steps, and those with qualifiers of IEC 61131-3."""
+        chain = self._chain
+        add_changes(chain.source, self._code, chain.memory, chain.active, self._texts)
+        add_main_actions(chain.source, self._code, chain.memory, chain.active, self._texts)
+        add_conditions(chain.source, self._code, chain.memory, self._driving, chain.rules)
+        ending = chain.init if chain.init is not None and chain.rules.reset_actions else FALSE
+        source, code, memory = chain.source, self._code, chain.memory
+        if self._drive is not None:
+            source, code, memory = without_texts(source), self._drive.code, self._drive.memory
+        control = PassingControl(code, memory, chain.active, self._seen, ending)
+        add_actions(source, code, control, memory, chain.rules)
+
+    # -- blocks of their own for actions
+
+    def _drive_blocks(self) -> tuple[DriveBlock | None, DriveBlock | None]:
+        """The block for what is executed behind the evolutions, and that for stored actions: the same if it can be."""
+        chain = self._chain
+        if chain.rules.actions is not ActionPlace.BLOCK:
+            return None, None
+        problem = events_asked_early(chain.source, self._grafcet, chain.active)
+        if problem:
+            raise LoweringError(
+                f"stored actions on events cannot stand in a block of their own: {problem}",
+                location=Location(path=chain.source.pou.name),
+                hint="Leave actions inline.",
+            )
+        stored = [statement for each in self._grafcet.stored for statement in each.statements]
+        if not self._stable and not asked_in_between(chain.source, self._grafcet, self._net.initial):
+            only = chain.drive_block(self._texts.drive)
+            return only, only
+        lasting = (*chain.source.actions, *self._grafcet.continuous)
+        others = [*(statement for action in lasting for statement in action.statements)]
+        others += [assignment(action.target, TRUE) for action in lasting if action.target is not None]
+        behind = chain.drive_block(self._texts.drive, stored)
+        return behind, chain.drive_block(self._texts.drive_stored, others) if stored else None
+
+    def _call(self, drive: DriveBlock, title: str) -> None:
+        """Append the call of a block, if there is anything in it."""
+        self._chain.signals |= self._evolving.signals()
+        if drive.code.networks:
+            self._code.add(title, [self._chain.call(drive)])
+
+    # -- steps
+
+    def _seen(self, step: int) -> Expression:
+        """Whether a step was active in any situation of the scan but the one that it began with."""
+        if self._stable:
+            return self._passed[step]
+        started = self._searches and self._net.initial >> step & 1
+        return disjunction([self._chain.active(step), self._starting() if started else FALSE])
+
+    def _driving(self, step: int) -> Expression:
+        """Whether a step drives its actions in any situation of the scan."""
+        return self._seen(step) if not self._stable or step in self._passed else self._chain.active(step)
+
+    def _fresh(self, step: int) -> Expression:
+        """Whether the evolution before has activated a step; at the start that of the initial steps counts."""
+        initial = self._net.initial >> step & 1
+        if self._stable:
+            starting = self._in_first_evolution() if initial else FALSE
+            return disjunction([negation(self._evolving.before(step)), self._reentered(step), starting])
+        return self._starting() if initial else FALSE
+
+    def _reentered(self, step: int) -> Expression:
+        """Whether a transition has entered a step that was active before."""
+        entering = (self._net.transitions[i] for i in self._net.entering[step])
+        again = [t.index for t in entering if self._concurrency.enters_active(t, step)]
+        return disjunction(self._evolving.fired(i) for i in again)
+
+    def _again(self, step: int) -> Expression:
+        """Whether transitions have left and entered a step at once."""
+        leaving, entering = leaving_and_entering(self._net, step)
+        fired = self._evolving.fired
+        pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]
+        return disjunction(conjunction([fired(t.index), fired(u.index)]) for t, u in pairs)
+
+    def _starting(self) -> Expression:
+        """Whether it is the first scan."""
+        return self._code.first_scan_pulse()
+
+    def _in_first_evolution(self) -> n.Name:
+        """A variable that is TRUE in the first evolution of the first scan only."""
+        if self._first is None:
+            self._first = self._code.declare(self._texts.first_evolution, initial="TRUE")
+        return self._first
+
+    # -- evolutions
+
+    def _hold(self) -> None:
+        """Let no transition of a chart be cleared while an order holds the chart."""
+        conditions = list(self._chain.source.conditions)
+        preparations = list(self._chain.source.preparations)
+        for ruling in self._ruled:
+            forced = ruling.forced()
+            if is_constant(forced, FALSE):
+                continue
+            for transition in self._net.transitions:
+                if set(ruling.steps) & {*transition.sources, *transition.targets}:
+                    i = transition.index
+                    conditions[i] = conjunction([conditions[i], negation(forced)])
+                    preparations[i] = (when(negation(forced), *preparations[i]),) if preparations[i] else ()
+        self._chain.source = replace(self._chain.source, conditions=tuple(conditions), preparations=tuple(preparations))
+
+    def _evolve(self, continuous: ContinuousControl) -> None:
+        """One evolution."""
+        chain, code, texts = self._chain, self._code, self._texts
+        events = self._stored.events()
+        happening: list[Statement] = []
+        drive = self._drive_of_stored
+        if drive is not None:  # which executes them behind the transitions
+            events = [event.named(chain.memory, texts.event, happening) for event in events]
+            drive.code.add(texts.start, self._at_the_start() if drive is self._drive else [])
+            drive.code.add(texts.events, self._stored.on_events(events))
+            drive.code.add(texts.stored, [*self._stored.on_changes(), *self._ended()])
+        changes = [*self._stored.on_changes(), *self._ended()] if drive is None else []
+        forcing: list[Statement] = []
+        if isinstance(chain, GrafcetFlipFlops):
+            chain.ruled, chain.concurrency = self._ruled, self._concurrency
+            if self._stable and chain.memory.has_instances:
+                chain.first = self._in_first_evolution()
+        elif isinstance(chain, StepFlags):
+            forcing = [imposed(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
+        code.add(texts.terms, [*self._terms.times, *self._terms.edges])
+        code.add(texts.events, self._stored.on_events(events) if drive is None else happening)
+        place = len(code.networks)
+        chain.choose()
+        chain.move()
+        code.add(texts.forcing, forcing)
+        code.add(texts.stored, changes)
+        if drive is not None and drive is not self._drive:
+            self._call(drive, texts.drive_stored_call)
+        code.add(texts.times, self._restarts(continuous))
+        seen = [assignment(flag, disjunction([flag, chain.active(i)])) for i, flag in self._passed.items()]
+        code.add(texts.passed, seen)
+        code.add(texts.before, self._evolving.remembered(), place=place)  # known now
+        code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
+
+    def _ended(self) -> list[Statement]:
+        """What starting the chain anew does to what is stored."""
+        chain = self._chain
+        if chain.init is None or not chain.rules.reset_actions:
+            return []
+        return self._stored.ended(chain.init, indexes(self._net.initial), _bits(chain.source))
+
+    def _restarts(self, continuous: ContinuousControl) -> list[Statement]:
+        """Let the times of steps begin anew that are left and entered again before the scan ends."""
+        chain = self._chain
+        found: list[Statement] = []
+        for step in range(len(self._net.steps)):
+            left = negation(chain.active(step)) if self._stable else FALSE
+            again = disjunction([left, self._again(step)]) if chain.times.measures(step) else FALSE
+            if not is_constant(again, FALSE):
+                found += chain.times.restarts(step, again)
+        for timer, started, time in continuous.timers if self._stable else ():
+            found.append(when(negation(started), call(timer, IN=FALSE, PT=time)))
+        return found
+
+    def _start(self) -> None:
+        """What is executed once, before the first evolution."""
+        statements: list[Statement] = []
+        for variable, value in self._terms.starts:
+            if self._code.drawn:
+                statements.append(written_if(self._starting(), variable, value))
+            else:
+                statements.append(when(self._starting(), assignment(variable, value)))
+        drive = self._drive_of_stored
+        if drive is None:
+            statements += self._at_the_start()
+        elif drive is not self._drive and self._at_the_start():  # no step was active before
+            statements.append(when(self._starting(), self._chain.drives[0].call))
+        self._code.add(self._texts.start, statements)
+
+    def _at_the_start(self) -> list[Statement]:
+        """What the activation of the initial steps executes."""
+        initial = set(indexes(self._net.initial))
+        activated = (s.steps for s in self._grafcet.stored if s.kind is ActionKind.ON_ACTIVATION)
+        if not any(initial.intersection(steps) for steps in activated):
+            return []
+        return self._stored.at_the_start(initial, self._starting())
+
+    def _recorded(self, make: Callable[[], None]) -> list[CodeNetwork | TextNetwork]:
+        kept, self._code.networks = self._code.networks, []
+        make()
+        made, self._code.networks = self._code.networks, kept
+        return made
+
+    def _jump(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
+        """Repeat an evolution by a jump back to its first network: networks have no other loops."""
+        code, texts = self._code, self._texts
+        moving = code.declare(texts.moving, comment=texts.moving_comment)
+        label = n.Name(code.naming.fresh(texts.next_evolution))
+        last: list[Statement] = [assignment(moving, moves)]
+        again: Expression = moving
+        if self.stability.most is None:
+            number, unstable, counted = self._counted()
+            code.add(texts.stability, [assignment(number, n.Literal("0"))])
+            again = conjunction([moving, n.Operation(n.Operator.LESS, (number, self._most))])
+            last.append(counted)
+        first, *others = evolution
+        assert isinstance(first, CodeNetwork)  # noqa: S101  # text stands in text only
+        code.networks += [replace(first, statements=(n.Label(label), *first.statements)), *others]
+        code.add(texts.stability, last)
+        code.add(texts.next_evolution_title, [when(again, n.Goto(label, "GOTO"))])
+        if self.stability.most is None:
+            code.add(texts.stability, [assignment(unstable, moving)])
+
+    def _counted(self) -> tuple[n.Name, n.Name, Statement]:
+        """The number of evolutions, what tells that they are too many, and what counts them."""
+        number = self._code.declare(self._texts.evolutions, INT)
+        unstable = self._code.declare_output(self._texts.unstable, self._texts.unstable_comment)
+        return number, unstable, assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
+
+    @property
+    def _most(self) -> Expression:
+        return n.Literal(str(self._chain.profile.max_evolutions))
+
+    def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
+        """Repeat an evolution until no transition is cleared any more."""
+        texts, dialect = self._texts, self._chain.source.dialect
+        moving = self._code.declare(texts.moving, comment=texts.moving_comment)
+        goes_on = assignment(moving, moves)
+        inside = [*evolution, CodeNetwork("", (goes_on,))]
+        ends = negation(moving)
+        ahead: list[Statement] = []
+        behind: list[Statement] = []
+        if self.stability.most is None:
+            number, unstable, counted = self._counted()
+            inside.insert(0, CodeNetwork("", (counted,)))
+            ends = disjunction([ends, n.Operation(n.Operator.GREATER_OR_EQUAL, (number, self._most))])
+            ahead, behind = [assignment(number, n.Literal("0"))], [assignment(unstable, moving)]
+        lines = [print_node(statement, dialect) for statement in ahead] + ["REPEAT"]
+        texts_inside = "\n\n".join(paragraph(network, dialect) for network in inside)
+        lines += [_INDENT + line if line else line for line in texts_inside.splitlines()]
+        lines += [f"UNTIL {print_node(ends, dialect)}", "END_REPEAT;"]
+        lines += [print_node(statement, dialect) for statement in behind]
+        self._code.networks.append(TextNetwork(texts.stability, "\n".join(lines)))
+
+
+def _bits(source: ChartSource) -> set[str]:
+    """The names of the BOOL variables of the POU, in lower case."""
+    return {variable.name.casefold() for variable in source.pou.variables() if variable.type == BOOL}
+
+
+def _outputs(profile: Profile) -> Profile:
+    """How continuous actions are executed: each output in every scan, in the order of the chart (4.8.2)."""
+    return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, action_order=ActionOrder.FIRST_USE)
+
+
+def add_grafcet(chain: Chain) -> None:
+    """Lower a GRAFCET with a construction. Raises `LoweringError` for what cannot be said so."""
+    path = Location(path=chain.source.pou.name)
+    if not isinstance(chain, StepFlags | GrafcetCase):
+        raise LoweringError(
+            "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
+        )
+    GrafcetScan(chain).append()

@@ -1,0 +1,340 @@
+"""Evolutions of a GRAFCET: the transitions that can fire together, and the most evolutions that a scan can have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from graphlib import CycleError, TopologicalSorter
+
+from plcopen_sfc.analysis.exclusivity import exclusive
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import print_node, transform, walk
+from plcopen_sfc.languages.st.nodes import Expression, Node
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
+from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, Delay, Edge
+from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
+from plcopen_sfc.semantics.net import Net, NetTransition, Rivals, indexes, mask
+from plcopen_sfc.semantics.profile import Profile
+
+_MOST_EVOLUTIONS = 20_000
+_MOST_TOGETHER = 8
+
+
+class Concurrency:
+    """What the situations of a chart allow. Where they are too many to be looked at, anything is possible.
+
+    Each part of the chart that no transition connects with others is looked at alone, from its initial situation and
+    from those that the charts above impose on it.
+    """
+
+    def __init__(self, source: ChartSource, profile: Profile) -> None:
+        self._net = source.net
+        together = profile.rivals is Rivals.ALL and not _rivals_exclude_each_other(source)
+        self._rivals = Rivals.ALL if together else Rivals.PRIORITY
+        ruled = source.grafcet.ruled if source.grafcet is not None else ()
+        self._parts = [_Part(source.net, steps, ruled, self._rivals) for steps in _parts(source.net)]
+        self._part_of = {step: part for part in self._parts for step in indexes(part.steps)}
+
+    def both_fire(self, one: NetTransition, other: NetTransition) -> bool:
+        """Whether two transitions can be cleared in the same evolution."""
+        if one.pre & other.pre and self._rivals is Rivals.PRIORITY:
+            return False
+        return self._is_there(one.pre | other.pre)
+
+    def enters_active(self, transition: NetTransition, step: int) -> bool:
+        """Whether a transition can be cleared while a step that it activates is active."""
+        return self._is_there(transition.pre | 1 << step)
+
+    def _is_there(self, active: int) -> bool:
+        touched = {id(part): part for part in (self._part_of[step] for step in indexes(active))}
+        return all(part.can_be(active & part.steps) for part in touched.values())
+
+
+class _Part:
+    """The situations that a part can be in, by the steps that are active in them; `complete` if these are all."""
+
+    def __init__(self, net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> None:
+        self.steps = steps
+        self._with: dict[int, list[int]] = {}
+        markings = _markings(net, steps, ruled, rivals)
+        self._complete = markings is not None
+        for marking in markings or ():
+            for step in indexes(marking):
+                self._with.setdefault(step, []).append(marking)
+
+    def can_be(self, active: int) -> bool:
+        """Whether all these steps can be active together."""
+        first = next(indexes(active))
+        return not self._complete or any(not active & ~marking for marking in self._with.get(first, ()))
+
+
+def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list[NetTransition]]:
+    """The transitions that leave a step, and those that enter it."""
+    return [net.transitions[i] for i in net.leaving[step]], [net.transitions[i] for i in net.entering[step]]
+
+
+def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
+    """Whether two conditions can never be TRUE together."""
+    if is_constant(one, FALSE) or is_constant(other, FALSE):
+        return True
+    names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
+    if not names[0] & names[1]:
+        return False  # each of them can be TRUE, or nobody could tell
+    return bool(exclusive(print_node(one, dialect), print_node(other, dialect), dialect=dialect).answer)
+
+
+def _rivals_exclude_each_other(source: ChartSource) -> bool:
+    pairs = ((t.index, rival) for t in source.net.transitions for rival in t.rivals)
+    return all(exclude(source.conditions[a], source.conditions[b], source.dialect) for a, b in pairs)
+
+
+def _parts(net: Net) -> list[int]:
+    """The steps of each part as bits."""
+    part = list(range(len(net.steps)))
+
+    def root(step: int) -> int:
+        while part[step] != step:
+            part[step] = step = part[part[step]]
+        return step
+
+    for transition in net.transitions:
+        joined = {root(step) for step in (*transition.sources, *transition.targets)}
+        for step in joined:
+            part[step] = min(joined)
+    found: dict[int, int] = {}
+    for step in range(len(part)):
+        found[root(step)] = found.get(root(step), 0) | 1 << step
+    return list(found.values())
+
+
+def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> set[int] | None:
+    """The situations that a part can be in; None where there are too many."""
+    imposed = (start for chart in ruled if chart.steps & steps for start in _imposed(chart))
+    waiting = [start & steps for start in (net.initial, *imposed)]
+    found = set(waiting)
+    left = _MOST_EVOLUTIONS
+    while waiting:
+        marking = waiting.pop()
+        enabled = [i for i in net.enabled(marking) if (net.transitions[i].pre | net.transitions[i].post) & steps]
+        left -= 1 << len(enabled)
+        if len(enabled) > _MOST_TOGETHER or left < 0:
+            return None
+        for true in _subsets(enabled):
+            after, _ = net.fire(marking, true, rivals)
+            if after & steps not in found:
+                found.add(after & steps)
+                waiting.append(after & steps)
+    return found
+
+
+def _imposed(chart: RuledChart) -> Iterator[int]:
+    """The situations that the charts above can put a chart into."""
+    yield from (order.imposed for order in chart.orders if order.imposed is not None)
+    opened = {0} if chart.enclosures else set()
+    for enclosing in chart.enclosures:  # several can become active at once
+        opened |= {links | enclosing.links for links in opened}
+    yield from opened
+
+
+def _subsets(indices: Sequence[int]) -> Iterator[int]:
+    """Every non-empty set of some indexes, as bits."""
+    for chosen in range(1, 1 << len(indices)):
+        yield mask(index for place, index in enumerate(indices) if chosen >> place & 1)
+
+
+class Stability:
+    """What is known of the evolutions of a chart, whose texts have the variables of steps and terms already.
+
+    `active` tells of each step, in the order of the net, whether it is; `own` are the variables of the lowered code.
+    """
+
+    def __init__(
+        self,
+        source: ChartSource,
+        terms: TermCode,
+        active: Iterable[Expression],
+        own: Iterable[str],
+        seen: Concurrency,
+    ) -> None:
+        assert source.grafcet is not None  # noqa: S101  # only such charts are asked for
+        self._source, self._grafcet, self._terms, self._seen = source, source.grafcet, terms, seen
+        self._steps = {expression: step for step, expression in enumerate(active)}
+        states = (node for each in self._steps for node in walk(each) if isinstance(node, n.Name))
+        self._states = {name.identifier.casefold() for name in states}
+        self._edges = {terms.value_of(edge): edge for edge in source.grafcet.edges}
+        self._delays = {terms.value_of(delay): delay for delay in source.grafcet.delays}
+        self._own = {name.casefold() for name in own}
+        self._written = set(_names(tree for stored in source.grafcet.stored for tree in stored.statements))
+        self._timers = {value.base for value in self._delays if isinstance(value, n.Member)}
+        edges = self._edges.items()
+        self._over = {pulse for pulse, e in edges if not self._changes(e.operand) and not self._steps_in(e.operand)}
+        self._objection = ""
+        self.most = self._most()
+        """The most evolutions of a scan in which a transition is cleared; None: there may be any number of them."""
+
+    @property
+    def once(self) -> bool:
+        """Whether one evolution in each scan does the same as the search for stability."""
+        return not self.several
+
+    @cached_property
+    def several(self) -> str:
+        """Why a scan may need several evolutions; empty if one is enough."""
+        if self._objection:
+            return self._objection
+        events = [stored.event for stored in self._grafcet.stored if stored.event is not None]
+        if not all(is_constant(self._later(event), FALSE) for event in events):
+            return "an event can happen in each of several evolutions"
+        actions = (tree for a in (*self._source.actions, *self._grafcet.continuous) for tree in a.trees())
+        if any(node in self._edges for tree in actions for node in walk(tree) if isinstance(node, n.Name)):
+            return "an action asks for an edge, which only lasts for one evolution"
+        return ""
+
+    def _most(self) -> int | None:
+        """The longest chain of transitions that can follow each other."""
+        if self._grafcet.ruled:
+            self._objection = "charts that are ruled by others are held and set free again"
+            return None
+        transitions = self._source.net.transitions
+        later = [self._later(condition) for condition in self._source.conditions]
+        readers: dict[int, list[int]] = {}
+        for transition in transitions:
+            if is_constant(later[transition.index], FALSE):
+                continue
+            if not transition.pre or self._is_volatile(transition, later[transition.index]):
+                self._objection = f"transition {transition.path} may be cleared in each of several evolutions"
+                return None
+            for step in indexes(self._reads(later[transition.index])):
+                readers.setdefault(step, []).append(transition.index)
+        followers = {t.index: self._followers(t, later, readers) for t in transitions}
+        pair = next(((t, u) for t in transitions for u in sorted(followers[t.index])), None)
+        if pair is not None:
+            first, second = pair[0].path, transitions[pair[1]].path
+            self._objection = f"transition {second} may follow {first} with the same inputs"
+        try:
+            order = list(TopologicalSorter(followers).static_order())
+        except CycleError:
+            return None
+        length: dict[int, int] = {}
+        for index in order:  # those that follow stand before
+            length[index] = 1 + max((length[u] for u in followers[index]), default=0)
+        return max(length.values(), default=0)
+
+    def _followers(
+        self, before: NetTransition, later: Sequence[Expression], readers: Mapping[int, Sequence[int]]
+    ) -> set[int]:
+        """The transitions that can be cleared in the evolution behind that which clears `before`."""
+        found = {index for step in indexes(before.pre | before.post) for index in readers.get(step, ())}
+        left = before.pre & ~before.post  # what needs these steps does not follow, unless another one enters them again
+        found = {index for index in found if not self._source.net.transitions[index].pre & left}
+        own = self._source.conditions[before.index]
+        cleared = disjunction([own, later[before.index]])
+        for step in indexes(before.post):
+            for index in set(self._source.net.leaving[step]) - found:
+                again = self._seen.enters_active(before, step)
+                fresh = later[index] if again else self._just_entered(later[index], step)
+                if not exclude(cleared, self._renamed(fresh), self._source.dialect):
+                    found.add(index)
+        return found
+
+    # -- what changes between two evolutions
+
+    def _is_volatile(self, transition: NetTransition, later: Expression) -> bool:
+        """Whether a condition can become TRUE between two evolutions by something else than the activity of steps."""
+        condition = self._source.conditions[transition.index]
+        if self._source.preparations[transition.index] or self._changes(condition):
+            return True
+        return later != simplified(condition) and not exclude(later, negation(condition), self._source.dialect)
+
+    def _changes(self, tree: Expression) -> bool:
+        """Whether it depends on what is called, or on what stored actions or the lowered code write."""
+        for node in walk(tree):
+            if isinstance(node, n.Call | n.AssignmentExpression):
+                return True
+            term = self._term(node)
+            if term is not None and self._changes(term.operand):
+                return True
+            if isinstance(node, n.Name):
+                name = node.identifier.casefold()
+                known = name in self._states or node in self._edges or node in self._timers
+                if name in self._written or (name in self._own and not known):
+                    return True
+        return False
+
+    def _term(self, node: Node) -> Edge | Delay | None:
+        if isinstance(node, n.Name):
+            return self._edges.get(node)
+        return self._delays.get(node) if isinstance(node, n.Member) else None
+
+    def _reads(self, condition: Expression) -> int:
+        """The steps whose activity can make a condition TRUE, as bits."""
+        for term in [node for node in walk(condition) if isinstance(node, n.Member) and node in self._delays]:
+            if self._only_falls(self._delays[term]) and _rises_with(condition, term, self._source):
+                condition = _with(condition, term, TRUE)
+        return self._steps_in(condition)
+
+    def _steps_in(self, tree: Expression) -> int:
+        bits = 0
+        for node in walk(tree):
+            if isinstance(node, n.Name | n.Member | n.Address | n.Operation):
+                bits |= self._step_bits(node)
+            term = self._term(node)
+            bits |= self._steps_in(term.operand) if term is not None else 0
+        return bits
+
+    def _step_bits(self, node: n.Name | n.Member | n.Address | n.Operation) -> int:
+        """The step whose activity a node tells, or the opposite of it (``step_number <> 2``), as a bit."""
+        step = self._steps.get(node, self._steps.get(negation(node)))
+        return 0 if step is None else 1 << step
+
+    def _only_falls(self, delay: Delay) -> bool:
+        """Whether the term cannot become TRUE between two evolutions: its time has still to pass."""
+        return delay.last is None and not self._changes(delay.operand)
+
+    def _later(self, tree: Expression) -> Expression:
+        """The condition in every evolution but the first: edges of inputs are over."""
+        over = self._over
+        return simplified(transform(tree, lambda node: FALSE if isinstance(node, n.Name) and node in over else node))
+
+    def _just_entered(self, tree: Expression, step: int) -> Expression:
+        """The condition when a step has just become active: times since then have not passed."""
+
+        def fresh(node: Node) -> Node:
+            delay = self._delays.get(node) if isinstance(node, n.Member) else None
+            if delay is None or not self._only_falls(delay):
+                return node
+            return FALSE if self._steps.get(delay.operand) == step else node
+
+        return simplified(transform(tree, fresh))
+
+    def _renamed(self, tree: Expression) -> Expression:
+        """With other names for what may have changed since the evolution before."""
+
+        def other(node: Node) -> Node:
+            if isinstance(node, n.Name) and (node.identifier.casefold() in self._states or node in self._edges):
+                return n.Name(f"{node.identifier}_now", node.quoting)
+            if isinstance(node, n.Member) and node in self._delays and self._steps_in(node):
+                return n.Name(f"{_path(node)}_now")
+            return node
+
+        return transform(tree, other)
+
+
+def _path(member: n.Member) -> str:
+    return f"{member.base.identifier}_{member.name.identifier}" if isinstance(member.base, n.Name) else "term"
+
+
+def _rises_with(condition: Expression, atom: Expression, source: ChartSource) -> bool:
+    """Whether a condition that is TRUE while a term is FALSE is also TRUE when the term is TRUE."""
+    without, with_ = _with(condition, atom, FALSE), _with(condition, atom, TRUE)
+    return without != with_ and exclude(without, negation(with_), source.dialect)
+
+
+def _with(condition: Expression, atom: Expression, value: n.Literal) -> Expression:
+    return simplified(transform(condition, lambda node: value if node == atom else node))
+
+
+def _names(trees: Iterable[Node]) -> Iterator[str]:
+    return (node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name))

@@ -1,0 +1,287 @@
+"""The actions of steps of S7-GRAPH as code, with their S5 timers.
+
+Coils come first, then what is executed, first by the steps that were left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.code_declarations import INT, TIME
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.graph.sequencer_source import COUNTERS, TIMERS, GraphSource, Row, texts_of
+from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.model.variables import SectionKind
+from plcopen_sfc.semantics.net import NetStep
+
+_MODES = {Qualifier.TR: "0", Qualifier.TL: "1", Qualifier.TD: "2", Qualifier.TF: "3"}
+_STOPPED, _DELAY = n.Literal(_MODES[Qualifier.TR]), n.Literal(_MODES[Qualifier.TD])
+
+
+class Timer:
+    """One timer, whose output is an operand."""
+
+    def __init__(self, name: str, output: Expression, code: Code, texts: GraphTexts) -> None:
+        self._output = output
+        called = code.texts.with_suffix
+        self._timer = code.declare(called(name, "timer"), DerivedType(name="TON"))
+        self._mode = code.declare(called(name, "mode"), INT, comment=texts.timer_mode)
+        self._runs = code.declare(called(name, "runs"))
+        self._starts = code.declare(called(name, "starts"))
+        self._time = code.declare(called(name, "time"), TIME)
+
+    def started(self, qualifier: Qualifier, time: Expression | None) -> list[Statement]:
+        """What TL, TD and TR do."""
+        statements: list[Statement] = [assignment(self._mode, n.Literal(_MODES[qualifier]))]
+        if time is not None and qualifier is not Qualifier.TR:
+            statements.append(assignment(self._time, time))
+            statements += [assignment(self._runs, TRUE), assignment(self._starts, TRUE)]
+        return [*statements, assignment(self._output, FALSE)]
+
+    def falls_off(self, time: Expression, *, active: bool) -> list[Statement]:
+        """What TF does: its time begins when the step is left."""
+        run = [assignment(self._runs, FALSE)] if active else [assignment(self._runs, TRUE)]
+        mode = assignment(self._mode, n.Literal(_MODES[Qualifier.TF]))
+        return [mode, assignment(self._time, time), *run]
+
+    def runs(self) -> list[Statement]:
+        """What happens at the end of each cycle."""
+        begins = when(self._starts, call(self._timer, IN=FALSE, PT=self._time), assignment(self._starts, FALSE))
+        is_on = n.Operation(Operator.UNEQUAL, (self._mode, _STOPPED))
+        over = n.Member(self._timer, n.Name("Q"))
+        delays = equal(self._mode, _DELAY)
+        value = n.If(
+            (n.Branch(delays, (assignment(self._output, over),)),), (assignment(self._output, negation(over)),)
+        )
+        ends = when(conjunction([over, negation(delays)]), assignment(self._mode, _STOPPED))
+        running = call(self._timer, IN=conjunction([self._runs, is_on]), PT=self._time)
+        return [begins, running, when(is_on, value, ends)]
+
+
+_LAST_COUNT = "999"
+
+
+@dataclass(frozen=True)
+class StepSignals:
+    """What tells of steps, by their indexes: that one is active, an event of one, that its interlock is satisfied.
+
+    `touched`: that one is active or was left in this cycle, `gone`: that it was left in the cycle before. `over`: that
+    one has been active for a time.
+    """
+
+    active: StepValue
+    touched: StepValue
+    event: Callable[[int, ActionEvent], Expression]
+    released: StepValue
+    over: Callable[[int, Expression], Expression]
+    gone: StepValue
+
+
+@dataclass(frozen=True)
+class StepCode:
+    """Statements that belong to a step, each under its own condition."""
+
+    step: NetStep
+    statements: tuple[Statement, ...]
+
+
+class Actions:
+    """Makes the code of all actions."""
+
+    def __init__(
+        self, source: GraphSource, code: Code, texts: Texts, own_texts: GraphTexts, signals: StepSignals
+    ) -> None:
+        self._source, self._code, self._signals = source, code, signals
+        self._texts, self._own_texts = texts, own_texts
+        self._own = _only_written_by_coils(source)
+        self._timers: dict[str, Timer] = {}
+
+    def leaving(self) -> list[StepCode]:
+        """What steps execute that were left."""
+        found: list[StepCode] = []
+        for step in self._source.net.steps:
+            rows = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
+            found.append(StepCode(step, tuple(self._step(step, rows, left=True))))
+        return [each for each in found if each.statements]
+
+    def acting(self) -> list[StepCode]:
+        """What steps execute that are active."""
+        found: list[StepCode] = []
+        for step in self._source.net.steps:
+            rows = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
+            found.append(StepCode(step, tuple(self._step(step, rows))))
+        return [each for each in found if each.statements]
+
+    def add_timers(self) -> None:
+        """Append the timers that steps have started."""
+        for name, timer in self._timers.items():
+            self._code.add(self._own_texts.timer(name), timer.runs())
+
+    def switched(self, qualifier: Qualifier, target: int) -> Expression:
+        """Whether an action switches a step on or off."""
+        return disjunction(
+            self._condition(step, row)
+            for step in self._source.net.steps
+            for row in self._source.rows[step.index]
+            if row.qualifier is qualifier and target in row.switched
+            # a step that switches all off stays itself
+            if qualifier is Qualifier.ON or len(row.switched) == 1 or target != step.index
+        )
+
+    def _executed(self, step: NetStep) -> list[Row]:
+        return [row for row in self._source.rows[step.index] if not row.is_coil and not row.switched]
+
+    def _condition(self, step: NetStep, row: Row) -> Expression:
+        """When an action acts."""
+        what = self._signals.active(step.index) if row.event is None else self._signals.event(step.index, row.event)
+        if not row.interlock:
+            return what
+        if row.event is ActionEvent.S0:
+            return FALSE  # the interlock of a step that was left is not satisfied
+        return conjunction([what, self._signals.released(step.index)])
+
+    # -- coils
+
+    def add_coils(self) -> None:
+        """Append what writes the coils."""
+        coils: dict[str, list[tuple[NetStep, Row]]] = {}
+        for step in self._source.net.steps:
+            for row in self._source.rows[step.index]:
+                if row.is_coil:
+                    coils.setdefault(row.name.casefold(), []).append((step, row))
+        for found in coils.values():
+            row = found[0][1]
+            assert row.target is not None  # noqa: S101  # a coil has an operand
+            drive = assignment(row.target, disjunction(self._wanted(step, row) for step, row in found))
+            if row.name.casefold() in self._own:
+                self._code.add(self._texts.action(row.name), [drive])
+            else:
+                self._code.add(self._texts.action(row.name), [when(self._written(found), drive)])
+
+    def _wanted(self, step: NetStep, row: Row) -> Expression:
+        """Whether a coil is to be TRUE."""
+        condition = self._condition(step, row)
+        if row.value is None or row.event is not None:
+            return condition
+        over = self._signals.over(step.index, row.value)
+        return conjunction([condition, over if row.qualifier is Qualifier.D else negation(over)])
+
+    def _written(self, found: Sequence[tuple[NetStep, Row]]) -> Expression:
+        """Whether any step drives a coil or was left; what S0 has set is reset a cycle later."""
+        steps = list(dict.fromkeys(step.index for step, _ in found))
+        leaving = list(dict.fromkeys(step.index for step, row in found if row.event is ActionEvent.S0))
+        return disjunction([*map(self._signals.touched, steps), *map(self._signals.gone, leaving)])
+
+    # -- what is executed
+
+    def _step(self, step: NetStep, rows: Sequence[Row], *, left: bool = False) -> list[Statement]:
+        """What a step executes, or when it is left; under one condition what has the same."""
+        groups: list[tuple[Expression, list[Statement]]] = []
+        for row in rows:
+            condition = self._condition(step, replace(row, event=ActionEvent.S0) if left else row)
+            if is_constant(condition, FALSE):
+                continue
+            if not groups or groups[-1][0] != condition:
+                groups.append((condition, []))
+            groups[-1][1].extend(self._execution(row, left=left))
+        return [when(condition, *statements) for condition, statements in groups]
+
+    def _execution(self, row: Row, *, left: bool) -> Iterator[Statement]:
+        if row.target is None:
+            yield from row.statements
+        elif _falls_off(row) and row.value is not None:
+            yield from self._timer(row).falls_off(row.value, active=not left)
+        elif row.qualifier in TIMERS:
+            yield from self._timer(row).started(row.qualifier, row.value)
+        elif row.qualifier in COUNTERS:
+            yield self._counted(row, row.target)
+        else:
+            yield assignment(row.target, TRUE if row.qualifier is Qualifier.S else FALSE)
+
+    def _timer(self, row: Row) -> Timer:
+        key = row.name.casefold()
+        if key not in self._timers:
+            assert row.target is not None  # noqa: S101  # the caller has looked
+            self._timers[key] = Timer(row.name.strip('#"'), row.target, self._code, self._own_texts)
+        return self._timers[key]
+
+    def _counted(self, row: Row, counter: Expression) -> Statement:
+        one, none, last = n.Literal("1"), n.Literal("0"), n.Literal(_LAST_COUNT)
+        match row.qualifier:
+            case Qualifier.CU:
+                more = assignment(counter, n.Operation(n.Operator.ADD, (counter, one)))
+                return n.If(
+                    (n.Branch(n.Operation(n.Operator.LESS, (counter, last)), (more,)),), (assignment(counter, last),)
+                )
+            case Qualifier.CD:
+                less = assignment(counter, n.Operation(n.Operator.SUBTRACT, (counter, one)))
+                return n.If(
+                    (n.Branch(n.Operation(n.Operator.GREATER, (counter, none)), (less,)),), (assignment(counter, none),)
+                )
+            case Qualifier.CS if row.value is not None:
+                return assignment(counter, row.value)
+        return assignment(counter, none)
+
+
+def _falls_off(row: Row) -> bool:
+    return row.qualifier is Qualifier.TF and row.target is not None
+
+
+def _only_written_by_coils(source: GraphSource) -> set[str]:
+    """The operands (lower case, as in the chart) of coils that are variables of the block, and that no text writes."""
+    interface = source.pou.interface
+    own = {
+        variable.name.casefold(): variable
+        for section in (interface.sections if interface is not None else [])
+        if section.kind in (SectionKind.OUTPUT, SectionKind.LOCAL, SectionKind.TEMP)
+        for variable in section.variables
+    }
+    rows = [row for rows in source.rows for row in rows]
+    named = {row.name.casefold(): row.target for row in rows if row.is_coil and isinstance(row.target, n.Name)}
+    written = {name.casefold() for name in _written_names(source, rows)}
+    return {
+        key
+        for key, target in named.items()
+        if target.identifier.casefold() in own
+        and target.quoting is not n.Quoting.GLOBAL
+        and target.identifier.casefold() not in written
+        and own[target.identifier.casefold()].initial is None
+    }
+
+
+def _written_names(source: GraphSource, rows: Sequence[Row]) -> Iterator[str]:
+    """The names of variables that anything but coils could write."""
+    for row in rows:
+        if not row.is_coil and isinstance(row.target, n.Name):
+            yield row.target.identifier
+    for text in texts_of(source):
+        for node in walk(text.tree):
+            match node:
+                case n.Assignment(n.Name(name)):
+                    yield name
+                case n.Argument(value=n.Name(name)):
+                    yield name  # an in-out or output
+                case n.AssignmentExpression(n.Name(name)):
+                    yield name
+                case n.For(n.Name(name)):
+                    yield name
+    yield from source.parameters.values()

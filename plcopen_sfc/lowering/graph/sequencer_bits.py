@@ -1,0 +1,330 @@
+"""Encodings of a sequencer with a bit or a flip-flop for each step, and a bit for each transition.
+
+With the block setting for skipping, a step whose next transition is satisfied already does not become active.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from functools import cached_property
+
+from plcopen_sfc.analysis.regions import Regions, find_regions
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
+from plcopen_sfc.lowering.graph.sequencer_actions import Actions
+from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
+from plcopen_sfc.lowering.graph.sequencer_source import Phase
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+from plcopen_sfc.semantics.charts.graph.parameters import Mode
+from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
+
+
+class BitSequencer(Sequencer):
+    """Lowers one sequencer into `code`. It holds every one, whatever switches its steps."""
+
+    def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:  # noqa: ARG002
+        """The flags of steps, the bits of transitions, and what actions want of the steps that they switch."""
+        code, texts = self.code, self.texts
+        self.flags = [
+            code.declare_flag(texts.flag_name(step.step), initial=False, comment=self.flag_comment(step))
+            for step in self.net.steps
+        ]
+        names = [_name_of(flag) for flag in self.flags]
+        self.fired = [
+            code.declare(texts.transition_name(self.net, t), comment=texts.transition_of(t.path))
+            for t in self.net.transitions
+        ]
+        self._events: dict[tuple[int, ActionEvent], n.Name] = {}
+        self._old: dict[int, n.Name] = {}
+        self._left_before: dict[int, tuple[n.Name, Expression]] = {}
+        switched = {i for rows in self.source.rows for row in rows for i in row.switched}
+        self.wanted = {
+            i: code.declare(
+                texts.with_suffix(names[i], "next"),
+                comment=self.own_texts.wanted_of(self.net.steps[i].path),
+            )
+            for i in sorted(switched)
+        }
+        return names
+
+    def flag_comment(self, step: NetStep) -> str:
+        """What is said of the flag of a step, which has no network of its own, where it is declared."""
+        return self.texts.described_flag(step.step, step.path)
+
+    def active(self, step: int) -> Expression:
+        """The flag of a step."""
+        return self.flags[step]
+
+    def add_switched(self, actions: Actions) -> None:
+        """What is to be in the next cycle: a step that is switched on is so in any case."""
+        changes = [assignment(wanted, self._next(actions, step)) for step, wanted in self.wanted.items()]
+        self.code.add(self.own_texts.switched, changes)
+
+    def _next(self, actions: Actions, step: int) -> Expression:
+        stays = conjunction([self.flags[step], negation(actions.switched(Qualifier.OFF, step))])
+        return disjunction([stays, actions.switched(Qualifier.ON, step)])
+
+    # -- events
+
+    def changed(self, step: int, event: ActionEvent) -> Expression:
+        """A bit for each event that anything asks for."""
+        if (step, event) not in self._events:
+            flag = self.signs[step].name
+            self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
+            if step not in self._old:
+                self._old[step] = self.code.declare(self.texts.with_suffix(flag, "old"))
+        return self._events[step, event]
+
+    def touched(self, step: int) -> Expression:
+        """The flag, or the event that the step was left."""
+        return disjunction([self.flags[step], self.changed(step, ActionEvent.S0)])
+
+    def gone(self, step: int) -> Expression:
+        """A bit that keeps the event of the last cycle."""
+        left = self.changed(step, ActionEvent.S0)
+        if step not in self._left_before:
+            name = self.texts.with_suffix(f"{self.signs[step].name}_S0", "old")
+            self._left_before[step] = self.code.declare(name), left
+        return self._left_before[step][0]
+
+    def add_events(self, place: int, registered: Sequence[Statement]) -> None:
+        """Insert the comparison of flags with those of the last cycle."""
+        statements: list[Statement] = [assignment(old, event) for old, event in self._left_before.values()]
+        for (step, event), name in sorted(self._events.items(), key=lambda item: (item[0][0], item[0][1].value)):
+            flag, old = self.flags[step], self._old[step]
+            value = [flag, negation(old)] if event is ActionEvent.S1 else [old, negation(flag)]
+            statements.append(assignment(name, conjunction(value)))
+        statements += registered
+        statements += [assignment(old, self.flags[step]) for step, old in sorted(self._old.items())]
+        self.code.add(self.own_texts.events, statements, place=place)
+
+    # -- transitions
+
+    def enabled(self, transition: NetTransition) -> Expression:
+        """Whether all steps before a transition are active."""
+        return conjunction(self.wanted.get(i, self.flags[i]) for i in transition.sources)
+
+    def add_transitions(self) -> None:
+        """Append a bit for each transition: enabled, satisfied or pushed, not held, no rival before it has fired."""
+        statements: list[Statement] = []
+        permitted, pushed = self.commands.permitted(), self.commands.pushed()
+        if not is_constant(permitted, TRUE):
+            permitted = self.memory.named(self.own_texts.permitted, permitted, statements)
+        if not is_constant(pushed, FALSE):
+            pushed = self.memory.named(self.own_texts.pushed, pushed, statements)
+        parts = [CodeNetwork(self.texts.transitions, tuple(statements))]
+        for transition in self.net.transitions:
+            statements = []
+            index = transition.index
+            enabled = self.enabled(transition)
+            preparation = self.resolved(self.source.preparations[index], Phase.SWITCH)
+            if preparation:
+                statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
+            condition = self.resolve(self.source.conditions[index], Phase.SWITCH)
+            switches = disjunction([conjunction([condition, permitted]), pushed])
+            held = [self._held(i) for i in transition.sources]
+            rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
+            free = [*map(negation, held), *(negation(self.fired[i]) for i in rivals)]
+            statements.append(assignment(self.fired[index], conjunction([enabled, switches, *free])))
+            title, remark = self.texts.transition_title(transition.path), self.texts.remark(transition.transition)
+            parts.append(CodeNetwork(title, tuple(statements), remark))
+        self.code.add_each(self.texts.transitions, parts)
+
+    def _held(self, step: int) -> Expression:
+        """Whether its supervision keeps a step active; one that was only just switched on is not supervised yet."""
+        held = self.checks[step].held(self.resolve)
+        return conjunction([self.flags[step], held]) if step in self.wanted else held
+
+    def stays(self, step: int) -> Expression:
+        """Whether a step is active and no transition leaves it."""
+        leaving = [negation(self.fired[t]) for t in self.net.leaving[step]]
+        return conjunction([self.wanted.get(step, self.flags[step]), *leaving])
+
+    # -- the step change
+
+    def add_step_change(self) -> None:
+        """Append the networks that change the situation: all resets, then all sets."""
+        resets: list[Statement] = [assignment(self.flags[i], wanted) for i, wanted in self.wanted.items()]
+        sets: list[Statement] = []
+        for transition in self.net.transitions:
+            flag = self.fired[transition.index]
+            resets += self._all(transition.sources, FALSE, flag)
+            sets += self._all(transition.targets, TRUE, flag)
+        if self.source.skips:
+            sets = add_skips(self)
+        self.code.add(self.texts.resets, resets)
+        self.code.add(self.texts.sets, sets)
+        self.code.add(self.own_texts.manual, self._selected("S_ON", TRUE) + self._selected("S_OFF", FALSE))
+        steps = range(len(self.net.steps))
+        initial = [assignment(self.flags[i], self._initial(i)) for i in steps]
+        start = disjunction([self.first, self.started()])
+        self.code.add(self.own_texts.start, [when(start, *initial, assignment(self.first, FALSE))])
+        off = self.commands.edge("OFF_SQ")
+        self.code.add(self.own_texts.off, [when(off, *self._off(steps))] if not is_constant(off, FALSE) else [])
+
+    def _initial(self, step: int) -> Expression:
+        return TRUE if self.net.initial & self.net.steps[step].bit else FALSE
+
+    def _off(self, steps: range) -> list[Statement]:
+        return [assignment(self.flags[i], FALSE) for i in steps]
+
+    def _all(self, steps: tuple[int, ...], value: Expression, condition: Expression) -> list[Statement]:
+        return [when(condition, *(assignment(self.flags[i], value) for i in steps))] if steps else []
+
+    def _selected(self, command: str, value: Expression) -> list[Statement]:
+        """S_ON and S_OFF: the step whose number S_SEL says."""
+        by_hand = self.commands.is_on(Mode.MANUAL)
+        selection = self.commands.variable("S_SEL")
+        edge = self.commands.edge(command) if not is_constant(by_hand, FALSE) else FALSE
+        if selection is None or is_constant(edge, FALSE):
+            return []
+        numbers: dict[int, int] = {}
+        for step in self.net.steps:
+            if step.step.number is not None:
+                numbers.setdefault(step.step.number, step.index)
+        branches = tuple(
+            n.CaseBranch((n.Literal(str(number)),), (assignment(self.flags[index], value),))
+            for number, index in numbers.items()
+        )
+        return [when(conjunction([by_hand, edge]), n.Case(selection, branches))] if branches else []
+
+
+def _name_of(flag: Expression) -> str:
+    """The name of a flag, also of one that is a member of a data block."""
+    if isinstance(flag, n.Member):
+        flag = flag.name
+    assert isinstance(flag, n.Name)  # noqa: S101  # so flags are declared
+    return flag.identifier
+
+
+def add_skips(sequencer: BitSequencer) -> list[Statement]:
+    """Append what finds out which steps become active; gives what activates them. Conditions see the old situation."""
+    net, code = sequencer.net, sequencer.code
+    entering = {step.index: net.entering[step.index] for step in net.steps if net.entering[step.index]}
+    entered = {i: code.declare(sequencer.texts.with_suffix(sequencer.signs[i].name, "entered")) for i in entering}
+    statements: list[Statement] = [
+        assignment(entered[i], conjunction([disjunction(sequencer.fired[t] for t in found), sequencer.evolves()]))
+        for i, found in entering.items()
+    ]
+    passed = {
+        i: code.declare(sequencer.texts.with_suffix(sequencer.signs[i].name, "seen"))
+        for i in entering
+        if _onward(sequencer, i)
+    }
+    if passed:
+        statements += [assignment(passed[i], sequencer.stays(i)) for i in passed]
+        again = code.declare(sequencer.own_texts.again)
+        sweep: list[Statement] = [assignment(again, FALSE)]
+        for step, flag in passed.items():
+            fresh = conjunction([entered[step], negation(flag)])
+            sweep.append(when(fresh, assignment(flag, TRUE), *_passing(sequencer, step, entered, again)))
+        statements.append(n.Repeat(tuple(sweep), negation(again)))
+    code.add(sequencer.own_texts.skips, statements)
+    return [when(flag, assignment(sequencer.flags[i], TRUE)) for i, flag in entered.items()]
+
+
+def _onward(sequencer: BitSequencer, step: int) -> list[int]:
+    """The transitions that can lead on from a step that is alone."""
+    net = sequencer.net
+    return [t for t in net.leaving[step] if net.transitions[t].sources == (step,)]
+
+
+def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], again: n.Name) -> list[Statement]:
+    """Go on behind a step if a transition is satisfied: the first one wins."""
+    source = sequencer.source
+    following: list[Statement] = []
+    for index in reversed(_onward(sequencer, step)):
+        transition = sequencer.net.transitions[index]
+        condition: Expression = sequencer.resolve(source.conditions[index], Phase.SWITCH)
+        goes = [assignment(entered[i], TRUE) for i in transition.targets if i != step]
+        if step not in transition.targets:
+            goes.insert(0, assignment(entered[step], FALSE))
+        preparation = [sequencer.resolve(each, Phase.SWITCH) for each in source.preparations[index]]
+        branch = n.Branch(condition, (*goes, assignment(again, TRUE)))
+        match following:
+            case [n.If(branches, otherwise)]:
+                choice = n.If((branch, *branches), otherwise)
+            case _:
+                choice = n.If((branch,), tuple(following) or None)
+        following = [*preparation, choice]
+    return following
+
+
+class FlipFlopSequencer(BitSequencer):
+    """Lowers one sequencer into `code`."""
+
+    def exact(self) -> None:
+        """One cycle, in statements that networks can have."""
+        if self.source.skips:
+            self._refuse("steps that are skipped need a loop, which networks do not have")
+        super().exact()
+
+    def _refuse(self, message: str) -> None:
+        raise LoweringError(message, location=Location(path=self.source.pou.name))
+
+    def flag_comment(self, step: NetStep) -> str:
+        """What is said of the flag of a step; what the chart says of that stands at its flip-flop."""
+        return self.texts.flag_of(step.path)
+
+    def add_step_change(self) -> None:
+        """Append a network for each step."""
+        for step in self.net.steps:
+            self._add_flip_flop(step)
+        self.code.add(self.texts.first_scan, [assignment(self.first, FALSE)])
+
+    def _add_flip_flop(self, step: NetStep) -> None:
+        entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
+        loops = set(entering) & set(leaving)
+        set_: list[Expression] = [self.fired[i] for i in entering if i not in loops]
+        left = disjunction(self.fired[i] for i in leaving if i not in loops)
+        # what is left and entered at once stays active
+        reset = left if self._is_safe else conjunction([left, *(negation(self.fired[i]) for i in entering)])
+        start = disjunction([self.first, self.started()])
+        initial = bool(self.net.initial & step.bit)
+        if initial:
+            set_.insert(0, start)
+            reset = conjunction([reset, negation(start)])
+        wanted = self.wanted.get(step.index)
+        if wanted is not None:
+            flag = self.flags[step.index]
+            set_.append(conjunction([wanted, negation(flag)]))
+            off = conjunction([flag, negation(wanted), *(negation(self.fired[i]) for i in entering)])
+            reset = disjunction([reset, conjunction([off, *([negation(start)] if initial else [])])])
+        off_by_hand = self._by_hand("S_OFF", step)
+        if initial:  # the start comes behind the switching by hand
+            off_by_hand = conjunction([off_by_hand, negation(start)])
+        resets = [reset, off_by_hand, *([] if initial else [start]), self.commands.edge("OFF_SQ")]
+        set_.append(self._by_hand("S_ON", step))
+        statements: list[Statement] = []
+        name = f"FF_{self.signs[step.index].name}"
+        self.memory.latch(name, disjunction(set_), disjunction(resets), statements, self.flags[step.index])
+        title = self.texts.step(step.step, step.path, initial=initial)
+        self.code.add(title, statements, self.texts.remark(step.step))
+
+    @cached_property
+    def _is_safe(self) -> bool:
+        """Whether a step that a transition enters is never active already: nothing else switches steps on."""
+        switched = self.wanted or not is_constant(self.commands.is_on(Mode.MANUAL), FALSE)
+        return not switched and isinstance(find_regions(self.net), Regions)
+
+    def _by_hand(self, command: str, step: NetStep) -> Expression:
+        """Whether a command by hand means a step."""
+        selection, number = self.commands.variable("S_SEL"), step.step.number
+        by_hand = self.commands.is_on(Mode.MANUAL)
+        first = next((s.index for s in self.net.steps if s.step.number == number), None)
+        if selection is None or number is None or first != step.index or is_constant(by_hand, FALSE):
+            return FALSE
+        return conjunction([by_hand, self.commands.edge(command), equal(selection, n.Literal(str(number)))])

@@ -1,0 +1,264 @@
+"""A sequencer of S7-GRAPH as a lowering sees it: its net, and the checks, actions and asked data of its steps."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from enum import Enum, auto
+from functools import cached_property
+from itertools import chain
+from typing import NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.nodes import Operator
+from plcopen_sfc.languages.st.walking import children
+from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.lowering.reading.text_reading import ConditionText
+from plcopen_sfc.model.actions import ActionEvent, Qualifier
+
+COILS = frozenset({Qualifier.N, Qualifier.D, Qualifier.L})
+SWITCHES = frozenset({Qualifier.ON, Qualifier.OFF})
+COUNTERS = frozenset({Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR})
+TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
+
+
+@dataclass(frozen=True)
+class Row:
+    """An action of a step. `event` is None where it acts while the step is active, `interlock`: only if that allows.
+
+    `target` is an operand, `statements` what is executed instead. `value` is the time, or the number a counter is set
+    to. `switched` are the steps that ON and OFF switch.
+    """
+
+    name: str
+    qualifier: Qualifier
+    event: ActionEvent | None
+    interlock: bool
+    target: n.Expression | None = None
+    statements: tuple[n.Statement, ...] = ()
+    value: n.Expression | None = None
+    switched: tuple[int, ...] = ()
+
+    @property
+    def is_coil(self) -> bool:
+        """Whether it is TRUE or FALSE with its step, and not executed."""
+        return self.qualifier in COILS and self.target is not None
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraphSource(ChartSource):
+    """What is lowered. Of `ChartSource` it uses all but actions, step code and minimum times.
+
+    `interlocks` and `supervisions` are those of steps, by index; `rows` the actions of each step; `before` and `after`
+    the permanent operations. `parameters` are those that the block declares, by their names in upper case.
+    `acknowledged`: disturbances must be; `locked`: the operating mode cannot be changed; `skips`: steps can be skipped.
+    `shown` are the quantities of steps that other blocks ask for. `at_rest`: the inputs of the block that are
+    parameters and have no code, since nobody operates them.
+    """
+
+    interlocks: dict[int, ConditionText]
+    supervisions: dict[int, ConditionText]
+    rows: tuple[tuple[Row, ...], ...]
+    before: tuple[n.Statement, ...]
+    after: tuple[n.Statement, ...]
+    parameters: dict[str, str]
+    acknowledged: bool
+    locked: bool
+    skips: bool
+    shown: tuple[tuple[int, str], ...] = ()
+    at_rest: tuple[str, ...] = ()
+
+    @cached_property
+    def prepared_names(self) -> frozenset[str]:
+        """The names (lower case) in what is executed before conditions of transitions: it may change them."""
+        trees = chain.from_iterable(self.preparations)
+        return frozenset(node.identifier.casefold() for t in trees for node in walk(t) if isinstance(node, n.Name))
+
+    def _trees(self) -> Iterator[n.Node]:
+        yield from super()._trees()
+        yield from (*self.before, *self.after)
+        for condition in (*self.interlocks.values(), *self.supervisions.values()):
+            yield from (*condition.preparation, condition.value)
+        for row in (row for rows in self.rows for row in rows):
+            yield from row.statements
+            yield from (tree for tree in (row.target, row.value) if tree is not None)
+
+
+QUANTITIES = frozenset("X T U T_MAX T_WARN SNO S1 S0 L1 L0 V1 V0 A1 R1 LS LA VS VA".split())
+"""What can be asked of a step."""
+
+_COMPARING = frozenset(
+    {
+        Operator.LESS,
+        Operator.GREATER,
+        Operator.LESS_OR_EQUAL,
+        Operator.GREATER_OR_EQUAL,
+        Operator.EQUAL,
+        Operator.UNEQUAL,
+    }
+)
+
+
+@dataclass(frozen=True)
+class StepSign:
+    """How code speaks of a step: what tells that it is `active`, and how the names of its variables begin."""
+
+    active: n.Expression
+    name: str
+
+
+class Phase(Enum):
+    """Where in a cycle a text stands.
+
+    BEFORE: permanent operations before the sequence. CHECK: interlocks and supervisions. SWITCH: conditions of
+    transitions. ENTERED: interlocks and supervisions of steps that were entered. ACT: actions and all behind them.
+    """
+
+    BEFORE = auto()
+    CHECK = auto()
+    SWITCH = auto()
+    ENTERED = auto()
+    ACT = auto()
+
+
+@dataclass(frozen=True)
+class Text:
+    """A text of the sequencer, and the steps that are active whenever it is executed."""
+
+    tree: n.Node
+    phase: Phase
+    active: tuple[int, ...]
+    path: str
+
+
+def texts_of(source: GraphSource) -> Iterator[Text]:
+    """All texts of a sequencer."""
+    tree: n.Node
+    # conditions are also evaluated for steps that are not active yet
+    ahead = {i for rows in source.rows for row in rows for i in row.switched}
+    if source.skips:
+        ahead = {step.index for step in source.net.steps}
+    for tree in (*source.before, *source.logic):
+        yield Text(tree, Phase.BEFORE, (), "permanent operations before")
+    for transition, condition, preparation in zip(
+        source.net.transitions, source.conditions, source.preparations, strict=True
+    ):
+        for tree in (condition, *preparation):
+            active = tuple(i for i in transition.sources if i not in ahead)
+            yield Text(tree, Phase.SWITCH, active, f"transition {transition.path}")
+    for kind, conditions in (("interlock", source.interlocks), ("supervision", source.supervisions)):
+        for step, stated in conditions.items():
+            for tree in (stated.value, *stated.preparation):
+                yield Text(tree, Phase.CHECK, (step,), f"{kind} of step {source.net.steps[step].path}")
+    for step, rows in enumerate(source.rows):
+        for row in rows:
+            owner = () if row.event is ActionEvent.S0 else (step,)
+            for tree in (*row.statements, *(t for t in (row.target, row.value) if t is not None)):
+                yield Text(tree, Phase.ACT, owner, f"step {source.net.steps[step].path} / action {row.name}")
+    for tree in source.after:
+        yield Text(tree, Phase.ACT, (), "permanent operations after")
+    for index, quantity in source.shown:
+        step_name = n.Name(source.net.steps[index].step.name, n.Quoting.LOCAL)
+        yield Text(n.Member(step_name, n.Name(quantity)), Phase.ACT, (), "other blocks")
+
+
+def steps_by_name(source: GraphSource) -> dict[str, int]:
+    """The indexes of the steps by their names in lower case."""
+    return {step.step.name.casefold(): step.index for step in source.net.steps}
+
+
+def step_quantity(node: n.Node, steps: dict[str, int]) -> tuple[int, str] | None:
+    """The step and the quantity (upper case) that a node asks for; None where it asks for none."""
+    match node:
+        case n.Member(n.Name(name, quoting), n.Name(quantity)) if name.casefold() in steps:
+            return None if quoting is n.Quoting.GLOBAL else (steps[name.casefold()], quantity.upper())
+    return None
+
+
+class Questions:
+    """What is asked of steps, and where."""
+
+    def __init__(self, source: GraphSource) -> None:
+        self.steps = steps_by_name(source)
+        self._asked: dict[tuple[int, str], list[Text]] = defaultdict(list)
+        self._asking: set[int] = set()
+        names = {*self.steps, *(t.transition.name.casefold() for t in source.net.transitions if t.transition.name)}
+        for text in texts_of(source):
+            for node in walk(text.tree):
+                found = step_quantity(node, self.steps)
+                if found is not None:
+                    self._asked[found].append(text)
+                    self._asking.add(id(text.tree))
+            _check_names(text, text.tree, names, self.steps)
+        for step, rows in enumerate(source.rows):
+            for row in rows:
+                if row.target is not None and step_quantity(row.target, self.steps) is not None:
+                    path = f"step {source.net.steps[step].path} / action {row.name}"
+                    raise LoweringError("data of steps are written", location=Location(path=path))
+
+    def __contains__(self, quantity: tuple[int, str]) -> bool:
+        return quantity in self._asked
+
+    def of(self, step: int) -> set[str]:
+        """All that is asked of a step."""
+        return {quantity for index, quantity in self._asked if index == step}
+
+    def asked(self, step: int, quantities: Collection[str], *phases: Phase) -> bool:
+        """Whether one of these is asked for in these phases."""
+        return any(
+            text.phase in phases
+            for (index, quantity), texts in self._asked.items()
+            if index == step and quantity in quantities
+            for text in texts
+        )
+
+    def compared(self, step: int, quantities: Collection[str]) -> Iterator[n.Expression | None]:
+        """What some quantities of a step are compared with, each time that one is asked for; None: nothing."""
+        trees = {id(t.tree): t.tree for q in quantities for t in self._asked.get((step, q), ())}
+        wanted = {(step, quantity) for quantity in quantities}
+        for tree in trees.values():
+            for node in walk(tree):
+                if step_quantity(node, self.steps) in wanted:
+                    yield self._partner(tree, node)
+
+    def _partner(self, tree: n.Node, asking: n.Node) -> n.Expression | None:
+        for node in walk(tree):
+            if isinstance(node, n.Operation) and node.operator in _COMPARING and len(node.operands) == 2:
+                left, right = map(n.bare, node.operands)
+                if left is asking or right is asking:
+                    return right if left is asking else left
+        return None
+
+    def only_while_active(self, step: int, quantity: str) -> bool:
+        """Whether it is asked for only where the step is active."""
+        return all(step in text.active for text in self._asked.get((step, quantity), ()))
+
+    def asks(self, tree: n.Node) -> bool:
+        """Whether a text of the source asks for anything of a step."""
+        return id(tree) in self._asking
+
+
+def _check_names(text: Text, node: n.Node, names: Collection[str], steps: dict[str, int]) -> None:
+    """Refuse what names a step or a transition, but for reading a single quantity of a step."""
+    found = step_quantity(node, steps)
+    if found is not None:
+        if found[1] not in QUANTITIES:
+            _refuse(text, f"the step data {found[1]} are not lowered yet")
+        return
+    if isinstance(node, n.Name) and node.identifier.casefold() in names and node.quoting is not n.Quoting.GLOBAL:
+        _refuse(text, f"{node.identifier} is used in a way that is not lowered yet")
+    if isinstance(node, n.Assignment) and step_quantity(node.target, steps) is not None:
+        _refuse(text, "data of steps are written")
+    if isinstance(node, n.Argument) and node.output and node.value and step_quantity(node.value, steps) is not None:
+        _refuse(text, "data of steps are written")
+    named = node.name if isinstance(node, n.Member | n.Argument) else None
+    for child in children(node):
+        if child is not named:
+            _check_names(text, child, names, steps)
+
+
+def _refuse(text: Text, message: str) -> NoReturn:
+    raise LoweringError(message, location=Location(path=text.path))

@@ -1,0 +1,326 @@
+"""The interlock, the supervision and the times of steps of S7-GRAPH as code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value, time_literal
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    call,
+    conjunction,
+    disjunction,
+    is_constant,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.code_declarations import TIME
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code_texts import Suffix, Texts
+from plcopen_sfc.lowering.graph.sequencer_source import GraphSource, Phase, Questions, StepSign
+from plcopen_sfc.lowering.reading.step_variables import FOREVER
+from plcopen_sfc.model.types import DerivedType
+
+INTERLOCK = ("LS", "LA", "L1", "L0")
+SUPERVISION = ("VS", "VA", "V1", "V0", "A1")
+
+Resolve = Callable[[Any, Phase], Any]
+"""Makes of a text what stands for it in lowered code: the same, with other names for the data of steps."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a step, and how code speaks of it; `needed` is what of its checks is wanted anywhere.
+
+    `comment` says what a variable of them means.
+    """
+
+    sign: StepSign
+    needed: set[str]
+    questions: Questions
+    comment: Callable[[str], str]
+
+
+class StepChecks:
+    """The checks of one step. `early`: they are evaluated before the step change."""
+
+    def __init__(self, source: GraphSource, step: int, code: Code, asked: Asked) -> None:
+        needed, questions = asked.needed, asked.questions
+        self._flag = asked.sign.active
+        self._interlock = source.interlocks.get(step)
+        self._supervision = source.supervisions.get(step)
+        self._must_acknowledge = source.acknowledged
+        remembers = self._supervision is not None and (source.acknowledged or "A1" in needed)
+        stated = [c for c in (self._interlock, self._supervision) if c is not None]
+        asked_early = (step, "U") in questions or questions.asked(
+            step, {*INTERLOCK, *SUPERVISION}, Phase.CHECK, Phase.SWITCH
+        )
+        self.early = (
+            remembers
+            or (asked_early and bool(stated))
+            or any(c.preparation or questions.asks(c.value) for c in stated)
+            or any(_names(c.value) & source.prepared_names for c in stated)
+        )
+        wanted: set[str] = set()
+        if self._interlock is not None:
+            wanted |= needed & {*INTERLOCK}
+            if wanted & {"L1", "L0", "LA"} or (self.early and self._interlock.preparation):
+                wanted |= {"LS"}
+            if wanted & {"L1", "L0"}:
+                wanted |= {"LA"}
+        if self._supervision is not None:
+            wanted |= needed & {*SUPERVISION}
+            if remembers:
+                wanted |= {"VS", "V1", "V0", "VA", "fault", "acknowledged"}
+            elif wanted & {"V1", "V0"}:
+                wanted |= {"VS", "fault"}
+            if "VA" in wanted and not remembers:
+                wanted = wanted - {"VA"} | {"VS"}
+            if self.early:
+                wanted |= {"VS"}
+        self._remembers = remembers
+        self._asked_between = questions.asked(step, _EVENTS, Phase.CHECK)
+        self._variables = {
+            name: code.declare(_called(name, asked.sign.name, code.texts), comment=asked.comment(name))
+            for name in _ORDER
+            if name in wanted
+        }
+
+    def value(self, quantity: str) -> Expression:
+        """What tells of a quantity that is needed."""
+        if quantity in INTERLOCK and self._interlock is None:
+            return self._flag if quantity == "LS" else FALSE
+        if quantity in SUPERVISION and self._supervision is None:
+            return FALSE
+        if quantity == "VA" and not self._remembers:
+            quantity = "VS"
+        return self._variables[quantity]
+
+    def held(self, resolve: Resolve) -> Expression:
+        """Whether the supervision keeps the step from being left."""
+        if self._supervision is None:
+            return FALSE
+        if self.early:
+            return self.value("VA")
+        fault: Expression = resolve(self._supervision.value, Phase.SWITCH)
+        return fault
+
+    def disturbed(self) -> Expression:
+        """Whether there is an error of the interlock or the supervision while the step is active."""
+        interlock = conjunction([self._flag, negation(self.value("LS"))]) if self._interlock is not None else FALSE
+        return disjunction([interlock, self.value("VA")])
+
+    def cleared(self) -> list[Statement]:
+        """Ends the events of the last cycle, for checks that ask for them before they happen anew."""
+        if not self._asked_between:
+            return []
+        return [assignment(self._variables[event], FALSE) for event in _EVENTS if event in self._variables]
+
+    def before(self, resolve: Resolve, acknowledge: Expression) -> list[Statement]:
+        """The checks of the active step before the step change."""
+        if not self.early:
+            return []
+        return [when(self._flag, *self._evaluated(resolve, Phase.CHECK, acknowledge))]
+
+    def forgotten(self, left: Callable[[], Expression]) -> list[Statement]:
+        """What ends when the step is left."""
+        if not self.early or not self._variables:
+            return []
+        return [when(left(), *(assignment(variable, FALSE) for variable in self._variables.values()))]
+
+    def behind(self, resolve: Resolve, entered: Callable[[], Expression]) -> list[Statement]:
+        """The checks behind the step change."""
+        if not self._variables:
+            return []
+        if not self.early:
+            return self._late(resolve)
+        return [when(entered(), *self._evaluated(resolve, Phase.ENTERED, FALSE))]
+
+    def _evaluated(self, resolve: Resolve, phase: Phase, acknowledge: Expression) -> list[Statement]:
+        v = self._variables
+        into: list[Statement] = []
+        if self._interlock is not None and "LS" in v:
+            into += [resolve(each, phase) for each in self._interlock.preparation]
+            into.append(assignment(v["LS"], resolve(self._interlock.value, phase)))
+            self._interlock_events(into)
+        if self._supervision is not None:
+            into += [resolve(each, phase) for each in self._supervision.preparation]
+            self._supervision_events(resolve(self._supervision.value, phase), into)
+            if self._remembers:
+                self._remembered(acknowledge, into)
+        return into
+
+    def _late(self, resolve: Resolve) -> list[Statement]:
+        v = self._variables
+        into: list[Statement] = []
+        if self._interlock is not None and "LS" in v:
+            satisfied = resolve(self._interlock.value, Phase.ACT)
+            into.append(assignment(v["LS"], conjunction([self._flag, satisfied])))
+            self._interlock_events(into)
+        if self._supervision is not None and "VS" in v:
+            fault = resolve(self._supervision.value, Phase.ACT)
+            self._supervision_events(conjunction([self._flag, fault]), into)
+        return into
+
+    def _interlock_events(self, into: list[Statement]) -> None:
+        v = self._variables
+        guard = [] if self.early else [self._flag]
+        if "L1" in v:
+            into.append(assignment(v["L1"], conjunction([*guard, negation(v["LS"]), negation(v["LA"])])))
+        if "L0" in v:
+            into.append(assignment(v["L0"], conjunction([v["LS"], v["LA"]])))
+        if "LA" in v:
+            into.append(assignment(v["LA"], conjunction([*guard, negation(v["LS"])])))
+
+    def _supervision_events(self, fault: Expression, into: list[Statement]) -> None:
+        v = self._variables
+        if "fault" not in v:
+            into.append(assignment(v["VS"], fault))
+            return
+        guard = [] if self.early else [self._flag]
+        into.append(assignment(v["fault"], fault))
+        if "V1" in v:
+            into.append(assignment(v["V1"], conjunction([v["fault"], negation(v["VS"])])))
+        if "V0" in v:
+            into.append(assignment(v["V0"], conjunction([*guard, v["VS"], negation(v["fault"])])))
+        into.append(assignment(v["VS"], v["fault"]))
+
+    def _remembered(self, acknowledge: Expression, into: list[Statement]) -> None:
+        """An error stays until it is gone and acknowledged."""
+        v = self._variables
+        into.append(when(v["V1"], assignment(v["VA"], TRUE), assignment(v["acknowledged"], FALSE)))
+        event = conjunction([acknowledge, v["VA"], negation(v["acknowledged"])])
+        if "A1" in v:
+            into.append(assignment(v["A1"], event))
+            event = v["A1"]
+        if not is_constant(acknowledge, FALSE):
+            into.append(when(event, assignment(v["acknowledged"], TRUE)))
+        known = [v["acknowledged"]] if self._must_acknowledge else []
+        into.append(when(conjunction([negation(v["VS"]), *known]), assignment(v["VA"], FALSE)))
+
+
+def _names(tree: Expression) -> set[str]:
+    return {node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)}
+
+
+_EVENTS = ("L1", "L0", "V1", "V0", "A1")
+_ORDER = ("LS", "L1", "L0", "LA", "fault", "V1", "V0", "VS", "VA", "A1", "acknowledged")
+
+
+def _called(name: str, step: str, texts: Texts) -> str:
+    """The variable of a step: as S7-GRAPH calls it, else by a word."""
+    word = _WORDS.get(name)
+    return f"{step}_{name}" if word is None else texts.with_suffix(step, word)
+
+
+_WORDS: Mapping[str, Suffix] = {"fault": "fault", "acknowledged": "acknowledged"}
+
+
+_NONE = n.Literal("T#0ms")
+
+
+class StepClock:
+    """The times of the steps of one sequencer."""
+
+    def __init__(
+        self, source: GraphSource, code: Code, signs: Sequence[StepSign], texts: Texts, questions: Questions
+    ) -> None:
+        self._source, self._signs, self._questions = source, signs, questions
+        self._timers: dict[int, n.Name] = {}
+        self._limits: dict[int, Expression] = {}
+        self._kept: dict[int, n.Name] = {}
+        self._undisturbed: dict[int, tuple[n.Name, n.Name]] = {}
+        for step in source.net.steps:
+            index = step.index
+            asked = questions.of(index) & {"T", "U"}
+            durations = [row.value for row in source.rows[index] if row.is_coil and row.value is not None]
+            if not asked and not durations:
+                continue
+            self._timers[index] = code.declare(texts.time_name(step.step), DerivedType(name="TON"))
+            self._limits[index] = self._limit(index, asked, durations)
+            counted = "U" in asked and self._is_checked(index)
+            elapsed = asked - {"U"} if counted else asked
+            if not all(questions.only_while_active(index, quantity) for quantity in elapsed):
+                self._kept[index] = code.declare(f"{signs[index].name}_T", TIME)
+            if counted:
+                sum_ = code.declare(f"{signs[index].name}_U", TIME)
+                before = texts.with_suffix(f"{signs[index].name}_T", "old")
+                self._undisturbed[index] = sum_, code.declare(before, TIME)
+
+    def _is_checked(self, step: int) -> bool:
+        """Whether anything could disturb a step; where nothing does, its times T and U are the same."""
+        return step in self._source.interlocks or step in self._source.supervisions
+
+    def _limit(self, step: int, asked: set[str], durations: Sequence[Expression]) -> Expression:
+        """The time that the timer of a step measures: one that is beyond all that it is compared with."""
+        first = durations[0] if durations else None
+        # a TON whose PT changes while it runs is another one in every controller
+        if not asked and isinstance(first, n.Literal) and all(duration == first for duration in durations):
+            return first
+        times = [_nanoseconds(duration) for duration in durations]
+        times += [_nanoseconds(constant) for constant in self._questions.compared(step, asked)]
+        if "U" in asked and self._is_checked(step):
+            return FOREVER
+        known = [time for time in times if time is not None]
+        return n.Literal(time_literal(2 * max(known))) if len(known) == len(times) and max(known) > 0 else FOREVER
+
+    def _elapsed(self, step: int) -> Expression:
+        return n.Member(self._timers[step], n.Name("ET"))
+
+    def value(self, step: int, quantity: str) -> Expression:
+        """The time T of a step, or its time without disturbance U."""
+        if quantity == "U" and step in self._undisturbed:
+            return self._undisturbed[step][0]
+        return self._kept.get(step, self._elapsed(step))
+
+    def over(self, step: int, time: Expression) -> Expression:
+        """Whether an active step has been so for `time`."""
+        if self._limits[step] == time and isinstance(time, n.Literal):
+            return n.Member(self._timers[step], n.Name("Q"))
+        return n.Operation(Operator.GREATER_OR_EQUAL, (self._elapsed(step), time))
+
+    def stated(self, text: str | None) -> Expression:
+        """A limit that a step states, T_MAX or T_WARN."""
+        return n.Literal(text) if text else _NONE
+
+    def calls(self) -> list[Statement]:
+        """The calls of the timers."""
+        calls = [call(timer, IN=self._signs[i].active, PT=self._limits[i]) for i, timer in self._timers.items()]
+        kept = [when(self._signs[i].active, assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
+        return [*calls, *kept]
+
+    def counted(self, checks: Sequence[StepChecks]) -> list[Statement]:
+        """The times without disturbance, behind the checks of the active steps."""
+        found: list[Statement] = []
+        for step, (sum_, old) in self._undisturbed.items():
+            elapsed = self._elapsed(step)
+            passed = n.Operation(Operator.SUBTRACT, (elapsed, old))
+            more = assignment(sum_, n.Operation(Operator.ADD, (sum_, n.Parenthesized(passed))))
+            calm = conjunction([self._signs[step].active, negation(checks[step].disturbed())])
+            found += [when(calm, more), assignment(old, elapsed)]
+        return found
+
+    def restarted(self, entered: StepValue) -> list[Statement]:
+        """The times without disturbance of steps that were entered begin anew."""
+        return [
+            when(entered(step), assignment(sum_, _NONE), assignment(old, _NONE))
+            for step, (sum_, old) in self._undisturbed.items()
+        ]
+
+
+def _nanoseconds(time: Expression | None) -> int | None:
+    """A duration that is a constant."""
+    if not isinstance(time, n.Literal):
+        return None
+    try:
+        found = literal_value(time.text)
+    except LiteralError:
+        return None
+    return found.value if found.kind is LiteralKind.DURATION and isinstance(found.value, int) else None

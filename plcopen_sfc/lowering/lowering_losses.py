@@ -1,0 +1,218 @@
+"""Losses of a lowering: what a chart holds and its code does not, titles and comments included."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.lowering.code.code_declarations import names_of
+from plcopen_sfc.model.actions import ActionAssociation
+from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.body import SfcBody, StBody
+from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.network import Block, NodeBase
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, SfcSettings, Step
+from plcopen_sfc.model.text import MarkupText, MultilingualText, Text, plain
+from plcopen_sfc.report import Item, Outcome
+from plcopen_sfc.semantics.charts.flags import flags_in_use
+from plcopen_sfc.semantics.net import Net
+from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.subjects import Subject
+
+_TEXTS = ("title", "comment", "content", "alternative_text", "alarm")
+_MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)
+
+
+class Remark(NamedTuple):
+    """A text for people, and the path of what it is about."""
+
+    path: str
+    text: Text
+
+
+def remarks(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Remark]:
+    """All texts for people in a part of the model, in the order in which it has them.
+
+    Without a `dialect` structured text is given as a whole, else what its comments say.
+    """
+    if isinstance(thing, list | tuple):
+        for each in thing:
+            yield from remarks(each, path, dialect)
+    if not isinstance(thing, Model) or isinstance(thing, Carried | SfcSettings):
+        return
+    if isinstance(thing, Block) and thing.code is not None:
+        yield from _inside(thing.code, path, dialect)
+    if isinstance(thing, NodeBase):  # there are many, and nothing in their pins is for people
+        found = (getattr(thing, name, None) for name in _TEXTS)
+        yield from (Remark(path, text) for text in found if text is not None)
+        return
+    if isinstance(thing, Step):
+        path = f"{path} / step {thing.name}"
+    elif isinstance(thing, ActionAssociation) and thing.target is not None:
+        path = f"{path} / action {thing.target}"
+    for name, value in thing:
+        if name in _TEXTS and isinstance(value, str | MarkupText | MultilingualText):
+            yield Remark(path, value)
+        elif isinstance(thing, SfcNetwork) and name == "transitions":
+            labels = thing.labels()
+            for transition in thing.transitions:
+                yield from remarks(transition, f"{path} / transition {labels[transition.id]}", dialect)
+        elif isinstance(value, Model | list):
+            yield from remarks(value, path, dialect)
+    if isinstance(thing, StBody | Expression):
+        yield from _inside(thing.text, path, dialect)
+
+
+def _inside(text: str, path: str, dialect: Dialect | None) -> Iterator[Remark]:
+    if dialect is None:
+        yield Remark(path, text)
+    else:
+        yield from (Remark(path, comment.text) for comment in tokenize(text, dialect).comments)
+
+
+def texts_of(text: Text) -> dict[str, str]:
+    """What a text says, by language; in none where it does not say in which, and nothing where it is empty."""
+    if isinstance(text, MultilingualText):
+        return {language: each for language, each in text.texts.items() if _bare(each)}
+    only = text.text if isinstance(text, MarkupText) else text
+    return {"": only} if _bare(only) else {}
+
+
+class Said:
+    """All that the code of some POUs says to people."""
+
+    def __init__(self, pous: Iterable[Pou]) -> None:
+        found = [remark.text for pou in pous for remark in remarks(pou, "", None)]
+        texts = [each for text in found for each in texts_of(text).values()]
+        self._lines = frozenset(_bare(line) for text in texts for line in text.splitlines())
+        self._all = _bare(" ".join(texts))
+
+    def has(self, text: str) -> bool:
+        """Whether all lines of a text stand somewhere in it, as words of their own."""
+        return all(line in self._lines or self._contains(line) for line in map(_bare, text.splitlines()))
+
+    def _contains(self, line: str) -> bool:
+        return re.search(rf"(?<!\w){re.escape(line)}(?!\w)", self._all) is not None
+
+
+def _bare(text: str) -> str:
+    """A text without the marks of comments, its words divided by one space each."""
+    return " ".join(_MARKS.sub(" ", text).split())
+
+
+_SHOWN = 60
+
+
+def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language: str) -> tuple[Item, ...]:
+    """What the code does not hold of a chart, or what means nothing under the profile.
+
+    `lowered`: the POU of `subject` with its code, then the blocks that were made besides. `language` is that of the
+    texts in the code (``de``).
+    """
+    own, pou = subject.pou, lowered[0]
+    said = Said(lowered)
+    found: list[Item] = []
+    for path, part in _lowered_parts(subject, pou):
+        if isinstance(part, SfcBody):
+            found += _Chart(subject, part.chart, profile, path).losses()
+        for remark in remarks(part, path, subject.project.dialect):
+            found += _unsaid(remark, said, language)
+    kept = {variable.name.casefold() for variable in pou.variables()}
+    gone = [variable.name for variable in own.variables() if variable.name.casefold() not in kept]
+    if gone:
+        why = f"only a chart can have variables of their types: {', '.join(gone)}"
+        found.append(Item(Outcome.DROPPED, "variables", own.report_path_of(own.name), why))
+    places = subject.project.locations_of(item.path for item in found)
+    return tuple(replace(item, line=at.line, file=at.file) for item, at in zip(found, places, strict=True))
+
+
+def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
+    """The body whose chart was lowered, and what is gone with it: actions and transition objects, charts of actions."""
+    own = subject.pou
+    if own.body is not None:
+        yield own.report_path_of(subject.name), own.body
+    for action in own.actions:
+        name = f"{own.name}.{action.name}"
+        left = pou.action(action.name)
+        if left is None:
+            yield own.report_path_of(name), action
+        elif isinstance(action.body, SfcBody) and not isinstance(left.body, SfcBody) and name != subject.name:
+            yield own.report_path_of(name), action.body
+    transitions = {each.name for each in pou.transitions}
+    for each in own.transitions:
+        if each.name not in transitions:
+            yield own.report_path_of(f"{own.name}.{each.name}"), each
+
+
+def _unsaid(remark: Remark, said: Said, language: str) -> Iterator[Item]:
+    """A text for people that the code does not have, or has in one of its languages only."""
+    texts = texts_of(remark.text)
+    missing = {culture: text for culture, text in texts.items() if not said.has(text)}
+    if not missing:
+        return
+    if len(missing) < len(texts):
+        why = f"the code has it in one language, not in {', '.join(missing)}"
+    else:
+        text = " ".join(plain(remark.text, language).split())
+        why = f"not in the code: {text if len(text) <= _SHOWN else text[:_SHOWN] + '..'}"
+    yield Item(Outcome.DROPPED, "comment", remark.path, why)
+
+
+class _Chart:
+    """What of one chart has no effect on its code."""
+
+    def __init__(self, subject: Subject, chart: SfcNetwork, profile: Profile, path: str) -> None:
+        self._chart, self._profile, self._path = chart, profile, path
+        net = Net.of(chart)
+        self._paths = {id(each.step): each.path for each in net.steps} | {id(m.step): m.path for m in net.macros}
+        declared = {*names_of(subject.project), *(variable.name.casefold() for variable in subject.pou.variables())}
+        flags = flags_in_use(chart, profile, lambda name: name.casefold() in declared)
+        self._watched = profile.maximum_times and SfcFlag.ERROR in flags
+
+    def losses(self) -> Iterator[Item]:
+        """What is excluded from the build, and what nothing asks for."""
+        for chart in _charts(self._chart):
+            for step in chart.steps:
+                yield from self._of_step(step)
+            for transition in chart.transitions:
+                if transition.exclude:
+                    path = f"transition {chart.label(transition)}"
+                    yield self._dropped("transition", path, "it is excluded from the build")
+
+    def _of_step(self, step: Step) -> Iterator[Item]:
+        path = f"step {self._paths.get(id(step), step.name)}"
+        if step.exclude:
+            yield self._dropped("step", path, "it is excluded from the build")
+            return
+        unknown = f"the profile {self._profile.name} has no such times"
+        if step.min_time and not self._profile.minimum_times:
+            yield self._dropped("minimum time", path, f"{step.min_time}: {unknown}")
+        asked = self._watched or self._profile.graph_parameters  # in S7-GRAPH it is a value that texts can ask for
+        if step.max_time and not asked:
+            why = "nothing asks for it: the chart does not use SFCError" if self._profile.maximum_times else unknown
+            yield self._dropped("maximum time", path, f"{step.max_time}: {why}")
+        for number, association in enumerate(step.actions, 1):
+            action = f"{path} / action {association.target or number}"
+            if association.exclude:
+                yield self._dropped("action", action, "it is excluded from the build")
+            elif association.indicator:
+                yield self._dropped("indicator", action, f"{association.indicator} does not act on the chart")
+
+    def _dropped(self, what: str, path: str, why: str) -> Item:
+        return Item(Outcome.DROPPED, what, f"{self._path} / {path}", why)
+
+
+def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
+    """A chart, those of its macro-steps, and its partial charts."""
+    yield chart
+    for partial in chart.partial_charts:
+        yield from _charts(partial.chart)
+    for step in chart.steps:
+        body = step.macro.body if step.macro is not None else None
+        if isinstance(body, SfcBody):
+            yield from _charts(body.chart)

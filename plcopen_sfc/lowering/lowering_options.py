@@ -1,0 +1,135 @@
+"""Options of a lowering: constructions, styles, languages, further rules, and the tools that code is for."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.standard_blocks import Tool
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.semantics.profile import Profile
+
+
+class Construction(StrEnum):
+    """What a chart is lowered to.
+
+    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. REGIONS: one CASE
+    for each part in which one step is active at a time. BITS: step bits in structured text. AUTO: the most readable of
+    structured text that is exact.
+    """
+
+    FLIPFLOP = "flipflop"
+    CASE = "case"
+    REGIONS = "regions"
+    BITS = "bits"
+    AUTO = "auto"
+
+
+class Style(StrEnum):
+    """EXACT: does what the chart does. CLASSIC: the textbook form, which does not quite."""
+
+    EXACT = "exact"
+    CLASSIC = "classic"
+
+
+class Language(StrEnum):
+    """The language of the body that is made."""
+
+    ST = "ST"
+    FBD = "FBD"
+    LD = "LD"
+
+
+class States(StrEnum):
+    """What the states of a CASE are written as.
+
+    NUMBERS: the numbers of the steps. CONSTANTS: names of constants with these values. ENUMERATION: values of a type.
+    """
+
+    NUMBERS = "numbers"
+    CONSTANTS = "constants"
+    ENUMERATION = "enumeration"
+
+
+class ActionPlace(StrEnum):
+    """Where the actions stand. INLINE: behind the chain. BLOCK: in a block of their own, which the chain calls."""
+
+    INLINE = "inline"
+    BLOCK = "block"
+
+
+class OperatingMode(StrEnum):
+    """Inputs that lowered code can have besides those of the chart.
+
+    ENABLE: transitions fire only while it is TRUE. SINGLE_STEP: while it is on, only a rising edge of the advance input
+    lets transitions fire whose conditions are TRUE. ADVANCE: while it is on, that edge lets them fire whatever their
+    conditions are. SELECT: a rising edge makes the step of a number the only active one.
+    """
+
+    ENABLE = "enable"
+    SINGLE_STEP = "single-step"
+    ADVANCE = "advance"
+    SELECT = "select"
+
+
+@dataclass(frozen=True)
+class LoweringRules:
+    """What a lowering obeys.
+
+    `profile`: what the chart does. `init`: the name of an input to add that starts the chain anew; None is the usual
+    one, which textbook forms have and exact ones have not, an empty text is none for both. `stop`: a condition
+    in the dialect of the project, or the name of an input to add; while it is TRUE initial steps are set and all others
+    reset. `reset_actions`: `init` and `stop` end stored actions too. `flags`: where step flags are: ``local``, an
+    address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,
+    without its version. `at_rest`: commands and mode switches of an S7-GRAPH block that nobody operates, ``all`` for
+    all it has: there is no code for them, and it does what the chart does while they are FALSE.
+    """
+
+    profile: Profile
+    texts: Texts
+    init: str | None = None
+    stop: str | None = None
+    reset_actions: bool = False
+    states: States = States.NUMBERS
+    actions: ActionPlace = ActionPlace.INLINE
+    flags: str = "local"
+    modes: frozenset[OperatingMode] = frozenset()
+    target: str | None = None
+    at_rest: frozenset[str] = frozenset()
+
+
+_FORMATS = {
+    "simaticml": Tool.S7,
+    "scl": Tool.S7,
+    "codesys": Tool.CODESYS,
+    "codesys23": Tool.CODESYS,
+    "twincat": Tool.CODESYS,
+}
+_DIALECTS = {Dialect.SCL: Tool.S7, Dialect.CODESYS: Tool.CODESYS, Dialect.TWINCAT: Tool.CODESYS}
+
+
+def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
+    """The tool that a format is for; without a format that of the dialect of the project. None: IEC 61131-3."""
+    return _FORMATS.get(target) if target is not None else _DIALECTS.get(dialect)
+
+
+def has_one_sheet(target: str | None) -> bool:
+    """Whether a format has all networks of a body on one sheet, as TC6 does."""
+    return target is not None and (target == "codesys" or target.startswith("plcopen"))
+
+
+def has_networks(target: str | None) -> bool:
+    """Whether a format can hold networks; in one that is text for another tool they would be comments only."""
+    return target != "scl"
+
+
+def shows_networks(target: str | None) -> bool:
+    """Whether who opens a file of a format sees networks: textual IEC 61131-3 says them in statements of its own."""
+    return has_networks(target) and target != "iec-text"
+
+
+def without_version(target: str) -> str:
+    """The name of a format: ``simaticml`` of ``simaticml-V17``."""
+    return re.sub(r"-V?\d.*", "", target)

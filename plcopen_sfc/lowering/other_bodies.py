@@ -1,0 +1,248 @@
+"""The other bodies of a POU whose chart is lowered.
+
+Charts of its actions are lowered too, step variables in bodies are replaced, actions that a target does not have are
+written where they are called, and those that only the chart used are left out.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.binding import called_actions
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.edits import Edit, apply_edits
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements
+from plcopen_sfc.languages.st.lexer import tokenize
+from plcopen_sfc.languages.st.walking import walk
+from plcopen_sfc.lowering.construction import Constructed, construct, errors_of
+from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.conditions import Expression, NamedCondition
+from plcopen_sfc.model.network import Contact
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Project
+
+_OPERAND = re.compile(r"[\w.]+")
+_STEP_DATA = frozenset({"x", "t", "_x", "_t"})
+
+
+def with_step_data(pou: Pou, flags: Mapping[str, str], dialect: Dialect) -> Pou:
+    """A copy of `pou` in which `flags` stand for what asks if a step is active; they are by the names of the steps.
+
+    There are no steps any more, and names of steps would be those of variables that nothing declares. Raises
+    `LoweringError` where the code does not keep what is asked for, or a contact cannot ask for it.
+    """
+    declared = {variable.name.casefold() for variable in pou.variables()}
+    told = {name: flag for name, flag in flags.items() if name not in declared}
+    changed = pou.model_copy(deep=True)
+    for name, _, body in changed.named_bodies():
+        _Replacing(told, dialect, changed.report_path_of(name)).replace_in(body)
+    return changed
+
+
+class ContactError(LoweringError):
+    """A contact asks for a step, and no variable of the code tells of it."""
+
+
+class _Replacing:
+    """Replaces step variables in one body, of which `path` tells where it is."""
+
+    def __init__(self, flags: Mapping[str, str], dialect: Dialect, path: str) -> None:
+        self._flags, self._dialect, self._path = flags, dialect, path
+
+    def replace_in(self, thing: object) -> None:
+        """Replace them in all texts of a part of the model."""
+        if isinstance(thing, list):
+            for each in thing:
+                self.replace_in(each)
+        elif isinstance(thing, Model):
+            texts = ("text",) if isinstance(thing, StBody | Expression) else ("variable", "expression")
+            for name in type(thing).model_fields:
+                value = getattr(thing, name)
+                if name in texts and isinstance(value, str):
+                    replaced = self._replaced(value)
+                    if replaced != value:
+                        if isinstance(thing, Contact) and not _OPERAND.fullmatch(replaced):
+                            raise ContactError(
+                                f"a contact cannot ask for {value}, which is {replaced} in the code",
+                                location=Location(path=self._path),
+                                hint="Step bits and flip-flops can be asked for.",
+                            )
+                        setattr(thing, name, replaced)
+                else:
+                    self.replace_in(value)
+
+    def _replaced(self, text: str) -> str:
+        if "." not in text:
+            return text
+        tokens = tokenize(text, self._dialect).tokens
+        parts, end = [], 0
+        for index in range(len(tokens) - 2):
+            step, dot, asked = tokens[index : index + 3]
+            flag = self._flags.get(step.value.casefold())
+            before = tokens[index - 1].value if index else ""
+            if flag is None or dot.value != "." or before == "." or asked.value.casefold() not in _STEP_DATA:
+                continue
+            if asked.value.casefold() != "x":
+                raise LoweringError(
+                    f"{step.value}.{asked.value} is not lowered yet: the code does not keep it",
+                    location=Location(path=self._path),
+                )
+            alone = _OPERAND.fullmatch(flag) is not None or len(tokens) == 3
+            parts += [text[end : step.span[0]], flag if alone else f"({flag})"]
+            end = asked.span[1]
+        return "".join([*parts, text[end:]])
+
+
+def with_actions(
+    made: Constructed, dialect: Dialect, rules: LoweringRules, language: Language | None, project: Project
+) -> Constructed:
+    """The same with code instead of the charts of those actions that its code calls, and that these call.
+
+    They have the construction of the chart where it can hold them. What starts a chain anew and operates it concerns
+    the chart itself. What other bodies ask of steps is told by the code of their charts.
+    """
+    inner = replace(rules, init=None, stop=None, reset_actions=False, flags="local", modes=frozenset())
+    pou, data_types, body = made.pou, list(made.data_types), made.pou.body
+    parts = made.construction in (Construction.CASE, Construction.REGIONS)
+    construction = Construction.AUTO if parts else made.construction
+    flags = _by_name(made.step_flags)
+    done: set[str] = set()
+    calling = [body]
+    while calling:
+        called = called_actions(calling.pop(), pou, dialect)
+        for action in list(pou.actions):
+            key = action.name.casefold()
+            if key in done or key not in called:
+                continue
+            done.add(key)
+            if isinstance(action.body, SfcBody):
+                alone = pou.model_copy(update={"bodies": [action.body]})  # as if it were the body
+                chart = action.body.chart
+                # types that are new have their names already
+                around = project.model_copy(update={"data_types": [*project.data_types, *data_types]})
+                with errors_of(project, pou, f"{pou.name}.{action.name}"):
+                    found = construct(
+                        alone, chart, dialect, inner, construction=construction, language=language, project=around
+                    )
+                data_types += found.data_types
+                pou = found.pou.model_copy(update={"bodies": pou.bodies})
+                _action_named(pou, action.name).body = found.pou.body
+                for step, flag in _by_name(found.step_flags).items():
+                    flags.setdefault(step, flag)
+            calling.append(_action_named(pou, action.name).body)
+    if not rules.profile.graph_parameters:  # blocks of S7-GRAPH have one body
+        pou = with_step_data(pou, flags, dialect)
+    return replace(made, pou=pou, data_types=tuple(data_types))
+
+
+def _by_name(flags: Mapping[str, str]) -> dict[str, str]:
+    """What tells of steps, by their names instead of their paths."""
+    return {path.rpartition(".")[2].casefold(): flag for path, flag in flags.items()}
+
+
+def _action_named(pou: Pou, name: str) -> Action:
+    return next(action for action in pou.actions if action.name == name)
+
+
+_LEAVING = (n.Return, n.Goto, n.Label)
+"""Statements that mean something else in another text."""
+
+
+def with_actions_inside(pou: Pou, dialect: Dialect) -> Pou:
+    """`pou` with the statements of its actions instead of their calls, each behind a comment with its name.
+
+    Calls stay of actions that are drawn, that return or jump, and that call themselves.
+    """
+    texts = {a.name.casefold(): a.body.text for a in pou.actions if isinstance(a.body, StBody)}
+    texts = {name: text for name, text in texts.items() if _can_stand_elsewhere(text, dialect)}
+    if not texts or not any(isinstance(body, StBody) for body in pou.bodies):
+        return pou
+    bodies = [
+        body.model_copy(update={"text": _inlined(body.text, texts, dialect), "markup": None})
+        if isinstance(body, StBody)
+        else body
+        for body in pou.bodies
+    ]
+    return pou.model_copy(update={"bodies": bodies})
+
+
+def _can_stand_elsewhere(text: str, dialect: Dialect) -> bool:
+    parsed = parse_statements(text, dialect)
+    return not parsed.problems and not any(isinstance(node, _LEAVING) for node in walk(parsed.tree))
+
+
+def _inlined(text: str, texts: Mapping[str, str], dialect: Dialect) -> str:
+    edits: list[Edit] = []
+    for node in walk(parse_statements(text, dialect).tree):
+        name = _called_alone(node)
+        if name is None or name.casefold() not in texts or node.span is None:
+            continue
+        others = {each: inside for each, inside in texts.items() if each != name.casefold()}
+        inside = _inlined(texts[name.casefold()], others, dialect).strip("\n")
+        end = re.compile(r"\s*;").match(text, node.span[1])
+        stop = end.end() if end is not None else node.span[1]
+        start = text.rfind("\n", 0, node.span[0]) + 1
+        before = text[start : node.span[0]]
+        indent = before[: len(before) - len(before.lstrip())]
+        put = f"\n{indent}".join([f"// {name}", *inside.split("\n")])
+        if before.strip():
+            put = f"\n{indent}{put}"
+        behind = text[stop : (text + "\n").index("\n", stop)]
+        edits.append(Edit(node.span[0], stop, put if not behind.strip() else f"{put}\n{indent}"))
+    return apply_edits(text, edits)
+
+
+def _called_alone(node: n.Node) -> str | None:
+    """The name of what a statement calls without arguments."""
+    call = node.call if isinstance(node, n.CallStatement) else None
+    if isinstance(call, n.Call) and not call.arguments:
+        call = call.callee
+    return call.identifier if isinstance(call, n.Name) else None
+
+
+def without_leftovers(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
+    """`lowered` without the actions and transitions that the charts of `original` used and its code does not call.
+
+    In IEC 61131-3 they are a part of a chart (6.7.4.2, 6.7.3): nothing else can call them, and textual declarations
+    with a body of statements have no place for them. In other dialects an action is called from anywhere, and stays.
+    """
+    called = _actions_called(lowered, dialect)
+    charts = [body for body in (*lowered.bodies, *(called.values())) if isinstance(body, SfcBody)]
+    if dialect is not Dialect.IEC or charts:
+        return lowered
+    actions, transitions = _used(original)
+    lowered.actions = [
+        each for each in lowered.actions if each.name.casefold() in called or each.name.casefold() not in actions
+    ]
+    lowered.transitions = [each for each in lowered.transitions if each.name.casefold() not in transitions]
+    return lowered
+
+
+def _used(pou: Pou) -> tuple[set[str], set[str]]:
+    """The names of actions and of transition objects in the charts of a POU."""
+    actions: set[str] = set()
+    transitions: set[str] = set()
+    for body in (*pou.bodies, *(action.body for action in pou.actions)):
+        if isinstance(body, SfcBody):
+            actions |= {each.target.casefold() for _, each in body.chart.associations() if each.target is not None}
+            conditions = (transition.condition for transition in body.chart.transitions)
+            transitions |= {each.name.casefold() for each in conditions if isinstance(each, NamedCondition)}
+    return actions, transitions
+
+
+def _actions_called(pou: Pou, dialect: Dialect) -> dict[str, Body | None]:
+    """The actions that the code calls, and those that these call: their bodies by name."""
+    by_name = {action.name.casefold(): action.body for action in pou.actions}
+    called: dict[str, Body | None] = {}
+    bodies: list[Body | None] = [*pou.bodies]
+    while bodies:
+        for name in sorted(called_actions(bodies.pop(), pou, dialect) - called.keys()):
+            called[name] = by_name[name]
+            bodies.append(by_name[name])
+    return called

@@ -1,0 +1,252 @@
+"""Comparison of lowered code with its chart.
+
+The parameters of an S7-GRAPH block multiply the states of its sequencer: each command that could just have risen
+doubles them, and a block has a dozen. So there are searches while the inputs that operate a sequencer have their values
+at rest, and while only some of them are operated that act together: a sum instead of a product. All of them at once are
+searched as far as that is quick. The verdict names what is proven.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from time import monotonic
+from typing import Any, NamedTuple, Unpack
+
+from plcopen_sfc.analysis.equivalence import Searching, equivalent
+from plcopen_sfc.analysis.limits import seconds
+from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
+from plcopen_sfc.errors import Location, LoweringError, SfcError, UntestedError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.translation.renames import identifier, is_identifier, is_reserved
+from plcopen_sfc.lowering.code.code_declarations import BOOL, names_of
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.types import Variable
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.semantics.charts.flags import COMMANDS, flags_in_use
+from plcopen_sfc.semantics.charts.graph.parameters import PARAMETERS
+from plcopen_sfc.semantics.profile import Profile
+from plcopen_sfc.semantics.simulation import Simulation
+from plcopen_sfc.semantics.subjects import Subject
+
+_AT_REST = 5_000
+_TOGETHER = 1_000
+_EACH = 2_000
+"""States that are searched."""
+
+_GROUPS = (
+    ("OFF_SQ", "INIT_SQ"),
+    ("ACK_EF", "REG_EF", "REG_S"),
+    ("S_PREV", "S_NEXT"),
+    ("SW_AUTO", "SW_TAP", "T_PUSH"),
+    ("SW_AUTO", "SW_TOP", "T_PUSH"),
+    ("SW_AUTO", "SW_MAN"),
+)
+"""Inputs that act together, in upper case: the start and the end, acknowledging, the display, each mode."""
+
+_BY_HAND = frozenset({"SW_AUTO", "SW_MAN", "S_SEL", "S_ON", "S_OFF", "S_PREV", "S_NEXT"})
+"""Inputs by which steps are switched one by one, and looked at.
+
+They have too many states for a proof: each number of S_SEL is another one. But several steps of a sequence are active
+in manual mode only, and runs in which everything is operated rarely stay in it: mutants of the display survived there.
+"""
+
+
+def operating_inputs(chart: Subject, profile: Profile) -> dict[str, int]:
+    """The inputs of a block that operate its sequencer, and their values at rest."""
+    if not profile.graph_parameters:
+        return {}
+    return {v.name: 0 for v in chart.pou.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}
+
+
+def compared_while_operated(
+    compared: Callable[..., Verdict], operating: Mapping[str, int], fixed: Mapping[str, bool], cap: int, runs: int
+) -> Verdict:
+    """What `compared` comes to. `operating`: inputs that operate the sequencer; others as in `equivalent`."""
+    operated = [name for name in operating if name not in fixed]
+    if not operated:
+        return compared(fixed=fixed, cap=cap, runs=runs)
+    at_rest = compared(fixed={**operating, **fixed}, cap=min(cap, _AT_REST), runs=1)
+    if at_rest.different or at_rest.interrupted:
+        return at_rest
+    groups = [group for group in _groups(operated) if len(group) < len(operated)]
+    found = compared(fixed=fixed, cap=min(cap, _TOGETHER if groups else _EACH), runs=runs)
+    if found.proven or found.different or found.interrupted:
+        return found
+    found = found.joined(at_rest)
+    if not at_rest.proven:
+        return found
+    proven: list[str] = []
+    for group in groups:
+        others = {name: value for name, value in operating.items() if name not in group}
+        each = compared(fixed={**others, **fixed}, cap=min(cap, _EACH), runs=1)
+        if each.different or each.interrupted:
+            return each
+        found = found.joined(each)
+        if each.proven:
+            proven.append(f"{' and '.join(group)} ({each.states} states)")
+    if any(name.upper() == "S_SEL" for name in operated):
+        others = {name: value for name, value in operating.items() if name.upper() not in _BY_HAND}
+        each = compared(fixed={**others, **fixed}, cap=1, runs=runs)
+        if each.different or each.interrupted:
+            return each
+        found = found.joined(each)
+    known = f"while {', '.join(operated)} are FALSE it is proven: {at_rest.states} states"
+    if proven:
+        known += f"; and while only these of them are operated: {'; '.join(proven)}"
+    return replace(found, reason=f"{found.reason}; {known}")
+
+
+def _groups(operated: Sequence[str]) -> list[list[str]]:
+    """The groups of which a block has inputs, without those that are a part of another one."""
+    found = dict.fromkeys(frozenset(name for name in operated if name.upper() in group) for group in _GROUPS)
+    largest = [group for group in found if group and not any(group < other for other in found)]
+    return [[name for name in operated if name in group] for group in largest]
+
+
+_LEAST_LIMIT = 0.1
+_STATES = 20_000
+"""What is searched in seconds to minutes, according to the size of the chart."""
+
+
+class ProofOptions(NamedTuple):
+    """What a user wants of a proof: to take code of which not all was reached, and how to search (`equivalent`)."""
+
+    accept_untested: bool = False
+    searching: Searching = {}  # noqa: RUF012  # nothing writes it
+
+
+def prove(
+    chart: Subject,
+    code: Subject,
+    profile: Profile,
+    *,
+    fixed: Mapping[str, bool],
+    left_out: str | None,
+    step_flags: Mapping[str, str] | None,
+    cap: int = _STATES,
+    runs: int = 100,
+    scans: int = 200,
+    **searching: Unpack[Searching],
+) -> Verdict:
+    """What comparing `code` with `chart` comes to; arguments as in `equivalent`.
+
+    Raises `LoweringError` where one of them cannot be executed: it calls what the simulator does not know, or its texts
+    are wrong in their types.
+
+    The parameters of an S7-GRAPH block multiply its states: see `compared_while_operated`.
+    """
+    chart, code = compared_subjects(chart, code, profile)
+    try:
+        inputs = _renamed_inputs(chart, code, profile)
+        limit = seconds(searching.get("limit"))
+        start = monotonic()
+
+        def compared(**narrowed: Any) -> Verdict:
+            if limit is not None:
+                searching["limit"] = max(start + limit - monotonic(), _LEAST_LIMIT)
+            return equivalent(
+                chart,
+                code,
+                profile,
+                inputs=inputs,
+                left_out=left_out,
+                step_flags=step_flags,
+                scans=scans,
+                **searching,
+                **narrowed,
+            )
+
+        operating = operating_inputs(chart, profile)
+        found = compared_while_operated(compared, operating, fixed, cap, runs)
+    except SfcError as error:
+        raise _incomparable(chart, error.message) from error
+    differences = found.counterexample.differences if found.counterexample is not None else ()
+    failure = next((each.error for each in differences if each.error), "")
+    if failure:
+        raise _incomparable(chart, failure)
+    return found
+
+
+def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> None:
+    """Raise `UntestedError` where not all was reached, unless that is accepted; an interruption never is."""
+    if found.kind is not VerdictKind.UNTESTED or (accepted and not found.interrupted):
+        return
+    raise UntestedError(
+        f"the code is equal to the chart where both were run, but not all was reached: {found}",
+        verdict=found,
+        location=Location(path=name),
+        hint=""
+        if found.interrupted
+        else "accept_untested=True, --accept-untested takes it knowingly."
+        + (" free_inputs, --free make inputs of frozen variables." if found.frozen else ""),
+    )
+
+
+def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[Subject, Subject]:
+    """The same with SFC flags of CODESYS that are local as inputs.
+
+    A visualisation writes them, or a call of the chart from elsewhere.
+    """
+    commands = _commands(chart, profile)
+    if not commands:
+        return chart, code
+    return _with_inputs(chart, commands), _with_inputs(code, commands)
+
+
+def _renamed_inputs(chart: Subject, code: Subject, profile: Profile) -> dict[str, str]:
+    """What variables that nobody declares are called in the code, if its dialect does not take their names."""
+    target = code.project.dialect
+    if target in (chart.project.dialect, Dialect.SCL):
+        return {}
+    mine, theirs = (
+        {name.casefold(): name for name in Simulation(each, profile=profile).undeclared} for each in (chart, code)
+    )
+    found: dict[str, str] = {}
+    for old in (name for name in mine if name not in theirs):
+        like = re.compile(r"\.".join(_renamed(part, target) for part in mine[old].split(".")), re.IGNORECASE)
+        new = [name for key, name in theirs.items() if key not in mine and like.fullmatch(name)]
+        if len(new) == 1:
+            found[new[0]] = mine[old]
+    return found
+
+
+def _renamed(name: str, target: Dialect) -> str:
+    """A pattern of what a name is called in a dialect."""
+    if is_identifier(name) and not is_reserved(name, target):
+        return re.escape(name)
+    return re.escape(identifier(name)) + "(_[0-9]+)?"
+
+
+def _incomparable(chart: Subject, why: str) -> LoweringError:
+    return LoweringError(
+        f"the code cannot be compared with the chart: {why}",
+        location=Location(path=chart.name),
+        hint="It can be lowered without the proof: verify=False, --no-verify.",
+    )
+
+
+def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
+    """The SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
+    charts = [body.chart for _, _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
+    own = {v.name.casefold() for v in chart.pou.variables()}
+    known = own | names_of(chart.project)
+    used = {flag for each in charts for flag in flags_in_use(each, profile, lambda name: name.casefold() in known)}
+    around = known - own
+    names = sorted(flag.variable for flag in used & COMMANDS)
+    return {name.casefold(): name for name in names if name.casefold() not in around}
+
+
+def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
+    """The same with variables of these names as inputs, if they are local, or if only the tool declares them."""
+    old = subject.pou.interface
+    interface = old.model_copy(deep=True, update={"declaration": None}) if old is not None else Interface()
+    declared = {variable.name.casefold() for variable in interface.variables()}
+    inputs = [Variable(name=name, type=BOOL) for key, name in names.items() if key not in declared]
+    for section in interface.sections:
+        if section.kind is SectionKind.LOCAL:
+            inputs += [v for v in section.variables if v.name.casefold() in names]
+            section.variables = [v for v in section.variables if v.name.casefold() not in names]
+    interface.sections.append(VariableSection(kind=SectionKind.INPUT, variables=inputs))
+    return replace(subject, pou=subject.pou.model_copy(update={"interface": interface}))

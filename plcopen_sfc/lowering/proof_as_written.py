@@ -1,0 +1,134 @@
+"""Proving code that was written to a file, as the tool that the file is for sees it.
+
+What a format has no place for, our writers carry in comments and data of their own, and our readers take it from there.
+So code may be whole when it is read back and yet not be in the file for anybody else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Unpack
+
+from plcopen_sfc.analysis.equivalence import Searching
+from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
+from plcopen_sfc.errors import Location, LoweringError, ModelError
+from plcopen_sfc.lowering.lower import LoweredPou
+from plcopen_sfc.lowering.lowering_options import Style
+from plcopen_sfc.lowering.proof import prove
+from plcopen_sfc.model.base import Model
+from plcopen_sfc.model.compare import differences
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.report import ConversionReport, Outcome
+from plcopen_sfc.semantics.subjects import Subject, resolve
+
+_NO_CODE = frozenset(
+    """drawing comment title carried content_carried header name modified tree place attributes object_id global_id
+    foreign_data_infos scales folder number markup worksheet""".split()
+)
+"""Fields that no program is made of."""
+_MOST_LIKELY = (
+    *("networks", "bodies", "body", "actions", "methods"),
+    *("return type", "sections", "variables", "type", "initial"),
+)
+"""Which of all others a message names first."""
+_NAMED = 3
+_SHOWN = 100
+
+
+def prove_written(
+    chart: Subject,
+    lowered: LoweredPou,
+    seen: Project,
+    whole: Callable[[], Project],
+    **searching: Unpack[Searching],
+) -> Verdict:
+    """What comparing the code in a file with `chart` comes to. `seen`: the file as its tool sees it (`load(as_tool=)`).
+
+    `whole` loads the same file with what we carry in it. Raises `LoweringError` where `seen` lacks what the code needs,
+    where it cannot be executed, and where exact code is different from the chart.
+    """
+    try:
+        found = _proved(chart, seen, lowered, **searching)
+    except (LoweringError, ModelError) as error:
+        if _is_equal(chart, carrying := whole(), lowered, **searching):
+            raise _carried(lowered, seen, carrying, error.message) from error
+        raise
+    if found.kind is not VerdictKind.DIFFERENT:
+        return found
+    exact, carrying = lowered.style is Style.EXACT, whole()
+    if _is_equal(chart, carrying, lowered, **searching) if exact else not _is_same_code(carrying, seen, lowered):
+        raise _carried(lowered, seen, carrying, str(found).partition("\n")[0])
+    if exact:
+        raise LoweringError(
+            f"read back, the code does not do what the chart does: {found}", hint="Please report it with the chart."
+        )
+    return found
+
+
+def refuse_comments(report: ConversionReport, pou: str) -> None:
+    """Raise `LoweringError` where a network of `pou` would be in a comment: the proof finds that too, but not why."""
+    for item in report.with_outcome(Outcome.EXTENSION_DATA, Outcome.NOT_EXECUTED):
+        if item.what in ("network", "body") and item.path == f"POU {pou}":
+            raise LoweringError(
+                f"a network would stand in a comment only: {item.why}",
+                location=Location(path=item.path),
+                hint="Structured text can hold it: --language ST.",
+            )
+
+
+def _proved(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> Verdict:
+    return prove(
+        chart,
+        resolve(written, lowered.name),
+        lowered.profile,
+        fixed=lowered.at_rest,
+        left_out=lowered.left_out,
+        step_flags=lowered.step_flags or None,
+        **searching,
+    )
+
+
+def _is_equal(chart: Subject, written: Project, lowered: LoweredPou, **searching: Unpack[Searching]) -> bool:
+    try:
+        return _proved(chart, written, lowered, **searching).kind is not VerdictKind.DIFFERENT
+    except (LoweringError, ModelError):
+        return False
+
+
+def _is_same_code(whole: Project, seen: Project, lowered: LoweredPou) -> bool:
+    one, other = (resolve(project, lowered.name) for project in (whole, seen))
+    found = prove(one, other, lowered.profile, fixed={}, left_out=None, step_flags=None)
+    return found.kind is not VerdictKind.DIFFERENT
+
+
+def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> LoweringError:
+    places = list(_places(seen, whole, lowered.pou.name))
+    shown = "; ".join(places[:_NAMED]) + (f"; and {len(places) - _NAMED} more" if len(places) > _NAMED else "")
+    to_text = lowered.language != "ST"
+    return LoweringError(
+        f"a part of the code would stand in comments or data of ours only, which its tool does not read: {why}. "
+        f"It would not see {shown}",
+        location=Location(path=lowered.name),
+        hint="Structured text can hold it: --language ST."
+        if to_text
+        else "Formats of other tools may have a place for it.",
+    )
+
+
+def _places(seen: Project, whole: Project, pou: str) -> Iterator[str]:
+    """What its tool does not see of a file: what stands in the POU first, and what most likely matters."""
+    found = differences(seen, whole, ignore=_NO_CODE)
+    for each in sorted(found, key=lambda each: (each.path.partition(" / ")[0] != f"POU {pou}", _rank(each.path))):
+        yield f"{each.path} ({_short(each.right)})"
+
+
+def _rank(path: str) -> int:
+    last = path.rpartition(" / ")[2]
+    return next(
+        (place for place, word in enumerate(_MOST_LIKELY) if f"{last} ".startswith(f"{word} ")), len(_MOST_LIKELY)
+    )
+
+
+def _short(value: object) -> str:
+    text = type(value).__name__ if isinstance(value, Model) else str(value)
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + ".."

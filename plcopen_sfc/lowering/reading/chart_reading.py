@@ -1,0 +1,322 @@
+"""Reading a chart for lowering: what is not understood completely is refused here, nothing is guessed."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_statements, walk
+from plcopen_sfc.lowering.code.boolean_logic import TRUE, conjunction, negation
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
+from plcopen_sfc.lowering.reading.text_reading import ConditionText, Targets, TextReader
+from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
+from plcopen_sfc.model.body import Body, SfcBody, StBody
+from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.conditions import Expression as TextCondition
+from plcopen_sfc.model.pou import Action, Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork, Step
+from plcopen_sfc.model.types import Elementary, ElementaryType
+from plcopen_sfc.semantics.charts.flags import flags_in_use
+from plcopen_sfc.semantics.net import Net, NetTransition, indexes
+from plcopen_sfc.semantics.profile import ActionControl, Evolution, Profile, ScanOrder
+
+
+def read_chart(
+    pou: Pou,
+    chart: SfcNetwork,
+    dialect: Dialect,
+    profile: Profile,
+    surroundings: Collection[str] = (),
+    *,
+    project: Project | None = None,
+    grafcet: TextReader | None = None,
+) -> ChartSource:
+    """Read a chart of `pou`. `surroundings`: the names of its project in lower case.
+
+    `grafcet` has read what only IEC 60848 has.
+
+    Raises `LoweringError` for what has no meaning that could be lowered.
+    """
+    return _Reader(pou, chart, dialect, profile, surroundings, project=project, grafcet=grafcet).source()
+
+
+class _Owner(NamedTuple):
+    """A step or macro-step with associations: its model, what people call it, and its steps in the net."""
+
+    step: Step
+    chart: SfcNetwork
+    path: str
+    steps: tuple[int, ...]
+
+
+class _Reader(TextReader):
+    def __init__(
+        self,
+        pou: Pou,
+        chart: SfcNetwork,
+        dialect: Dialect,
+        profile: Profile,
+        surroundings: Collection[str],
+        *,
+        project: Project | None,
+        grafcet: TextReader | None,
+    ) -> None:
+        super().__init__(pou, chart, dialect, grafcet.helpers if grafcet is not None else ())
+        self._targets = Targets(pou, project, dialect)
+        self._grafcet = grafcet
+        self._profile = profile
+        self._types = {variable.name.casefold(): variable.type for variable in pou.variables()}
+        self._declared = {*self._types, *surroundings}
+        self._flags = flags_in_use(chart, profile, lambda name: name.casefold() in self._declared)
+        self._net = Net.of(chart)
+
+    def _check_profile(self) -> None:
+        """Refuse what only profiles have that people make of others."""
+        profile = self._profile
+        if profile.initial_situation_held:
+            self.refuse(f"the initial situation is held under the profile {profile.name}: that is not lowered", "")
+        used = {a.qualifier for owner in self._owners() for a in owner.step.actions if not a.exclude}
+        shared = profile.action_control is ActionControl.PER_ACTION
+        if shared and not profile.reset_cancels_delays and used & {Qualifier.SD, Qualifier.SL}:
+            self.refuse(f"R does not end the times of SD and SL under {profile.name}: that is not lowered", "")
+        if not profile.initial_steps_entered:
+            for step in self._net.steps:
+                if self._net.initial & step.bit and step.step.entry_action is not None:
+                    self.refuse("the entry action of an initial step is not executed: that is not lowered", step.path)
+
+    def source(self) -> ChartSource:
+        """The chart."""
+        if self._net.problems:
+            self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path)
+        if self._profile.evolution is Evolution.UNTIL_STABLE:
+            self.refuse("the search for stability is not lowered yet", "")
+        if self._profile.graph_parameters or (self._net.hierarchy and self._grafcet is None):
+            self.refuse("enclosing steps, forcing orders and S7-GRAPH are not lowered yet", "")
+        if self._flags and self._profile.order is not ScanOrder.ACTIONS_FIRST:
+            self.refuse("SFC flags are lowered only where actions come before transitions", "")
+        if self.chart.permanent_pre or self.chart.permanent_post:
+            self.refuse("permanent operations are not lowered yet", "")
+        self._check_profile()
+        logic = self.logic()
+        conditions = [self._transition(transition) for transition in self._net.transitions]
+        actions = tuple(self._actions())
+        code = tuple(self._step_code())
+        source = ChartSource(
+            self.pou,
+            self.dialect,
+            self._net,
+            tuple(condition.value for condition in conditions),
+            tuple(condition.preparation for condition in conditions),
+            logic,
+            tuple(self.helpers),
+            actions,
+            code,
+            dict(self._minimum_times()),
+            tuple(self._watches()),
+            self._flags,
+            instances=self.instances,
+        )
+        return replace(source, undeclared_flags=self._undeclared(source.names()))
+
+    def _undeclared(self, names: set[str]) -> frozenset[SfcFlag]:
+        """The flags that are used or named, and that only the tool declares."""
+        settings = self.chart.settings
+        stated = settings.flags if settings is not None else {}
+        named = {name.casefold() for name in names}
+        implicit = {flag for flag, use in stated.items() if use.declare and flag.variable.casefold() in named}
+        return frozenset(f for f in implicit | self._flags if f.variable.casefold() not in self._declared)
+
+    # -- conditions
+
+    def _transition(self, transition: NetTransition) -> ConditionText:
+        path = f"transition {transition.path}"
+        found = self.condition(transition.chart, transition.transition.condition, path)
+        return found._replace(value=self._boolean(found.value, path))
+
+    def _boolean(self, condition: n.Expression, path: str) -> n.Expression:
+        """The same, if no variable of another type stands where it must be of type BOOL."""
+        for operand in _logical(condition):
+            kind = self._types.get(operand.identifier.casefold())
+            if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
+                self.refuse(f"{operand.identifier} is a {kind.name}: a condition is of type BOOL", path)
+        return condition
+
+    # -- actions
+
+    def _owners(self) -> Iterator[_Owner]:
+        for step in self._net.steps:
+            yield _Owner(step.step, step.chart, step.path, (step.index,))
+        for macro in self._net.macros:
+            yield _Owner(macro.step, macro.chart, macro.path, tuple(indexes(macro.steps)))
+
+    def _actions(self) -> Iterator[ActionSource]:
+        """Associations with the same target are one action, every body in place is one of its own; as in the chart."""
+        targets: dict[str, tuple[str, str, str, list[Use]]] = {}
+        found: list[str | ActionSource] = []
+        for owner in self._owners():
+            for number, association in enumerate(owner.step.actions, 1):
+                if association.exclude:
+                    continue
+                path = f"step {owner.path} / action {association.target or number}"
+                use = self._use(owner, association, path)
+                if association.target is not None:
+                    assigned = f" := {association.value}" if association.value is not None else ""
+                    key = f"{association.target}{assigned}".casefold()
+                    if key not in targets:
+                        targets[key] = association.target, assigned, path, []
+                        found.append(key)
+                    targets[key][3].append(use)
+                if association.body is not None:
+                    statements = self.statements(association.body, path)
+                    name = f"{owner.step.name}_{number}"
+                    text = _text_of(association.body)
+                    found.append(ActionSource(name, None, statements, (use,), in_place=True, text=text))
+        for each in found:
+            if isinstance(each, ActionSource):
+                yield each
+                continue
+            name, assigned, path, uses = targets[each]
+            if assigned:
+                yield ActionSource(name, None, self.read(f"{name}{assigned};", f"action {name}"), tuple(uses))
+                continue
+            action = self.pou.action(name)
+            if action is not None:
+                text = "" if self._stays(action) else _text_of(action.body)
+                statements = self._statements_of(action)
+                yield ActionSource(name, None, statements, tuple(uses), text=text, comment=action.comment)
+                continue
+            target = self.expression(name, f"action {name}")
+            if self._targets.is_called(target):
+                yield ActionSource(name, None, self.read(f"{name}();", f"action {name}"), tuple(uses))
+            else:
+                yield ActionSource(name, self.variable(name, self._targets, path), (), tuple(uses))
+
+    def _statements_of(self, action: Action) -> tuple[n.Statement, ...]:
+        """What an action does; one with a chart of its own is called, and one that RETURN leaves."""
+        path = f"action {action.name}"
+        return self.read(f"{action.name}();", path) if self._stays(action) else self.statements(action.body, path)
+
+    def _stays(self, action: Action) -> bool:
+        """Whether the code of an action has to stay where it is, and is called."""
+        if isinstance(action.body, SfcBody):
+            return True
+        if not isinstance(action.body, StBody) or self.dialect not in _WITH_CALLS:
+            return False
+        parts = [
+            node for each in parse_statements(action.body.text, self.dialect).tree.statements for node in walk(each)
+        ]
+        steps = {step.step.name.casefold() for step in self._net.steps}
+        asks = any(isinstance(node, n.Name) and node.identifier.casefold() in steps for node in parts)
+        return not asks and any(isinstance(node, n.Return) for node in parts)
+
+    def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> Use:
+        if association.event is not None or association.interlock or association.forcing is not None:
+            self.refuse("events, interlocks and forcing orders are not lowered yet", path)
+        if association.kind not in (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
+            self.refuse(f"actions of kind {association.kind} are not lowered yet", path)
+        qualifier = Qualifier.N if association.qualifier is Qualifier.NONE else association.qualifier
+        if qualifier not in self._profile.qualifiers:
+            self.refuse(f"the profile {self._profile.name} does not say what {qualifier} does", path)
+        duration = self.expression(association.duration, path) if association.duration else None
+        if qualifier.needs_duration and duration is None:
+            self.refuse(f"{qualifier} needs a time", path)
+        condition, before = self._guard(owner.chart, association.condition, path)
+        inverted = owner.step.negated is not association.negated
+        return Use(owner.steps, inverted, qualifier, condition, duration, association.comment, before)
+
+    def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
+        if condition is None:
+            return ConditionText(TRUE, ())
+        found = self.condition(chart, condition, path)
+        return found._replace(value=self._boolean(found.value, path))
+
+    # -- what steps execute
+
+    def _step_code(self) -> Iterator[StepCode]:
+        for step in self._net.steps:
+            model = step.step
+            if model.interlock is not None or model.supervision is not None:
+                self.refuse("interlocks and supervisions are not lowered yet", f"step {step.path}")
+            codes = [
+                self._step_action(action, f"step {step.path}")
+                for action in (model.entry_action, model.main_action, model.exit_action)
+            ]
+            if any(codes):
+                yield StepCode(step.index, *codes)
+
+    def _step_action(self, action: str | Body | None, path: str) -> tuple[n.Statement, ...]:
+        if not isinstance(action, str):
+            return self.statements(action, path)
+        known = self.pou.action(action)
+        if known is not None:
+            return self._statements_of(known)
+        return self.read(f"{action}();", path)
+
+    def _minimum_times(self) -> Iterator[tuple[int, n.Expression]]:
+        if self._profile.minimum_times:
+            for step in self._net.steps:
+                if step.step.min_time:
+                    yield step.index, self.expression(step.step.min_time, f"step {step.path}")
+
+    def _watches(self) -> Iterator[Watch]:
+        if self._profile.maximum_times and SfcFlag.ERROR in self._flags:
+            for step in self._net.steps:
+                if step.step.max_time:
+                    time = self.expression(step.step.max_time, f"step {step.path}")
+                    reasons = tuple(self._reasons(step.index)) if _ANALYSES & self._flags else ()
+                    yield Watch(step.index, time, reasons)
+
+    def _reasons(self, step: int) -> Iterator[Reason]:
+        """The operands that can keep the transitions behind a step from being TRUE."""
+        for index in self._net.leaving[step]:
+            condition = self._net.transitions[index].transition.condition
+            if isinstance(condition, TextCondition):
+                tree = self.expression(condition.text, f"transition {self._net.transitions[index].path}")
+                yield from _reasons(tree, condition.text, not condition.negated, ())
+
+
+def _logical(node: n.Expression) -> Iterator[n.Name]:
+    """The names that stand where a value of type BOOL must: alone, and below AND, OR, XOR and NOT."""
+    match n.bare(node):
+        case n.Name() as name:
+            yield name
+        case n.Unary(operator=n.Operator.NOT, operand=operand):
+            yield from _logical(operand)
+        case n.Operation(operator=operator, operands=operands) if operator in _LOGICAL:
+            for operand in operands:
+                yield from _logical(operand)
+
+
+_LOGICAL = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
+
+
+def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[Reason]:
+    """What can keep `node` from being `wanted`, if all that is `given` is TRUE."""
+    match node:
+        case n.Parenthesized():
+            yield from _reasons(node.inner, text, wanted, given)
+            return
+        case n.Unary(operator=n.Operator.NOT):
+            yield from _reasons(node.operand, text, not wanted, given)
+            return
+        case n.Operation(operator=n.Operator.AND | n.Operator.AND_THEN | n.Operator.OR | n.Operator.OR_ELSE):
+            if (node.operator in (n.Operator.AND, n.Operator.AND_THEN)) is not wanted:  # one operand would do
+                given = (*given, negation(node) if wanted else node)
+            for operand in node.operands:
+                yield from _reasons(operand, text, wanted, given)
+            return
+    start, end = node.span or (0, len(text))
+    yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]), not wanted)
+
+
+_ANALYSES = {SfcFlag.ERROR_ANALYZATION, SfcFlag.ERROR_ANALYZATION_TABLE}
+_WITH_CALLS = frozenset({Dialect.CODESYS, Dialect.TWINCAT})
+"""The dialects in which an action can be called."""
+
+
+def _text_of(body: Body | None) -> str:
+    return body.text if isinstance(body, StBody) else ""

@@ -1,0 +1,304 @@
+"""A chart as a lowering sees it: its net, its conditions and actions as syntax trees, and what only GRAFCET has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import count
+from typing import Any, TypeAlias
+
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.networks import Helper
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import walk
+from plcopen_sfc.lowering.code_texts import step_digits
+from plcopen_sfc.model.actions import ActionKind, Qualifier
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.text import Text
+from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
+from plcopen_sfc.semantics.net import Net
+
+
+@dataclass(frozen=True)
+class Edge:
+    """``↑operand``, or ``↓operand`` where it is not `rising`. In conditions `name` stands for it.
+
+    `words` are the names in it, as people wrote them.
+    """
+
+    name: str
+    operand: n.Expression
+    rising: bool
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Delay:
+    """``first/operand/last``: TRUE `first` after the operand became TRUE, until `last` after it became FALSE.
+
+    In conditions `name` stands for it. None: no delay at this end. `words` are the names in it, as people wrote them.
+    """
+
+    name: str
+    operand: n.Expression
+    first: n.Expression | None
+    last: n.Expression | None
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class StoredAction:
+    """What is executed when `steps` (several in a macro-step) become active or no longer are, or on an `event`."""
+
+    kind: ActionKind
+    steps: tuple[int, ...]
+    event: n.Expression | None
+    statements: tuple[n.Statement, ...]
+
+
+@dataclass(frozen=True)
+class GrafcetSource:
+    """`edges` and `delays` of all conditions, the `stored` and `continuous` actions, and the charts that others rule.
+
+    Edges and delays stand in an order in which each needs only those before it, `ruled` in one in which each chart is
+    ruled only by those before it. `step_variables` are the names that mean steps (``X5``), in lower case.
+    """
+
+    edges: tuple[Edge, ...]
+    delays: tuple[Delay, ...]
+    stored: tuple[StoredAction, ...]
+    continuous: tuple[ActionSource, ...]
+    ruled: tuple[RuledChart, ...]
+    step_variables: frozenset[str]
+
+    def changed(self, change: Change) -> GrafcetSource:
+        """The same with `change` applied to every text but the targets of actions."""
+
+        def optional(node: Any) -> Any:
+            return change(node) if node is not None else None
+
+        delays = [
+            replace(d, operand=change(d.operand), first=optional(d.first), last=optional(d.last)) for d in self.delays
+        ]
+        stored = [
+            replace(s, event=optional(s.event), statements=tuple(change(each) for each in s.statements))
+            for s in self.stored
+        ]
+        return replace(
+            self,
+            edges=tuple(replace(edge, operand=change(edge.operand)) for edge in self.edges),
+            delays=tuple(delays),
+            stored=tuple(stored),
+            continuous=tuple(action.changed(change) for action in self.continuous),
+        )
+
+    def trees(self) -> Iterator[n.Node]:
+        """Every text."""
+        yield from (edge.operand for edge in self.edges)
+        for delay in self.delays:
+            yield from (each for each in (delay.operand, delay.first, delay.last) if each is not None)
+        for stored in self.stored:
+            yield from stored.statements
+            if stored.event is not None:
+                yield stored.event
+        for action in self.continuous:
+            yield from action.trees()
+
+
+Change: TypeAlias = Callable[[Any], Any]
+"""Makes another node of the same kind of a node."""
+
+
+@dataclass(frozen=True)
+class Use:
+    """One association of an action: `steps` (indexes of the net; several in a macro-step) drive it by `qualifier`.
+
+    `inverted`: they do while none of them is active. `condition` is TRUE where there is none, `duration` None.
+    `preparation` is what must be executed before the condition is evaluated, once in each scan in which they drive it.
+    """
+
+    steps: tuple[int, ...]
+    inverted: bool
+    qualifier: Qualifier
+    condition: n.Expression
+    duration: n.Expression | None
+    comment: Text | None = None
+    preparation: tuple[n.Statement, ...] = ()
+
+
+@dataclass(frozen=True)
+class ActionSource:
+    """An action: a Boolean variable (`target`), or code (`statements`), with all its uses in the order of the chart.
+
+    `in_place`: its code stands at its only use, where it has no name. `text`: its code as it was written, as long as it
+    says the same; empty for code that is drawn. `comment` is that of the action, where it is one of the POU.
+    """
+
+    name: str
+    target: n.Expression | None
+    statements: tuple[n.Statement, ...]
+    uses: tuple[Use, ...]
+    in_place: bool = False
+    text: str = ""
+    comment: Text | None = None
+
+    def changed(self, change: Change) -> ActionSource:
+        """The same action with `change` applied to every text but its target."""
+
+        def used(use: Use) -> Use:
+            duration = change(use.duration) if use.duration is not None else None
+            preparation = tuple(change(statement) for statement in use.preparation)
+            return replace(use, condition=change(use.condition), duration=duration, preparation=preparation)
+
+        statements = tuple(change(statement) for statement in self.statements)
+        text = self.text if statements == self.statements else ""
+        return replace(self, statements=statements, uses=tuple(used(use) for use in self.uses), text=text)
+
+    def trees(self) -> Iterator[n.Node]:
+        """Every text."""
+        yield from self.statements
+        if self.target is not None:
+            yield self.target
+        for use in self.uses:
+            yield use.condition
+            yield from use.preparation
+            if use.duration is not None:
+                yield use.duration
+
+
+@dataclass(frozen=True)
+class StepCode:
+    """What a step executes when it becomes active, while it is, and when it no longer is."""
+
+    step: int
+    entry: tuple[n.Statement, ...] = ()
+    main: tuple[n.Statement, ...] = ()
+    exit: tuple[n.Statement, ...] = ()
+
+
+@dataclass(frozen=True)
+class Reason:
+    """An operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does.
+
+    `value` is that of the operand meanwhile.
+    """
+
+    text: str
+    stands: n.Expression
+    value: bool
+
+
+@dataclass(frozen=True)
+class Watch:
+    """The longest time that a step may be active, and why it still is."""
+
+    step: int
+    time: n.Expression
+    reasons: tuple[Reason, ...] = ()
+
+
+@dataclass(frozen=True)
+class ChartSource:
+    """What is lowered.
+
+    `conditions` are those of `net.transitions`; `preparations` is what must be executed before each of them is
+    evaluated, `logic` what is drawn in the chart and executed in every scan, `helpers` are the variables that both
+    need. `minimum_times` are those of steps, by index; `watches` their longest times where these are watched. `flags`
+    are the SFC flags in use, `undeclared_flags` those that only the tool declares. `waited` are, by transition, the
+    minimum times of its steps that have passed; they are known when step variables are. `grafcet`: what only IEC 60848
+    has. `instances` are the types of the instances in drawings by name.
+    """
+
+    pou: Pou
+    dialect: Dialect
+    net: Net
+    conditions: tuple[n.Expression, ...]
+    preparations: tuple[tuple[n.Statement, ...], ...]
+    logic: tuple[n.Statement, ...]
+    helpers: tuple[Helper, ...]
+    actions: tuple[ActionSource, ...]
+    step_code: tuple[StepCode, ...]
+    minimum_times: dict[int, n.Expression]
+    watches: tuple[Watch, ...] = ()
+    flags: frozenset[SfcFlag] = frozenset()
+    undeclared_flags: frozenset[SfcFlag] = frozenset()
+    grafcet: GrafcetSource | None = None
+    instances: Mapping[str, str] = field(default_factory=dict)
+
+    def changed(self, change: Change) -> ChartSource:
+        """The same chart with `change` applied to every text but the targets of actions."""
+
+        def each(nodes: tuple[Any, ...]) -> tuple[Any, ...]:
+            return tuple(change(node) for node in nodes)
+
+        def watched(watch: Watch) -> Watch:
+            reasons = tuple(replace(reason, stands=change(reason.stands)) for reason in watch.reasons)
+            return replace(watch, time=change(watch.time), reasons=reasons)
+
+        code = [replace(c, entry=each(c.entry), main=each(c.main), exit=each(c.exit)) for c in self.step_code]
+        return replace(
+            self,
+            conditions=each(self.conditions),
+            preparations=tuple(each(statements) for statements in self.preparations),
+            logic=each(self.logic),
+            actions=tuple(action.changed(change) for action in self.actions),
+            step_code=tuple(code),
+            minimum_times={step: change(time) for step, time in self.minimum_times.items()},
+            watches=tuple(watched(watch) for watch in self.watches),
+            grafcet=self.grafcet.changed(change) if self.grafcet is not None else None,
+        )
+
+    def names(self) -> set[str]:
+        """Every name that occurs in the POU or in its chart."""
+        found = {self.pou.name, *(variable.name for variable in self.pou.variables())}
+        found |= {action.name for action in self.pou.actions}
+        found |= {step.step.name for step in self.net.steps} | {each.name for each in self.pou.transitions}
+        found |= {helper.name for helper in self.helpers}
+        steps = self.grafcet.step_variables if self.grafcet is not None else ()  # their flags may be called so
+        return found | {name for name in self.names_in_texts() if name.casefold() not in steps}
+
+    def names_in_texts(self) -> set[str]:
+        """Every name that conditions, actions and times have."""
+        return {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
+
+    def _trees(self) -> Iterator[n.Node]:
+        yield from self.conditions
+        yield from (statement for statements in self.preparations for statement in statements)
+        yield from self.logic
+        yield from self.minimum_times.values()
+        yield from (watch.time for watch in self.watches)
+        yield from (tree for action in self.actions for tree in action.trees())
+        yield from self.grafcet.trees() if self.grafcet is not None else ()
+        for code in self.step_code:
+            yield from (*code.entry, *code.main, *code.exit)
+
+
+_LARGEST_DINT = 2_147_483_647
+_MOST_DIGITS = 9
+"""Numbers that every DINT holds."""
+_SPARE = 100_000
+"""Numbers that waits can have behind those of the steps."""
+
+
+def step_numbers(net: Net) -> list[int]:
+    """A number for each step: its own, else that which its name says (``S3``), else the next one that is free.
+
+    Of steps that have the same number the first one keeps it.
+    """
+    wanted = [
+        step.step.number if step.step.number is not None else number_in_name(step.step.name) for step in net.steps
+    ]
+    kept: dict[int, int] = {}
+    for step, number in enumerate(wanted):
+        if number is not None and 0 <= number < _LARGEST_DINT - _SPARE:
+            kept.setdefault(number, step)
+    numbers = {step: number for number, step in kept.items()}
+    free = (number for number in count(1) if number not in kept)
+    return [numbers[step] if step in numbers else next(free) for step in range(len(wanted))]
+
+
+def number_in_name(name: str) -> int | None:
+    """Return the number in the name of a step (``S3``), if it has one."""
+    digits = step_digits(name)
+    return int(digits) if 0 < len(digits) <= _MOST_DIGITS else None

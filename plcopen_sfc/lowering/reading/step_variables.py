@@ -1,0 +1,195 @@
+"""Step variables in texts (``S3.X``, ``X3``, ``S3.T``): the flags and timers that replace them in lowered code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import replace
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import transform, walk
+from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, call, conjunction, disjunction, negation, when
+from plcopen_sfc.lowering.code.code_declarations import TIME
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.model.types import DerivedType
+from plcopen_sfc.semantics.net import Net, indexes
+from plcopen_sfc.semantics.profile import Profile, ScanOrder, StepVariables
+
+FOREVER = n.Literal("T#24d")
+"""Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
+
+
+class StepTimes:
+    """The timers of one chart. `active` gives the flag of a step by its index in the net.
+
+    A step has a timer for each time that its output ``Q`` is to tell of; one of them has no end, where anything asks
+    how long the step has been active.
+    """
+
+    def __init__(self, code: Code, active: StepValue, name: Callable[[int], str]) -> None:
+        self._code, self._active, self._name = code, active, name
+        self._timers: dict[int, dict[Expression, n.Name]] = {}
+        self._kept: dict[int, n.Name] = {}
+
+    def keep(self, step: int) -> None:
+        """Keep the time of a step when it is left, until it is active again (IEC 61131-3 ed. 3, 6.7.2)."""
+        self._timer(step, FOREVER)
+        self._kept[step] = self._code.declare(f"{self._name(step)}_T", TIME, initial="T#0s")
+
+    def elapsed(self, step: int) -> Expression:
+        """The time for which a step has been active; of one that is not, zero, or what was kept."""
+        timer = self._timer(step, FOREVER)
+        return self._kept.get(step) or n.Member(timer, n.Name("ET"))
+
+    def is_over(self, step: int, time: Expression) -> Expression:
+        """Whether a step has been active for `time`."""
+        # the output of a TON stays TRUE when its PT grows
+        if FOREVER in self._timers.get(step, {}) or not isinstance(time, n.Literal):
+            return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
+        return n.Member(self._timer(step, time), n.Name("Q"))
+
+    def measures(self, step: int) -> bool:
+        """Whether anything asks for the time of a step."""
+        return step in self._timers
+
+    def _timer(self, step: int, limit: Expression) -> n.Name:
+        timers = self._timers.setdefault(step, {})
+        if limit not in timers:
+            timers[limit] = self._code.declare(self._name(step), DerivedType(name="TON"))
+        return timers[limit]
+
+    def calls(self) -> list[Statement]:
+        """The calls of all timers. They stand where steps have just changed, and where times are read."""
+        calls: list[Statement] = []
+        for step, timers in self._timers.items():
+            active = self._active(step)
+            calls += [call(timer, IN=active, PT=limit) for limit, timer in timers.items()]
+            if step in self._kept:
+                calls.append(when(active, assignment(self._kept[step], n.Member(timers[FOREVER], n.Name("ET")))))
+        return calls
+
+    def ends(self) -> list[Statement]:
+        """The calls that set all timers back."""
+        return [ended for step in self._timers for ended in self._ended(step)]
+
+    def restarts(self, step: int, reentered: Expression) -> Sequence[Statement]:
+        """Lets the time of a step begin anew when it is left and entered at once."""
+        return [when(reentered, ended) for ended in self._ended(step)]
+
+    def _ended(self, step: int) -> list[Statement]:
+        return [call(timer, IN=FALSE, PT=limit) for limit, timer in self._timers.get(step, {}).items()]
+
+
+MayFire = Callable[[Expression, Expression], Expression]
+"""When a transition may fire, by its condition and by what tells that minimum times have passed."""
+
+
+def resolve_steps(
+    source: ChartSource, active: StepValue, times: StepTimes, profile: Profile, may_fire: MayFire
+) -> ChartSource:
+    """The same chart, its texts with `active` and `times` for what asks whether and how long a step is active.
+
+    Its conditions are those of `may_fire`. Raises `LoweringError` for whatever else a program may ask of a step: there
+    is nothing that would answer.
+    """
+    steps = _StepVariables(source, active, times.elapsed, profile)
+    for step in sorted(_asked_when_inactive(source, steps.timed)):
+        times.keep(step)
+    resolved = source.changed(lambda tree: transform(tree, steps.resolved))
+    waited: list[list[Expression]] = [[] for _ in source.net.transitions]
+    for step, time in resolved.minimum_times.items():
+        over = times.is_over(step, time)
+        for transition in source.net.leaving[step]:
+            waited[transition].append(over)
+    conditions = [
+        may_fire(condition, conjunction(over)) for condition, over in zip(resolved.conditions, waited, strict=True)
+    ]
+    return replace(resolved, conditions=tuple(conditions))
+
+
+def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None]) -> set[int]:
+    """The steps whose time something asks for that is not executed or decided while they are active only."""
+    found: set[int] = set()
+
+    def ask(trees: Iterable[Node], while_active: Collection[int] = ()) -> None:
+        steps = (timed(node) for tree in trees for node in walk(tree))
+        found.update(step for step in steps if step is not None and step not in while_active)
+
+    for transition in source.net.transitions:
+        ask((source.conditions[transition.index], *source.preparations[transition.index]), transition.sources)
+    ask((*source.logic, *source.minimum_times.values()))
+    for action in source.actions:
+        ask(action.statements)
+        for use in action.uses:
+            ask([use.condition, *use.preparation], () if use.inverted or len(use.steps) > 1 else use.steps)
+            ask([use.duration] if use.duration is not None else [])
+    for code in source.step_code:
+        ask((*code.entry, *code.main), [code.step])
+        ask(code.exit)
+    for watch in source.watches:
+        ask([watch.time, *(reason.stands for reason in watch.reasons)], [watch.step])
+    return found
+
+
+class _StepVariables:
+    def __init__(self, source: ChartSource, active: StepValue, elapsed: StepValue, profile: Profile) -> None:
+        self._active, self._elapsed = active, elapsed
+        self._pou = source.pou.name
+        # `_x` changes behind the transitions, where nothing asks for it but drawn logic in the next scan
+        announced = profile.order is ScanOrder.ACTIONS_FIRST and not source.logic
+        self._quantities = {"x", "_x"} if announced else {"x"}
+        declared = {v.name.casefold() for v in source.pou.variables()}
+        steps = _bits_by_name(source.net)
+        self._steps = {name: bits for name, bits in steps.items() if name not in declared}
+        simple = profile.step_variables is StepVariables.FLAG and not any(s.step.actions for s in source.net.steps)
+        self._flags = self._steps if simple else {}
+        if profile.step_variables is StepVariables.GRAFCET:
+            self._flags = {name: bits for name, bits in bits_by_number(source.net).items() if name not in declared}
+
+    def timed(self, node: Node) -> int | None:
+        """The step whose time a node is; None for anything else."""
+        match node:
+            case n.Member(n.Name(step), n.Name(quantity)) if quantity.casefold() == "t":
+                bits = self._steps.get(step.casefold(), 0)
+                return next(indexes(bits)) if bits and bits & (bits - 1) == 0 else None
+        return None
+
+    def resolved(self, node: Node) -> Node:
+        """What stands for a node."""
+        match node:
+            case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
+                if quantity.casefold() == "t" and bits & (bits - 1) == 0:
+                    return self._elapsed(next(indexes(bits)))
+                if quantity.casefold() not in self._quantities:
+                    raise LoweringError(
+                        f"{step}.{quantity} is not lowered yet: the code does not keep it",
+                        location=Location(path=self._pou),
+                    )
+                return disjunction(self._active(i) for i in indexes(bits))
+            case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:
+                return disjunction(self._active(i) for i in indexes(bits))
+            case n.Unary(Operator.NOT, n.Operation() as inner):  # nobody writes that without parentheses
+                return negation(inner)
+        return node
+
+
+def bits_by_number(net: Net) -> dict[str, int]:
+    """What ``X12`` means, and ``XM1`` of a macro-step: the first step with this name or number."""
+    found: dict[str, int] = {}
+    for owner, bits in [*((s.step, s.bit) for s in net.steps), *((m.step, m.steps) for m in net.macros)]:
+        for text in (owner.name, "" if owner.number is None else str(owner.number)):
+            if text.isalnum():
+                found.setdefault(f"x{text}".casefold(), bits)
+    return found
+
+
+def _bits_by_name(net: Net) -> dict[str, int]:
+    """Which steps a name means: those of this name, in a macro-step all of its expansion."""
+    found: dict[str, int] = {}
+    for step in net.steps:
+        found[step.step.name.casefold()] = found.get(step.step.name.casefold(), 0) | step.bit
+    for macro in net.macros:
+        found[macro.step.name.casefold()] = found.get(macro.step.name.casefold(), 0) | macro.steps
+    return found

@@ -1,0 +1,202 @@
+"""Texts, drawings and names of actions, read for lowering: what is not understood completely is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple, NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.declarations import Kind
+from plcopen_sfc.languages.names.pieces import Role, Site
+from plcopen_sfc.languages.names.references import named
+from plcopen_sfc.languages.names.resolving import Resolver, Untyped
+from plcopen_sfc.languages.networks import (
+    Helper,
+    NetworkExpression,
+    NetworkText,
+    body_statements,
+    chart_statements,
+    condition_reader,
+)
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, walk
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import Condition
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import (
+    ArrayType,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    StringType,
+    StructType,
+    SubrangeType,
+)
+
+
+class Targets:
+    """Tells of the targets of a POU's actions what they are; see `plcopen_sfc.semantics.charts.targets`."""
+
+    def __init__(self, pou: Pou, project: Project | None, dialect: Dialect) -> None:
+        self._site = Site(pou, place=pou.place)
+        self._project = project if project is not None else Project(pous=[pou])
+        self._dialect = dialect
+
+    @cached_property
+    def _resolver(self) -> Resolver:
+        return Resolver(self._project, self._dialect)
+
+    def is_called(self, target: n.Expression) -> bool:
+        """Whether it is an instance, a program, or an action of one. A name that nobody declares is a variable."""
+        if isinstance(target, n.Member):
+            base = self._resolver.type_of(target.base, self._site, target.name.identifier)
+            if base in (Untyped.FOREIGN, Untyped.ELSEWHERE):
+                return False  # an output of a standard block, or of one of a library
+            meaning = self._resolver.member(base, target.name.identifier)
+            if meaning.declaration is None:
+                return base is not Untyped.UNKNOWN
+        elif isinstance(target, n.Name):
+            meaning = self._resolver.lookup(named(target, role=Role.ACTION), self._site)
+            if meaning.declaration is None:
+                return False
+        else:
+            return False
+        declaration = meaning.declaration
+        if declaration.kind in (Kind.ACTION, Kind.METHOD):
+            return True
+        type_ = self._resolver.type_of_declaration(declaration)
+        return isinstance(type_, Pou) or (declaration.kind is Kind.VARIABLE and type_ is Untyped.FOREIGN)
+
+    def other_type(self, target: n.Expression) -> str:
+        """The type of a variable that is known not to be Boolean; empty if it is, or can be."""
+        type_ = self._resolver.type_of(target, self._site)
+        if isinstance(type_, ElementaryType):
+            return "" if type_.name is Elementary.BOOL else type_.name.value
+        return type_.kind if isinstance(type_, _NEVER_BOOLEAN) else ""
+
+
+_NEVER_BOOLEAN = (StringType, ArrayType, StructType, EnumType, SubrangeType)
+
+
+class ConditionText(NamedTuple):
+    """A condition, and what must be executed before it is evaluated."""
+
+    value: n.Expression
+    preparation: tuple[n.Statement, ...]
+
+
+class TextReader:
+    """Reads the texts of a chart of `pou`. `helpers` are the variables that drawings need."""
+
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, helpers: Iterable[Helper] = ()) -> None:
+        self.pou = pou
+        self.chart = chart
+        self.dialect = dialect
+        self.helpers = [*helpers]
+        self.instances: dict[str, str] = {}
+        """The types of the instances in drawings, as texts name them: of global ones only a drawing may tell."""
+        self._taken = [helper.name for helper in self.helpers]
+        self._readers: dict[int, Callable[[Condition], NetworkExpression]] = {}
+
+    def refuse(self, message: str, path: str) -> NoReturn:
+        """Raise a `LoweringError` at `path` of the chart."""
+        place = f"{self.pou.name} / {path}" if path else self.pou.name
+        raise LoweringError(message, location=Location(path=place))
+
+    def variable(self, name: str, targets: Targets, path: str) -> n.Expression:
+        """The variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
+        variable = self.expression(name, path)
+        other = targets.other_type(variable)
+        if other:
+            self.refuse(f"{name} is of type {other}: only a Boolean variable can be an action", path)
+        return variable
+
+    def _accept(self, found: NetworkText, path: str) -> None:
+        """Take over the variables that a drawing needs. Refuses what could not be read completely."""
+        for wrong in found.obstacles:
+            self.refuse(f"it cannot be read: {wrong.message}", path)
+        self.helpers += found.helpers
+        self.instances |= found.instances
+        self._taken += [helper.name for helper in found.helpers]
+
+    def logic(self) -> tuple[n.Statement, ...]:
+        """What is drawn in the chart and executed in every scan."""
+        if not self.chart.logic:
+            return ()
+        drawn = chart_statements(self.chart, self.dialect, taken=self._taken)
+        self._accept(drawn, "logic of the chart")
+        return drawn.tree.statements
+
+    def condition(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
+        """The condition of a transition or an action, however it is given."""
+        if condition is None:
+            self.refuse("it cannot be read: the transition has no condition", path)
+        if id(chart) not in self._readers:
+            self._readers[id(chart)] = condition_reader(
+                chart, self.dialect, transitions=self.pou.transitions, taken=self._taken
+            )
+        found = self._readers[id(chart)](condition)
+        self._accept(found, path)
+        if found.tree is None:
+            self.refuse("the condition has no value", path)
+        return ConditionText(_as_truth(n.bare(found.tree)), self._staying(found.before, path))
+
+    def expression(self, text: str, path: str) -> n.Expression:
+        """An expression."""
+        parsed = parse_expression(text, self.dialect)
+        if parsed.problems:
+            self.refuse(f"{text!r}: {parsed.problems[0].message}", path)
+        return n.bare(parsed.tree)
+
+    def read(self, text: str, path: str) -> tuple[n.Statement, ...]:
+        """Statements in structured text."""
+        parsed = parse_statements(text, self.dialect)
+        if parsed.problems:
+            self.refuse(f"{parsed.problems[0].message}", path)
+        return parsed.tree.statements
+
+    def statements(self, body: Body | None, path: str) -> tuple[n.Statement, ...]:
+        """What a body does."""
+        if body is None:
+            return ()
+        if isinstance(body, StBody):
+            return self._staying(self.read(body.text, path), path)
+        if not isinstance(body, FbdBody | LdBody):
+            self.refuse(f"actions in {body.language} are not lowered", path)
+        found = body_statements(body, self.dialect, taken=self._taken)
+        self._accept(found, path)
+        return self._staying(found.tree.statements, path)
+
+    def _staying(self, statements: tuple[n.Statement, ...], path: str) -> tuple[n.Statement, ...]:
+        """Statements that do not leave where they stand: among others, these would be left too."""
+        for statement in statements:
+            for node in walk(statement):
+                if isinstance(node, n.Return | n.Goto | n.Label):
+                    self.refuse("RETURN and jumps are not lowered: in the code they would leave more than this", path)
+                if isinstance(node, n.EmbeddedCode):
+                    self.refuse("code in C ({{ .. }}) is not lowered: it is not known what it does", path)
+        return statements
+
+
+_TRUTHS = {"0": FALSE, "1": TRUE}
+_JOINING = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
+
+
+def _as_truth(tree: n.Expression) -> n.Expression:
+    """A condition with FALSE and TRUE for 0 and 1, which IEC 61131-3 ed. 2 has for them too, and other dialects not."""
+    match tree:
+        case n.Literal(text) if text in _TRUTHS:
+            return _TRUTHS[text]
+        case n.Parenthesized(inner):
+            return replace(tree, inner=_as_truth(inner))
+        case n.Unary(n.Operator.NOT, operand):
+            return replace(tree, operand=_as_truth(operand))
+        case n.Operation(operator, operands) if operator in _JOINING:
+            return replace(tree, operands=tuple(map(_as_truth, operands)))
+    return tree

@@ -1,0 +1,227 @@
+"""Inputs that lowered code can have besides those of the chart: operating modes, restart, emergency stop."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, transform, walk
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
+from plcopen_sfc.lowering.code.code_declarations import BOOL, free_name, integer
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, Style
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
+from plcopen_sfc.model.variables import SectionKind
+
+
+def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
+    """The names that the user gives in `init` and `stop`: nothing else may be called so."""
+    texts = [text for text in (rules.init, rules.stop) if text is not None]
+    trees = [parse_expression(text, dialect).tree for text in texts]
+    return {node.identifier for tree in trees for node in walk(tree) if isinstance(node, n.Name)}
+
+
+def with_usual_input(
+    rules: LoweringRules, style: Style, source: ChartSource, surroundings: Collection[str]
+) -> LoweringRules:
+    """The rules with the name of the input that a textbook form has where none was asked for; or with none.
+
+    An input of the POU that is called so is taken, unless the chart reads it: then it means something else.
+    """
+    if rules.init or (rules.init is None and style is Style.EXACT):
+        return rules
+    if rules.init is not None:
+        return replace(rules, init=None)
+    wanted = rules.texts.init_input
+    inputs = (v.name for v in source.pou.variables(SectionKind.INPUT) if v.type == BOOL)
+    own = next((name for name in inputs if name.casefold() == wanted.casefold()), None)
+    if own is not None and own.casefold() not in map(str.casefold, source.names_in_texts()):
+        return replace(rules, init=own)
+    taken = {*surroundings, *map(str.casefold, source.names())}
+    return replace(rules, init=free_name(wanted, taken))
+
+
+def declare_restart(
+    source: ChartSource, code: Code, rules: LoweringRules, surroundings: Collection[str]
+) -> n.Name | None:
+    """What is TRUE while the chain is to stand at its initial steps; None where nobody asked for it.
+
+    Names that nothing has, neither the POU nor its `surroundings` (names of the project in lower case), become inputs
+    of type BOOL. Raises `LoweringError` for a condition that cannot be read.
+    """
+    maker = _Conditions(source, code, {*surroundings, *(name.casefold() for name in source.names())})
+    init = maker.named(rules.init, rules.texts.init) if rules.init is not None else None
+    stop = maker.condition(rules.stop, rules.texts.stop) if rules.stop is not None else None
+    if stop is None:
+        return init
+    if init is None and isinstance(stop, n.Name) and maker.rests(stop):
+        return stop
+    restart = code.declare(rules.texts.restart, comment=rules.texts.restart_comment)
+    code.add(rules.texts.init, [assignment(restart, disjunction([init, stop] if init is not None else [stop]))])
+    if not maker.rests(stop):
+        code.left_out = restart
+    return restart
+
+
+class _Conditions:
+    """Reads conditions and declares the inputs that they need."""
+
+    def __init__(self, source: ChartSource, code: Code, known: Collection[str]) -> None:
+        self._source, self._code, self._known = source, code, known
+        self._inputs: dict[str, n.Name] = {}
+
+    def rests(self, condition: Expression) -> bool:
+        """Whether it is an input that was added, and so FALSE where the code is compared with the chart."""
+        return isinstance(condition, n.Name) and condition.identifier in self._code.at_rest
+
+    def named(self, name: str, comment: str) -> n.Name:
+        """The input of this name, which is added if the POU has none."""
+        tree = n.bare(self._parsed(name))
+        if not isinstance(tree, n.Name) or tree.quoting is n.Quoting.GLOBAL:
+            self._refuse(f"{name!r} is no name of an input")
+        declared = self._declared(tree.identifier)
+        if declared is not None:
+            if declared != BOOL:
+                self._refuse(f"{name} is there already, and is no BOOL")
+            self._code.at_rest[tree.identifier] = False
+            return self._code.naming.local(tree.identifier)
+        if tree.identifier.casefold() in self._known:
+            steps = {each.step.name.casefold() for each in self._source.net.steps}
+            what = "a step" if tree.identifier.casefold() in steps else "something else"
+            self._refuse(f"{name} is the name of {what} already", "Give the input another name.")
+        return self._input(tree.identifier, comment, rests=True)
+
+    def condition(self, text: str, comment: str) -> Expression:
+        """A condition; what it names and nothing has becomes an input."""
+        tree = n.bare(self._parsed(text))
+        if isinstance(tree, n.Name) and self._is_new(tree):
+            return self._input(tree.identifier, comment, rests=True)
+        parts = [node.name for node in walk(tree) if isinstance(node, n.Member | n.Argument)]
+        parts += [node.callee for node in walk(tree) if isinstance(node, n.Call) and isinstance(node.callee, n.Name)]
+        kept = {id(part) for part in parts}
+
+        def added(node: n.Node) -> n.Node:
+            if isinstance(node, n.Name) and id(node) not in kept and self._is_new(node):
+                return self._input(node.identifier, comment, rests=False)
+            return node
+
+        return transform(tree, added)
+
+    def _is_new(self, name: n.Name) -> bool:
+        if name.quoting is n.Quoting.GLOBAL:
+            return False
+        return name.identifier in self._inputs or name.identifier.casefold() not in self._known
+
+    def _input(self, name: str, comment: str, *, rests: bool) -> n.Name:
+        if name not in self._inputs:
+            self._inputs[name] = self._code.declare_input(name, comment, at_rest=False if rests else None)
+        return self._inputs[name]
+
+    def _declared(self, name: str) -> object:
+        return next((v.type for v in self._source.pou.variables() if v.name.casefold() == name.casefold()), None)
+
+    def _parsed(self, text: str) -> Expression:
+        parsed = parse_expression(text, self._source.dialect)
+        if parsed.problems:
+            self._refuse(f"{text!r} is no condition: {parsed.problems[0].message}")
+        return parsed.tree
+
+    def _refuse(self, message: str, hint: str = "") -> NoReturn:
+        raise LoweringError(message, location=Location(path=self._source.pou.name), hint=hint)
+
+
+class Modes:
+    """The operating modes of one chain. Their inputs, and the network that evaluates them, come first in its code.
+
+    `init`: what starts the chain anew, which is stronger than all of them. `selecting`: a pulse in the scan in which
+    the step of the number `selected` becomes the only active one; None where steps cannot be selected.
+    """
+
+    def __init__(
+        self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules, init: Expression | None
+    ) -> None:
+        self._code, self._memory, self._texts, self._modes = code, memory, rules.texts, rules.modes
+        self._numbers = step_numbers(source.net)
+        self._statements: list[Statement] = []
+        self.selecting: n.Name | None = None
+        self.selected: n.Name | None = None
+        if source.grafcet is not None and self._modes - {OperatingMode.ENABLE}:
+            raise LoweringError(
+                "charts that search for stability are not stepped by hand: one push would lead through several steps",
+                location=Location(path=source.pou.name),
+            )
+        if OperatingMode.SELECT in self._modes and not self._numbers:
+            raise LoweringError("the chart has no step that could be selected", location=Location(path=source.pou.name))
+        self._usual, self._forced = self._declared(init)
+        told = rules.texts.step_numbers(source.net, self._numbers) if self.selected is not None else ""
+        code.add(rules.texts.modes, self._statements, told)
+
+    def may_fire(self, condition: Expression) -> Expression:
+        """When a transition whose steps are active fires, by its condition."""
+        return disjunction([conjunction([condition, self._usual]), self._forced])
+
+    def is_selected(self, step: int) -> Expression:
+        """Whether a step, by its index, has the number that is selected."""
+        if self.selected is None:
+            return FALSE
+        return equal(self.selected, self.number(step))
+
+    def number(self, step: int) -> Expression:
+        """The number by which a step, given by its index, is selected."""
+        return n.Literal(str(self._numbers[step]))
+
+    def _declared(self, init: Expression | None) -> tuple[Expression, Expression]:
+        """What lets transitions fire whose conditions are TRUE, and what lets all fire whose steps are active."""
+        texts, modes = self._texts, self._modes
+        enable = self._input(texts.enable, at_rest=True) if OperatingMode.ENABLE in modes else TRUE
+        single = self._input(texts.single_step) if OperatingMode.SINGLE_STEP in modes else FALSE
+        always = self._input(texts.without_conditions) if OperatingMode.ADVANCE in modes else FALSE
+        pulse: Expression = FALSE
+        if modes & {OperatingMode.SINGLE_STEP, OperatingMode.ADVANCE}:
+            push = self._input(texts.advance)
+            pulse = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
+        if OperatingMode.SELECT in modes:
+            self._declare_selection(init)
+        calm = [negation(self.selecting)] if self.selecting is not None else []
+        usual = conjunction([enable, negation(always), disjunction([negation(single), pulse]), *calm])
+        forced = conjunction([enable, always, pulse, *calm])
+        if isinstance(usual, n.Operation):
+            usual = self._memory.named(texts.free, usual, self._statements)
+        if forced != FALSE:
+            forced = self._memory.named(texts.forced, forced, self._statements)
+        return usual, forced
+
+    def _declare_selection(self, init: Expression | None) -> None:
+        push = self._input(self._texts.select)
+        name = self._code.naming.fresh(self._texts.selected)
+        self.selected = self._code.declare_input(
+            name, self._texts.comments[self._texts.selected], integer(max(self._numbers))
+        )
+        edge = self._memory.rising(self._texts.with_suffix(push.identifier, "edge"), push, self._statements)
+        stronger = [negation(init)] if init is not None else []
+        known = conjunction([edge, self._is_known(self.selected), *stronger])
+        self.selecting = self._code.declare(self._texts.selecting)
+        self._statements.append(assignment(self.selecting, known))
+
+    def _is_known(self, selected: Expression) -> Expression:
+        """Whether a number is that of a step: nothing is selected by any other."""
+        numbers = sorted(self._numbers)
+        literals = [n.Literal(str(number)) for number in numbers]
+        if numbers[-1] - numbers[0] != len(numbers) - 1:
+            return disjunction(equal(selected, literal) for literal in literals)
+        return conjunction(
+            [
+                n.Operation(Operator.GREATER_OR_EQUAL, (selected, literals[0])),
+                n.Operation(Operator.LESS_OR_EQUAL, (selected, literals[-1])),
+            ]
+        )
+
+    def _input(self, wanted: str, *, at_rest: bool = False) -> n.Name:
+        name = self._code.naming.fresh(wanted)
+        return self._code.declare_input(name, self._texts.comments[wanted], BOOL, at_rest=at_rest)

@@ -1,0 +1,211 @@
+"""Which rivals exclude each other, and which fire together."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import NoReturn
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.nodes import Expression, Statement
+from plcopen_sfc.lowering.actions.action_control import ActionControl, SequentialControl, stepwise_timed
+from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
+from plcopen_sfc.lowering.actions.drive_block import DriveBlock, Signal, without_texts
+from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, conjunction, is_constant, when
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
+from plcopen_sfc.lowering.reading.chart_source import ChartSource
+from plcopen_sfc.lowering.reading.step_variables import StepTimes, resolve_steps
+from plcopen_sfc.lowering.schedule.added_inputs import Modes, declare_restart
+from plcopen_sfc.lowering.schedule.sfc_flag_code import FlagCode
+from plcopen_sfc.semantics.charts.moves import testing_order
+from plcopen_sfc.semantics.net import Net, NetTransition, Rivals
+from plcopen_sfc.semantics.profile import ActionControl as Control
+from plcopen_sfc.semantics.profile import Profile, ScanOrder
+
+
+def exclusive_rivals(net: Net, profile: Profile) -> list[tuple[int, ...]]:
+    """For each transition the rivals tried before it that keep it from firing when they fire."""
+    if profile.rivals is Rivals.PRIORITY:
+        return [transition.rivals for transition in net.transitions]
+    if not profile.numbered_first:
+        return [()] * len(net.transitions)
+    tested = testing_order(net)
+    numbered = {transition.index for transition in net.transitions if transition.transition.priority is not None}
+    return [tuple(i for i in t.rivals if i in numbered and tested[i] < tested[t.index]) for t in net.transitions]
+
+
+def firing_together(net: Net, profile: Profile) -> NetTransition | None:
+    """The first transition that can fire although a rival before it does; None if all rivals exclude each other."""
+    exclusive = exclusive_rivals(net, profile)
+    return next((t for t in net.transitions if exclusive[t.index] != t.rivals), None)
+
+
+def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
+    """Raise a `LoweringError`: there is no place for something, found at `path` of the chart, in the classic form."""
+    place = f"{source.pou.name} / {path}" if path else source.pou.name
+    message = f"the classic form has no place for {what}"
+    raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
+
+
+class Chain(ABC):
+    """Lowers one chart into `code`.
+
+    A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`). `init`:
+    what sets the chain back, whatever was chosen, unless it `forgets` that. `blocking`: no transition fires meanwhile.
+    """
+
+    def __init__(
+        self,
+        source: ChartSource,
+        code: Code,
+        memory: Memory,
+        rules: LoweringRules,
+        surroundings: Collection[str] = (),
+    ) -> None:
+        self.code, self.memory, self.rules = code, memory, rules
+        self.net, self.profile, self.texts = source.net, rules.profile, rules.texts
+        self.surroundings = surroundings
+        init = declare_restart(source, code, rules, surroundings)
+        code.declare_helpers(source.helpers)
+        self.sfc_flags = FlagCode(source, code, memory, rules.texts, init)
+        self.init: Expression | None = self.sfc_flags.restart
+        self.blocking = self.sfc_flags.blocking
+        self.modes = Modes(source, code, memory, rules, self.init)
+        self.forgets = False
+        self.drives: list[DriveBlock] = []
+        self.declare_states(source)
+        self.signals = {
+            self.active(s.index): Signal(self.texts.flag_name(s.step), self.texts.flag_of(s.path))
+            for s in self.net.steps
+        }
+        names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
+        self.times = StepTimes(code, self.active, names.__getitem__)
+        for watch in source.watches:
+            self.times.elapsed(watch.step)
+        if self.profile.action_control is Control.SEQUENTIAL:
+            for step in stepwise_timed(source):
+                self.times.elapsed(step)
+        self.source = resolve_steps(source, self.active, self.times, rules.profile, self._may_fire)
+
+    def _may_fire(self, condition: Expression, waited: Expression) -> Expression:
+        return self.modes.may_fire(self.sfc_flags.may_fire(condition, waited))
+
+    @abstractmethod
+    def declare_states(self, source: ChartSource) -> None:
+        """Declare the variables that keep the situation."""
+
+    @abstractmethod
+    def active(self, step: int) -> Expression:
+        """Whether a step, given by its index in the net, is active."""
+
+    @abstractmethod
+    def choose(self) -> None:
+        """Append the networks that tell which transitions fire."""
+
+    @abstractmethod
+    def move(self) -> None:
+        """Append the networks that change the situation as the transitions want it, if choosing does not."""
+
+    @abstractmethod
+    def reentered(self) -> Mapping[int, Expression]:
+        """For steps that can be left and entered at once: when they are."""
+
+    @abstractmethod
+    def select(self) -> None:
+        """Append what makes a selected step the only active one, where that is not a part of moving."""
+
+    def chosen(self) -> Sequence[n.Name]:
+        """What keeps, from one scan to the next, which transitions fire."""
+        return ()
+
+    @abstractmethod
+    def any_fires(self) -> Expression:
+        """Whether any transition fires, when it has been chosen which ones do."""
+
+    def tells(self) -> dict[str, Expression]:
+        """What tells, between two scans, that a step is active, by its path."""
+        return {step.path: self.active(step.index) for step in self.net.steps}
+
+    def exact(self) -> None:
+        """One scan, as the chart has it."""
+        self.code.add(self.texts.logic, self.source.logic)
+        self.select()
+        times = self.times.calls()
+        if self.profile.order is ScanOrder.ACTIONS_FIRST:
+            self.sfc_flags.begin(self.times)
+            self.forgets = self.sfc_flags.forget(self.chosen())
+            self.move()  # what was chosen in the last scan
+            place = len(self.code.networks)
+            self.code.add(self.texts.times, times)
+            self.add_actions()
+            self.sfc_flags.end(place, self.times, [drive.call for drive in self.drives])
+            self.sfc_flags.before_transitions()
+            self.choose()
+            self.sfc_flags.report_transition(self.any_fires)
+        else:
+            self.code.add(self.texts.times, times)
+            self.choose()
+            self.move()
+            restarts = [s for step, when in self.reentered().items() for s in self.times.restarts(step, when)]
+            self.code.add(self.texts.times, [*restarts, *times])
+            self.add_actions()
+        self.memory.finish(self.texts.first_scan)
+
+    def begin_classic(self) -> None:
+        """What stands before a textbook chain: the logic drawn in the chart, and the timers of steps."""
+        if self.source.flags:
+            flags = ", ".join(sorted(flag.variable for flag in self.source.flags))
+            refuse_classic(self.source, f"SFC flags, and the chart uses {flags}")
+        self.code.add(self.texts.logic, self.source.logic)
+        self.code.add(self.texts.times, self.times.calls())
+
+    def add_actions(self) -> None:
+        """Append what steps execute, then the actions."""
+        self.sfc_flags.report_step(self.active)
+        add_changes(self.source, self.code, self.memory, self.active, self.texts)
+        self.sfc_flags.watch(self.source.watches, self.active, self.times)
+        add_main_actions(self.source, self.code, self.memory, self.active, self.texts)
+        add_conditions(self.source, self.code, self.memory, self.active, self.rules)
+        ending = self.init if self.init is not None and self.rules.reset_actions else FALSE
+        if self.rules.actions is ActionPlace.BLOCK:
+            self._add_drive_block(ending)
+            return
+        add_actions(self.source, self.code, self._control(self.code, self.memory, ending), self.memory, self.rules)
+
+    def _control(self, code: Code, memory: Memory, ending: Expression) -> ActionControl | SequentialControl:
+        """What drives actions that stand in `code`."""
+        if self.profile.action_control is Control.SEQUENTIAL:
+            entered = self.profile.initial_steps_entered
+            return SequentialControl(
+                self.net, code, memory, self.times, active=self.active, ending=ending, entered=entered
+            )
+        return ActionControl(memory, self.active, ending)
+
+    def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
+        """A block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
+        return DriveBlock(self.source, self.code, self.memory, wanted=wanted, signals=self.signals, beside=beside)
+
+    def call(self, drive: DriveBlock) -> n.CallStatement:
+        """The call of a block that is complete. Actions stand in it from now on."""
+        self.drives.append(drive)
+        drive.finish(self.surroundings, self.texts.first_scan)
+        return drive.call
+
+    def _add_drive_block(self, ending: Expression) -> None:
+        """Append the call of a block with the actions."""
+        drive = self.drive_block(self.texts.drive)
+        control = self._control(drive.code, drive.memory, ending)
+        add_actions(without_texts(self.source), drive.code, control, drive.memory, self.rules)
+        self.sfc_flags.end_in_block(drive.code, drive.memory)
+        self.code.add(self.texts.drive_call, [self.call(drive)])
+
+    def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
+        """What must be executed before the condition of a transition is evaluated, where it is."""
+        preparation = self.source.preparations[transition]
+        asked = conjunction([enabled, self.sfc_flags.is_asked()])
+        if not preparation or is_constant(asked, TRUE):
+            return list(preparation)
+        return [when(asked, *preparation)]

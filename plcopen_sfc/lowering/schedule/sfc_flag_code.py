@@ -1,0 +1,315 @@
+"""The SFC flags of CODESYS in code: reset, pause and steps by hand, watched times, and reports.
+
+`plcopen_sfc.semantics.charts.flags` has their effects and order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+from plcopen_sfc.errors import Location, LoweringError
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.literals import string_literal
+from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
+from plcopen_sfc.lowering.code.boolean_logic import (
+    FALSE,
+    TRUE,
+    assignment,
+    conjunction,
+    disjunction,
+    equal,
+    negation,
+    when,
+)
+from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
+from plcopen_sfc.lowering.code.code_memory import Memory
+from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code_texts import Texts
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, Reason, Watch
+from plcopen_sfc.lowering.reading.step_variables import StepTimes
+from plcopen_sfc.model.sfc import SfcFlag
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataTypeDeclaration,
+    DerivedType,
+    Dimension,
+    StringType,
+    StructType,
+    Variable,
+)
+
+_TYPE = "ExpressionResult"
+_LAST = n.Literal("15")
+_EMPTY_ROW = n.Literal("''")
+_VARIABLE = SfcFlag.ERROR_ANALYZATION_TABLE.variable
+
+
+class ErrorTable:
+    """``ARRAY [0..15] OF ExpressionResult`` (CODESYS, library Analyzation: name, address, comment and value).
+
+    The project gets the type where it has none of this name, so that the code needs no library. Address and comment
+    stay empty, as in the simulator. Raises `LoweringError` where the POU declares the flag otherwise.
+    """
+
+    def __init__(self, source: ChartSource, code: Code, texts: Texts) -> None:
+        self._dialect = source.dialect
+        declared = next((v for v in source.pou.variables() if v.name.casefold() == _VARIABLE.casefold()), None)
+        kind = ArrayType(dimensions=[Dimension(lower="0", upper="15")], base=DerivedType(name=_TYPE))
+        if SfcFlag.ERROR_ANALYZATION_TABLE in source.undeclared_flags:
+            code.declare_as(_VARIABLE, kind)
+        elif declared is not None and not _is_table(declared):
+            raise LoweringError(
+                f"{_VARIABLE} is declared with another type than ARRAY [0..15] OF {_TYPE}",
+                location=Location(path=source.pou.name),
+            )
+        if _TYPE.casefold() not in code.known_types:
+            members = [Variable(name=name, type=StringType()) for name in ("name", "address", "comment")]
+            members.append(Variable(name="value", type=BOOL))
+            code.data_types.append(
+                DataTypeDeclaration(
+                    name=_TYPE, folder=source.pou.folder, place=source.pou.place, type=StructType(members=members)
+                )
+            )
+        self._table = code.naming.local(_VARIABLE)
+        self._row = code.declare(texts.table_row, INT)
+
+    def filled(self, reasons: Iterable[Reason]) -> list[Statement]:
+        """A row for each reason that stands, as far as there is place; all rows behind them are empty."""
+        found: list[Statement] = [assignment(self._row, n.Literal("0"))]
+        free = n.Operation(Operator.LESS_OR_EQUAL, (self._row, _LAST))
+        for number, reason in enumerate(reasons):
+            name = n.Literal(string_literal(reason.text, self._dialect))
+            place = [free] if number > int(_LAST.text) else []
+            found.append(when(conjunction([reason.stands, *place]), *self._written(name, reason.value)))
+        return [*found, *self._rest()]
+
+    def emptied(self) -> list[Statement]:
+        """All rows are empty."""
+        return [assignment(self._row, n.Literal("0")), *self._rest()]
+
+    def _rest(self) -> Sequence[Statement]:
+        free = n.Operation(Operator.LESS_OR_EQUAL, (self._row, _LAST))
+        return [n.While(free, tuple(self._written(_EMPTY_ROW, value=False)))]
+
+    def _written(self, name: Expression, value: bool) -> list[Statement]:
+        row = n.Index(self._table, (self._row,))
+        return [
+            assignment(n.Member(row, n.Name("name")), name),
+            assignment(n.Member(row, n.Name("value")), TRUE if value else FALSE),
+            assignment(self._row, n.Operation(Operator.ADD, (self._row, n.Literal("1")))),
+        ]
+
+
+def _is_table(variable: Variable) -> bool:
+    kind = variable.type
+    base = kind.base if isinstance(kind, ArrayType) else None
+    return isinstance(base, DerivedType) and base.name.casefold().rpartition(".")[2] == _TYPE.casefold()
+
+
+_STRING = StringType()
+_TEXTS = (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION, SfcFlag.CURRENT_STEP)
+_EMPTY = n.Literal("''")
+
+
+class FlagCode:
+    """The flags of one chart, which has none of this code where it uses none of them.
+
+    `init`: what starts the chain anew besides. A flag that nobody has declared becomes a local variable, as the tool
+    declares it.
+    """
+
+    def __init__(self, source: ChartSource, code: Code, memory: Memory, texts: Texts, init: Expression | None) -> None:
+        self._source, self._code, self._memory, self._texts = source, code, memory, texts
+        self._init = init
+        self._table: ErrorTable | None = None
+        if SfcFlag.ERROR_ANALYZATION_TABLE in source.flags:
+            self._table = ErrorTable(source, code, texts)
+        for flag in sorted(source.undeclared_flags - {SfcFlag.ERROR_ANALYZATION_TABLE}):
+            code.declare_as(flag.variable, _STRING if flag in _TEXTS else BOOL)
+        flags = source.flags - {SfcFlag.ERROR_ANALYZATION_TABLE}
+        self._flags = {flag: code.naming.local(flag.variable) for flag in sorted(flags)}
+        self._edges: list[Statement] = []
+        self._back = self._going_back()
+        self._tip = self._pushed()
+
+    def _going_back(self) -> Expression:
+        """TRUE in a scan in which the flags set the chart back; FALSE if they never do."""
+        init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
+        causes: list[Expression] = [init] if init is not None else []
+        if reset is not None:
+            causes.append(
+                self._memory.rising(self._texts.with_suffix(reset.identifier, "edge"), reset, self._edges, kept=True)
+            )
+        back = disjunction(causes)
+        if len(causes) > 1:
+            return self._memory.named(self._texts.restart, back, self._edges)
+        return back
+
+    @property
+    def restart(self) -> Expression | None:
+        """What sets the chart back to its initial steps: the flags, or `init`; None if nothing does."""
+        causes = [each for each in (self._init, self._back) if each is not None and each != FALSE]
+        return disjunction(causes) if causes else None
+
+    @property
+    def blocking(self) -> list[Expression]:
+        """What keeps all transitions from firing while one of them is TRUE."""
+        return [each for each in (self._init, self._flags.get(SfcFlag.RESET)) if each is not None]
+
+    # -- before anything else in a scan
+
+    def begin(self, times: StepTimes) -> None:
+        """Append what tells whether the chart goes back, and what stops it."""
+        self._code.add(self._texts.init, self._edges)
+        init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
+        stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
+        quit_ = self._flags.get(SfcFlag.QUIT_ERROR)
+        if quit_ is not None:
+            done = [*self._forgotten_error(), *times.ends(), n.Return()]
+            self._conditional(self._texts.quit_error, conjunction([quit_, *stronger]), done)
+        pause = self._flags.get(SfcFlag.PAUSE)
+        if pause is not None:
+            self._conditional(self._texts.pause, conjunction([pause, *stronger]), [n.Return()])
+
+    # -- when the chart has gone back
+
+    def forget(self, chosen: Sequence[n.Name]) -> bool:
+        """Append what forgets the transitions that were chosen in the last scan. False: there is nothing to forget."""
+        restart = self.restart
+        if self._back == FALSE or restart is None or not chosen:
+            return False
+        forgotten = [assignment(each, FALSE) for each in chosen]
+        self._conditional(self._texts.init, restart, forgotten)
+        return True
+
+    def end(self, place: int, times: StepTimes, calls: Sequence[Statement]) -> None:
+        """Put in what ends all that times and actions remember, and what ends the scan of SFCInit.
+
+        To be called when all actions have been lowered; `place` is the one before them. `calls` are those of blocks
+        with actions, which end these themselves (`end_in_block`).
+        """
+        if self._back == FALSE:
+            return
+        init = self._flags.get(SfcFlag.INIT)
+        done = [*times.ends(), *self._memory.ends, *self._forgotten_error()]
+        if init is not None:  # else the initial step is executed now, and does all this
+            done += [] if calls else self._ended_targets()
+            done += self._assigned(SfcFlag.TRANS, FALSE) + self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
+        statements = self._memory.conditional("", self._back, done)
+        if init is not None:
+            statements += self._memory.conditional("", init, [*calls, n.Return()])
+        self._code.add(self._texts.actions_end, statements, place=place)
+
+    def end_in_block(self, code: Code, memory: Memory) -> None:
+        """Put in, before anything else in a block with actions, what ends them, and the scan of SFCInit."""
+        if self._back == FALSE:
+            return
+        init = self._flags.get(SfcFlag.INIT)
+        done = [*memory.ends, *(self._ended_targets() if init is not None else [])]
+        statements = memory.conditional("", self._back, done)
+        if init is not None:
+            statements += memory.conditional("", init, [n.Return()])
+        code.add(self._texts.actions_end, statements, place=0)
+
+    def _ended_targets(self) -> list[Statement]:
+        targets = (action.target for action in self._source.actions)
+        return [assignment(target, FALSE) for target in targets if target is not None]
+
+    # -- transitions
+
+    def may_fire(self, condition: Expression, waited: Expression) -> Expression:
+        """The condition of a transition, `waited` for minimum times, under SFCTipMode and SFCTip."""
+        mode = self._flags.get(SfcFlag.TIP_MODE)
+        usual = conjunction([condition, negation(mode)]) if mode is not None else condition
+        return conjunction([waited, disjunction([usual, self._tip]) if self._tip != FALSE else usual])
+
+    def is_asked(self) -> Expression:
+        """Whether the conditions of transitions that are not blocked are evaluated at all."""
+        mode = self._flags.get(SfcFlag.TIP_MODE)
+        usual = negation(mode) if mode is not None else TRUE
+        return conjunction([usual, negation(self._tip)])
+
+    def before_transitions(self) -> None:
+        """Append the push of SFCTip."""
+        self._code.add(self._texts.tip, self._tip_edge)
+
+    def _pushed(self) -> Expression:
+        self._tip_edge: list[Statement] = []
+        tip = self._flags.get(SfcFlag.TIP)
+        if tip is None:
+            return FALSE
+        return self._memory.rising(self._texts.with_suffix(tip.identifier, "edge"), tip, self._tip_edge, kept=True)
+
+    # -- reports
+
+    def report_step(self, active: StepValue) -> None:
+        """Append the name of the active step, of parallel ones the last in the chart."""
+        if SfcFlag.CURRENT_STEP not in self._flags:
+            return
+        statements = self._assigned(SfcFlag.CURRENT_STEP, _EMPTY)
+        for step in self._source.net.steps:
+            named = self._assigned(SfcFlag.CURRENT_STEP, self._text(step.step.name))
+            statements += self._memory.conditional("", active(step.index), named)
+        self._code.add(self._texts.current_step, statements)
+
+    def report_transition(self, fired: Callable[[], Expression]) -> None:
+        """Append whether any transition has been cleared."""
+        if SfcFlag.TRANS in self._flags:
+            self._code.add(self._texts.transitions, self._assigned(SfcFlag.TRANS, fired()))
+
+    def watch(self, watches: Iterable[Watch], active: StepValue, times: StepTimes) -> None:
+        """Append what reports the first step that is active longer than it may."""
+        error, limit = (self._flags.get(flag) for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT))
+        if error is None:
+            return
+        for watch in watches:
+            step = self._source.net.steps[watch.step]
+            longer = n.Operation(Operator.GREATER, (times.elapsed(watch.step), watch.time))
+            allowed = [negation(error), *([limit] if limit is not None else [])]
+            late = conjunction([active(watch.step), *allowed, longer])
+            report = [  # the reasons first: transitions may ask for SFCError and the others themselves
+                *self._analysis(watch),
+                *(self._table.filled(watch.reasons) if self._table is not None else []),
+                *self._assigned(SfcFlag.ERROR, TRUE),
+                *self._assigned(SfcFlag.ERROR_STEP, self._text(step.step.name)),
+                *self._assigned(SfcFlag.ERROR_POU, self._text(self._source.pou.name)),
+            ]
+            statements = self._memory.conditional(
+                self._texts.with_suffix(self._texts.flag_name(step.step), "late"), late, report
+            )
+            self._code.add(self._texts.maximum_time(step.path), statements)
+
+    def _analysis(self, watch: Watch) -> list[Statement]:
+        """The operands that keep the step active, divided by vertical bars."""
+        analyzation = self._flags.get(SfcFlag.ERROR_ANALYZATION)
+        if analyzation is None:
+            return []
+        found: list[Statement] = [assignment(analyzation, _EMPTY)]
+        empty = equal(analyzation, _EMPTY)
+        for reason in watch.reasons:
+            bar = _function("SEL", empty, self._text("|"), _EMPTY)
+            longer = _function("CONCAT", _function("CONCAT", analyzation, bar), self._text(reason.text))
+            found += self._memory.conditional("", reason.stands, [assignment(analyzation, longer)])
+        return found
+
+    # -- parts
+
+    def _conditional(self, title: str, condition: Expression, statements: Sequence[Statement]) -> None:
+        self._code.add(title, self._memory.conditional("", condition, statements))
+
+    def _forgotten_error(self) -> list[Statement]:
+        found = self._assigned(SfcFlag.ERROR, FALSE)
+        for flag in (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION):
+            found += self._assigned(flag, _EMPTY)
+        return [*found, *(self._table.emptied() if self._table is not None else [])]
+
+    def _assigned(self, flag: SfcFlag, value: Expression) -> list[Statement]:
+        name = self._flags.get(flag)
+        return [assignment(name, value)] if name is not None else []
+
+    def _text(self, text: str) -> Expression:
+        return n.Literal(string_literal(text, self._source.dialect))
+
+
+def _function(name: str, *operands: Expression) -> Expression:
+    return n.Call(n.Name(name), tuple(n.Argument(each) for each in operands))
