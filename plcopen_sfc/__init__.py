@@ -5,94 +5,40 @@ import plcopen_sfc as sfc
 project = sfc.load("line24.xml")
 project.pou("Main").chart.rename_step("S3", "Wait")
 sfc.save(project, "line24.xml")
+
+``dir(sfc)`` lists the public names; all classes of the model are in `plcopen_sfc.model`.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from importlib.resources import files
+from typing import Any
 
-from plcopen_sfc.version import __version__
+from plcopen_sfc.version import __version__ as __version__
 
-if TYPE_CHECKING:
-    from plcopen_sfc.api import check_syntax, convert, dumps, load, loads, save
-    from plcopen_sfc.checking import check
-    from plcopen_sfc.diagnostics import Diagnostic, Severity
-    from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
-    from plcopen_sfc.errors import FormatError, Location, LossError, ModelError, OldVersionError, SfcError
-    from plcopen_sfc.lowering.lower import LoweredPou, lower
-    from plcopen_sfc.model import Project, SfcNetwork, Step, Transition
-    from plcopen_sfc.report import ConversionReport, Outcome
-    from plcopen_sfc.semantics.inputs import RandomInputs
-    from plcopen_sfc.semantics.simulation import simulate
-    from plcopen_sfc.semantics.trace import Trace
 
-_HOMES = {
-    "check": "checking",
-    "check_syntax": "api",
-    "convert": "api",
-    "dumps": "api",
-    "load": "api",
-    "loads": "api",
-    "save": "api",
-    "Diagnostic": "diagnostics",
-    "Severity": "diagnostics",
-    "FormatError": "errors",
-    "Location": "errors",
-    "LossError": "errors",
-    "ModelError": "errors",
-    "OldVersionError": "errors",
-    "SfcError": "errors",
-    "LoweredFile": "documents.lowered",
-    "LoweredPou": "lowering.lower",
-    "lower": "lowering.lower",
-    "lower_to_file": "documents.lowered",
-    "Project": "model",
-    "SfcNetwork": "model",
-    "Step": "model",
-    "Transition": "model",
-    "ConversionReport": "report",
-    "Outcome": "report",
-    "RandomInputs": "semantics.inputs",
-    "simulate": "semantics.simulation",
-    "Trace": "semantics.trace",
-}
+@cache
+def _exports() -> dict[str, str]:
+    """Return the modules of all public names, by the names: ``__init__.pyi`` has the list."""
+    import ast  # noqa: PLC0415  # the version and the command line need no names
 
-__all__ = [
-    "ConversionReport",
-    "Diagnostic",
-    "FormatError",
-    "Location",
-    "LossError",
-    "LoweredFile",
-    "LoweredPou",
-    "ModelError",
-    "OldVersionError",
-    "Outcome",
-    "Project",
-    "RandomInputs",
-    "Severity",
-    "SfcError",
-    "SfcNetwork",
-    "Step",
-    "Trace",
-    "Transition",
-    "__version__",
-    "check",
-    "check_syntax",
-    "convert",
-    "dumps",
-    "load",
-    "loads",
-    "lower",
-    "lower_to_file",
-    "save",
-    "simulate",
-]
+    listed = ast.parse(files(__name__).joinpath("__init__.pyi").read_text(encoding="utf-8"))
+    imports = [node for node in listed.body if isinstance(node, ast.ImportFrom)]
+    return {alias.name: str(node.module) for node in imports for alias in node.names}
 
 
 def __getattr__(name: str) -> Any:
     """Import what is asked for when it is asked for: the version and the errors cost no model."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'plcopen_sfc' has no attribute {name!r}")
-    return getattr(import_module(f"plcopen_sfc.{_HOMES[name]}"), name)
+    if name == "__all__":
+        return __dir__()
+    if name.startswith("__") or name not in _exports():
+        from plcopen_sfc.errors import nearest  # noqa: PLC0415
+
+        raise AttributeError(f"module 'plcopen_sfc' has no attribute {name!r}{nearest(name, _exports())}")
+    return getattr(import_module(_exports()[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(_exports())

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.documents.file import encode, normalized, read_document, refuse_losses
+from plcopen_sfc.documents.file import read_document
 from plcopen_sfc.documents.source import FileSource, FolderSource
-from plcopen_sfc.documents.storage import SaveOptions, Source, format_to_write, load_project, save_project
+from plcopen_sfc.documents.storage import SaveOptions, Source, load_project, save_project
+from plcopen_sfc.errors import check_argument
 from plcopen_sfc.formats.base import Format
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.report import ConversionReport
+from plcopen_sfc.report import ConversionReport, Converted
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folders.loading import Progress
@@ -33,6 +36,9 @@ def load(
 
 def loads(data: bytes, *, format: str | None = None, path: str | None = None, as_tool: bool = False) -> Project:
     """Load a project from bytes, as `load` does. `path` is what messages call them."""
+    hint = "load takes a path. Text has to be encoded: text.encode()." if isinstance(data, str) else ""
+    check_argument(data, (bytes, bytearray, memoryview), "loads needs bytes", hint)
+    data = bytes(data)
     return read_document(data, format=format, path=path, as_tool=as_tool)
 
 
@@ -52,10 +58,11 @@ def save(
     """Save a project to a path or a binary file; returns what became of each item.
 
     Saved in the format it was loaded from, the file is what was read with just the edits in it. `format` converts to
-    another (see `plcopen-sfc formats`), `flavour` writes for a family of readers (``beremiz``), `tia` for a version of
-    TIA Portal (``V16``; the format is ``simaticml`` then), `fresh` writes from the model alone. With `normalize` what
-    the tool ignores is left out, such as the time of an export: files can be compared then. A path is written to a
-    temporary file and renamed: the old file stays whole whatever happens.
+    another (see `plcopen-sfc formats`). Without it an extension that the format of the source does not have chooses
+    one (``.scl``), or is an error where several formats have it. `flavour` writes for a family of readers
+    (``beremiz``), `tia` for a version of TIA Portal (``V16``; the format is ``simaticml`` then), `fresh` writes from
+    the model alone. With `normalize` what the tool ignores is left out, such as the time of an export: files can be
+    compared then. A path is written to a temporary file and renamed: the old file stays whole whatever happens.
 
     Given what `lower` returned, the file is read back as its tool reads it and compared with the chart before it is put
     in place; `compared` of the report has the verdict. Code that was not to be verified is saved without that.
@@ -83,39 +90,70 @@ def save(
     }
     if not isinstance(project, Project):
         from plcopen_sfc.documents.lowered import save_lowered  # noqa: PLC0415  # brings the interpreter
+        from plcopen_sfc.lowering.lower import LoweredPou  # noqa: PLC0415
 
+        hint = "Put it into a project, as `project.pous` and `pou.bodies`." if isinstance(project, Model) else ""
+        check_argument(project, LoweredPou, "save needs a project, or what lower returned", hint)
         return save_lowered(project, target, **writing)
     return save_project(project, target, **writing)
 
 
 def dumps(
-    project: Project,
+    project: Project | LoweredPou,
     *,
     format: str | None = None,
     flavour: str = "",
     tia: str = "",
+    strict: bool = False,
     partial: bool = False,
     fresh: bool = False,
     normalize: bool = False,
+    limit: float = 0,
 ) -> bytes:
-    """The bytes that `save` would write. Raises what it raises."""
-    name = format_to_write(project, format, tia)
-    data, report = encode(project, name, flavour=flavour, fresh=fresh)
-    refuse_losses(report, strict=False, partial=partial)
-    return normalized(data, name) if normalize else data
+    """Return the bytes that `save` would write. Takes the same options, and raises the same errors."""
+    return convert(
+        project,
+        format,
+        flavour=flavour,
+        tia=tia,
+        strict=strict,
+        partial=partial,
+        fresh=fresh,
+        normalize=normalize,
+        limit=limit,
+    ).data
 
 
 def convert(
-    project: Project,
-    format: str,
+    project: Project | LoweredPou,
+    format: str | None = None,
     *,
     flavour: str = "",
+    tia: str = "",
+    strict: bool = False,
     partial: bool = False,
-) -> tuple[bytes, ConversionReport]:
-    """The bytes of `project` in another format, and the report. Raises what `save` raises."""
-    data, report = encode(project, format, flavour=flavour, fresh=False)
-    refuse_losses(report, strict=False, partial=partial)
-    return data, report
+    fresh: bool = False,
+    normalize: bool = False,
+    limit: float = 0,
+) -> Converted:
+    """Return what `save` would write and what it would return, as `data` and `report`.
+
+    Takes the same options, and raises the same errors.
+    """
+    content = io.BytesIO()
+    report = save(
+        project,
+        content,
+        format=format,
+        flavour=flavour,
+        tia=tia,
+        strict=strict,
+        partial=partial,
+        fresh=fresh,
+        normalize=normalize,
+        limit=limit,
+    )
+    return Converted(content.getvalue(), report)
 
 
 def check_syntax(project: Project) -> list[Diagnostic]:

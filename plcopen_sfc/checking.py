@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
+from plcopen_sfc.errors import check_argument
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -37,6 +38,7 @@ def check(
     """
     from plcopen_sfc.analysis.checks import check_charts  # noqa: PLC0415  # brings the parser with it
 
+    check_argument(subject, (Project, Pou, SfcNetwork), "check needs a chart, a POU or a project")
     found = check_charts(subject, profile=profile, select=select, ignore=ignore)
     project = subject.project
     return _located(found, project) if found and project is not None else found

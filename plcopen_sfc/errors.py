@@ -17,6 +17,15 @@ if TYPE_CHECKING:
     from plcopen_sfc.report import ConversionReport
 
 
+def nearest(name: object, known: Iterable[str]) -> str:
+    """Return `` (did you mean 'Fill'?)`` with the known name that is most like `name`; empty if none is like it."""
+    from difflib import get_close_matches  # noqa: PLC0415  # only for messages
+
+    by_folded = {each.casefold(): each for each in known}
+    found = get_close_matches(str(name).casefold(), by_folded, 1)
+    return f" (did you mean {by_folded[found[0]]!r}?)" if found else ""
+
+
 @dataclass(frozen=True, slots=True)
 class Location:
     """A place in a file or in a model.
@@ -159,6 +168,21 @@ _SHOWN = 10
 
 class ModelError(SfcError, ValueError):
     """An operation on the model that its content does not allow: a name that does not exist, or exists already."""
+
+
+class ArgumentError(SfcError, TypeError):
+    """A function was given an object of a type that it does not take."""
+
+
+def check_argument(value: object, types: type | tuple[type, ...], need: str, hint: str = "") -> None:
+    """Raise `ArgumentError` if `value` is not of `types`; `need` says who needs what: ``loads needs bytes``."""
+    if not isinstance(value, types):
+        shown = repr(value)
+        shown = shown if len(shown) <= _REPR else f"{shown[:_REPR]}.."
+        raise ArgumentError(f"{need}, not {shown} ({type(value).__name__})", hint=hint)
+
+
+_REPR = 40
 
 
 class InputError(SfcError, ValueError):

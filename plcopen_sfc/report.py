@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 
 class Outcome(StrEnum):
@@ -51,7 +51,7 @@ class Item:
         return self.path if self.path.startswith(f"{self.what} ") else f"{self.what} {self.path}".strip()
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, repr=False)
 class ConversionReport:
     """The outcomes of all items. `unchanged`: nothing was edited, the file is what was read.
 
@@ -69,6 +69,13 @@ class ConversionReport:
     left_alone: list[str] = field(default_factory=list)
     compared: dict[str, str] = field(default_factory=dict)
     untested: dict[str, list[str]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        outcomes = Counter(item.outcome for item in self.items)
+        counts = [f"{outcomes[outcome]} {outcome.value}" for outcome in Outcome if outcomes[outcome]]
+        source = f"{self.source_format} to " if self.source_format else ""
+        found = "unchanged" if self.unchanged else ", ".join(counts) or "no items"
+        return f"ConversionReport({source}{self.target_format}: {found})"
 
     def add(self, outcome: Outcome, what: str, path: str, why: str = "") -> None:
         """Note the outcome of an item."""
@@ -118,6 +125,16 @@ class ConversionReport:
             "untested": self.untested,
             "items": [{k: v for k, v in asdict(item).items() if v not in ("", None)} for item in self.items],
         }
+
+
+class Converted(NamedTuple):
+    """A project in a format: the bytes of the file, and what became of each item."""
+
+    data: bytes
+    report: ConversionReport
+
+    def __repr__(self) -> str:
+        return f"Converted({len(self.data):,} bytes, {self.report!r})"
 
 
 def line_of(path: str, lines: Mapping[str, int]) -> int | None:

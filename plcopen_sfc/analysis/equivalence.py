@@ -203,7 +203,8 @@ def equivalent(
 def _subject(given: Comparable | Code) -> Subject:
     if isinstance(given, Subject):
         return given
-    return resolve(given) if isinstance(given, SfcNetwork | Pou | Project) else resolve(given.project, given.name)
+    is_code = hasattr(given, "step_flags")
+    return resolve(given.project, given.name) if is_code else resolve(given)  # type: ignore[union-attr,arg-type]
 
 
 def _profiles(

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, TypedDict
+from typing import TYPE_CHECKING, BinaryIO, Protocol, TypedDict, runtime_checkable
 
 from plcopen_sfc.documents.file import encode, normalized, read_document, refuse_losses
 from plcopen_sfc.documents.source import FolderSource
-from plcopen_sfc.errors import UnknownFormatError
+from plcopen_sfc.errors import Location, UnknownFormatError, check_argument
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
 from plcopen_sfc.model.project import Project
@@ -21,6 +21,16 @@ if TYPE_CHECKING:
     from plcopen_sfc.documents.folders.loading import Progress
 
 Source = str | os.PathLike[str] | BinaryIO
+
+
+@runtime_checkable
+class _Readable(Protocol):
+    def read(self) -> bytes: ...
+
+
+@runtime_checkable
+class _Writable(Protocol):
+    def write(self, data: bytes, /) -> int: ...
 
 
 class SaveOptions(TypedDict, total=False):
@@ -48,7 +58,12 @@ def load_project(
 
             return load_folder(path, format=format, progress=progress, as_tool=as_tool)
         return read_document(read_bytes(path), format=format, path=path, as_tool=as_tool)
-    return read_document(source.read(), format=format, path=getattr(source, "name", None), as_tool=as_tool)
+    hint = "loads takes bytes." if isinstance(source, bytes | bytearray) else ""
+    check_argument(source, _Readable, "load needs a path or a binary file", hint)
+    content = source.read()
+    check_argument(content, bytes, "load needs a file that is opened as binary", 'Open it with open(path, "rb").')
+    name = getattr(source, "name", None)
+    return read_document(content, format=format, path=name if isinstance(name, str) else None, as_tool=as_tool)
 
 
 def save_project(
@@ -92,24 +107,34 @@ def save_project(
         write_atomic(target, data)
         report.written.append(os.fspath(target))
     else:
+        check_argument(target, _Writable, "save needs a path or a binary file")
         target.write(data)
     return report
 
 
 def format_to_write(project: Project, format: str | None, tia: str = "", path: str | None = None) -> str:
-    """Return the name of the format to write: that asked for, that of the source, or that of the extension."""
+    """Return the name of the format to write: the one asked for, else that of the source or of the extension of `path`.
+
+    An extension that the format of the source does not have decides, unless no format has it.
+    """
     if tia:
         return for_tia(format or TIA_FORMAT, tia)
     if format:
         return format
-    if project.source is not None:
-        return project.source.format
-    if path is not None:
-        by_extension = [f.name for f in FORMATS if Path(path).suffix.lower() in f.extensions]
-        if len(by_extension) == 1:
-            return by_extension[0]
+    extension = Path(path).suffix.lower() if path is not None else ""
+    named = [kind.name for kind in FORMATS if extension in kind.extensions]
+    own = project.source.format if project.source is not None else None
+    if own is not None and (not named or own in named):
+        return own
+    if len(named) == 1:
+        return named[0]
+    if named:
+        message = f"files with the extension {extension} are of several formats: {', '.join(named)}"
+        raise UnknownFormatError(message, location=Location(path), hint=f'Name one of them: format="{named[0]}".')
     raise UnknownFormatError(
-        "say in which format to save: the project was not loaded from a file", hint='For example format="plcopen".'
+        "the format to save in is not known: the project was not loaded from a file",
+        location=Location(path),
+        hint='Name one, such as format="plcopen", or save to a file with the extension of a format (.scl, .json).',
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from plcopen_sfc.errors import Location, UnknownFormatError, UnknownVersionError
+from plcopen_sfc.errors import Location, UnknownFormatError, UnknownVersionError, check_argument, nearest
 from plcopen_sfc.formats.base import DrawingNeed, Format
 from plcopen_sfc.formats.head import Head, head_of
 from plcopen_sfc.formats.unread import refuse_by_content, refuse_by_name
@@ -176,14 +176,38 @@ FORMATS: tuple[Format, ...] = (
 
 def format_named(name: str) -> tuple[Format, str]:
     """The format of this name and the version in it (``plcopen-2.0``). Raises `UnknownFormatError`."""
+    check_argument(name, str, "format is the name of one")
     for candidate in FORMATS:
         if name == candidate.name:
             return candidate, ""
         version = name.removeprefix(candidate.name + "-")
         if version != name and version in (*candidate.versions, "1.0"):
             return candidate, version
+    raise _unknown(name)
+
+
+def _unknown(name: object) -> UnknownFormatError:
+    """Return the error for a name that is no format: with the format that its tool uses, or the nearest name."""
+    asked = str(name).casefold().partition("-")[0]
+    tool, use = next((use for names, *use in _TOOLS if asked in names.split()), ("", ""))
+    if tool:
+        return UnknownFormatError(f"there is no format {name!r}: {tool} uses {use}")
     known = [n for f in FORMATS for n in (f.name, *(f"{f.name}-{v}" for v in f.versions))]
-    raise UnknownFormatError(f"there is no format {name!r}", hint="Formats are: " + ", ".join(known))
+    near = nearest(name, [*known, *(each for names, *_ in _TOOLS for each in names.split())])
+    listed = (f.name + (f" ({', '.join(f.versions)})" if f.versions else "") for f in FORMATS)
+    return UnknownFormatError(f"there is no format {name!r}{near}", hint=f"Formats are: {', '.join(listed)}")
+
+
+_TOOLS = (
+    ("tia tiaportal openness step7 s7graph graph siemens", "TIA Portal", "simaticml; program text alone is scl"),
+    ("twincat twincat3 tc3 beckhoff tcpou", "TwinCAT 3", "codesys (its PLCopen XML)"),
+    ("codesys3 codesysv3 3s", "CODESYS V3", "codesys (its PLCopen XML)"),
+    ("beremiz openplc", "Beremiz", 'plcopen, written with --for beremiz (flavour="beremiz")'),
+    ("matiec iec2c", "matiec", 'iec-text, written with --for matiec (flavour="matiec")'),
+    ("tc6 plcopenxml xml", "a tool that reads PLCopen TC6 XML", "plcopen; CODESYS and TwinCAT use codesys"),
+    ("st text sfc iectext", "a tool that reads IEC 61131-3 as text", "iec-text"),
+)
+"""Names of tools and files that are asked for instead of formats, the tool, and what it uses."""
 
 
 def for_tia(name: str, tia: str) -> str:

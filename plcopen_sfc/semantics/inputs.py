@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
-from typing import Protocol, TypeAlias, TypeVar
+from typing import Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from plcopen_sfc.errors import InputError, Location, ModelError
 from plcopen_sfc.files import read_bytes
@@ -47,6 +47,7 @@ class Variables:
 _Choice = TypeVar("_Choice")
 
 
+@runtime_checkable
 class InputSource(Protocol):
     """Where inputs come from."""
 

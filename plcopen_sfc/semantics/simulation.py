@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from datetime import timedelta
 from typing import Any
 
-from plcopen_sfc.errors import InputError, ModelError
+from plcopen_sfc.errors import InputError, ModelError, check_argument
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
@@ -220,6 +220,12 @@ def _source(inputs: Inputs, run: Simulation) -> InputSource:
         return TraceInputs(inputs)
     if callable(inputs):
         return run.function_source(inputs)
+    check_argument(
+        inputs,
+        InputSource,
+        "inputs are a CSV file, a function, RandomInputs(seed) or a Trace",
+        "A function gets the number of the scan and all values, and returns what changes: {'Start': True}.",
+    )
     return inputs
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from plcopen_sfc.errors import ModelError
+from plcopen_sfc.errors import ModelError, check_argument
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Project
@@ -32,6 +32,7 @@ def resolve(subject: SfcNetwork | Pou | Project, pou: str | None = None, *, proj
     runs as if it were the body of its POU. A POU without `project` uses the project that it is in, if there is one.
     Raises `ModelError`.
     """
+    check_argument(subject, (Project, Pou, SfcNetwork), "a chart, a POU or a project is needed")
     if isinstance(subject, Project):
         return _named(subject, pou) if pou is not None else _only(subject)
     if isinstance(subject, Pou):

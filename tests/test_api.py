@@ -1,0 +1,122 @@
+"""The public functions: names that can be guessed, the same options everywhere, errors of ours for wrong arguments."""
+
+from __future__ import annotations
+
+import inspect
+import io
+from pathlib import Path
+
+import pytest
+
+import plcopen_sfc as sfc
+
+ROOT = Path(__file__).resolve().parents[1]
+CONVEYOR = ROOT / "fixtures" / "codesys" / "sorting_conveyor.xml"
+FILLING = ROOT / "fixtures" / "plcopen" / "filling_station_2.01.xml"
+
+
+def test_a_first_chart_needs_no_other_module():
+    chart = sfc.SfcNetwork()
+    wait, fill = chart.add_step("Wait", initial=True), chart.add_step("Fill")
+    fill.actions.append(sfc.ActionAssociation(id=chart.new_id(), qualifier=sfc.Qualifier.N, target="Valve"))
+    chart.add_transition(wait, fill, "Start")
+    chart.add_transition(fill, wait, "NOT Start")
+    variables = [sfc.Variable(name="Start", type="BOOL"), sfc.Variable(name="Valve", type="BOOL")]
+    inputs = sfc.VariableSection(kind=sfc.SectionKind.INPUT, variables=variables[:1])
+    outputs = sfc.VariableSection(kind=sfc.SectionKind.OUTPUT, variables=variables[1:])
+    interface = sfc.Interface(sections=[inputs, outputs])
+    pou = sfc.Pou(name="Main", kind=sfc.PouKind.PROGRAM, interface=interface, bodies=[sfc.SfcBody(chart=chart)])
+    project = sfc.Project(name="Plant", pous=[pou])
+    again = sfc.loads(sfc.dumps(project, format="plcopen"))
+    assert sfc.equivalent(again.pou("Main").chart, chart).equal
+    assert isinstance(sfc.equivalent(again, project), sfc.Verdict)
+
+
+def test_dir_lists_every_public_name_and_each_can_be_imported():
+    names = dir(sfc)
+    assert {"load", "equivalent", "Qualifier", "ActionAssociation", "LossError", "__version__"} <= set(names)
+    assert names == sfc.__all__
+    assert all(getattr(sfc, name) is not None for name in names)
+    from plcopen_sfc import __all__ as starred  # noqa: PLC0415
+
+    assert starred == names
+
+
+def test_an_unknown_name_of_the_package_gets_the_nearest():
+    with pytest.raises(AttributeError, match=r"no attribute 'laod' \(did you mean 'load'\?\)"):
+        sfc.laod  # noqa: B018
+
+
+def test_save_dumps_and_convert_take_the_same_options_and_share_one_result(tmp_path):
+    def options(function):
+        parameters = inspect.signature(function).parameters.values()
+        return {each.name: each.default for each in parameters if each.name not in ("project", "target")}
+
+    assert options(sfc.save) == options(sfc.dumps) == options(sfc.convert)
+    project = sfc.load(CONVEYOR)
+    target = tmp_path / "out.xml"
+    report = sfc.save(project, target, format="plcopen", partial=True)
+    converted = sfc.convert(project, "plcopen", partial=True)
+    assert converted.data == target.read_bytes() == sfc.dumps(project, format="plcopen", partial=True)
+    assert converted.report.items == report.items
+    data, found = converted
+    assert (data, found) == (converted.data, converted.report)
+    for function in (sfc.convert, sfc.dumps):
+        with pytest.raises(sfc.LossError):
+            function(project, format="plcopen", strict=True)
+
+
+def test_an_extension_of_another_format_chooses_it_or_is_refused(tmp_path):
+    project = sfc.load(FILLING)
+    sfc.save(project, tmp_path / "out.st", partial=True)
+    assert sfc.load(tmp_path / "out.st").source.format == "iec-text"
+    with pytest.raises(sfc.LossError):  # SCL has no charts
+        sfc.save(project, tmp_path / "out.scl")
+    assert not (tmp_path / "out.scl").exists()
+    text = sfc.load(tmp_path / "out.st")
+    with pytest.raises(sfc.FormatError, match=r"extension \.xml are of several formats: codesys, plcopen, simaticml"):
+        sfc.save(text, tmp_path / "out.xml")
+    assert not (tmp_path / "out.xml").exists()
+    sfc.save(project, tmp_path / "out.bak")  # no format has it: a copy
+    assert (tmp_path / "out.bak").read_bytes() == FILLING.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("codesy", "did you mean 'codesys'"),
+        ("simaticml-V22", "did you mean 'simaticml-V2"),
+        ("tia", "TIA Portal uses simaticml"),
+        ("TwinCAT", "TwinCAT 3 uses codesys"),
+        ("beremiz", "Beremiz uses plcopen, written with --for beremiz"),
+        ("beremis", "did you mean 'beremiz'"),
+    ],
+)
+def test_unknown_formats_get_the_nearest_name_and_tools_their_format(name, message):
+    with pytest.raises(sfc.FormatError, match=f"there is no format '{name}'.*{message}"):
+        sfc.convert(sfc.Project(), name)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: sfc.load(None), "load needs a path or a binary file, not None"),
+        (lambda: sfc.load(b"<project>"), "loads takes bytes"),
+        (lambda: sfc.load(io.StringIO("text")), 'open(path, "rb")'),
+        (lambda: sfc.loads("text"), "loads needs bytes, not 'text' (str)"),
+        (lambda: sfc.save(None, "x.xml"), "save needs a project"),
+        (lambda: sfc.save(sfc.SfcNetwork(), "x.xml"), "Put it into a project"),
+        (lambda: sfc.save(sfc.Project(), 3, format="json"), "save needs a path or a binary file, not 3"),
+        (lambda: sfc.dumps(sfc.Project(), format=3), "format is the name of one, not 3"),
+        (lambda: sfc.simulate(sfc.SfcNetwork(), inputs=[{}]), "inputs are a CSV file, a function"),
+        (lambda: sfc.simulate("Main"), "a chart, a POU or a project is needed, not 'Main' (str)"),
+        (lambda: sfc.lower("Main"), "a chart, a POU or a project is needed"),
+        (lambda: sfc.equivalent("Main", "Main"), "a chart, a POU or a project is needed"),
+        (lambda: sfc.check("line24.xml"), "check needs a chart, a POU or a project"),
+    ],
+)
+def test_a_wrong_argument_is_an_error_of_ours(call, message):
+    with pytest.raises(sfc.ArgumentError) as caught:
+        call()
+    assert message in str(caught.value)
+    assert isinstance(caught.value, TypeError)
