@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from plcopen_sfc.languages.binding import BoundText, texts_in
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.pieces import Reading, Role
+from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.model.body import SfcBody
-from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.conditions import Expression, WiredCondition
 from plcopen_sfc.model.sfc import SfcNetwork
-from plcopen_sfc.semantics.charts.grafcet.terms import term_times
+from plcopen_sfc.semantics.charts.grafcet.terms import TermTexts
 from plcopen_sfc.semantics.subjects import Subject
 
 __all__ = ["Clocking", "StepTimes", "clocking", "step_times"]
 
-_LITERAL = r"(?:TIME|LTIME|S5TIME|S5T|LT|T)\#[-+]?[0-9][0-9a-zA-Z_.]*"
-_DURATION = re.compile(rf"\b{_LITERAL}", re.IGNORECASE)
-_STEP_TIME = re.compile(r"""(?:\\?"[^"\\]+\\?"|(?<![\w.])[\w.\[\]]+)\s*\.\s*[TU]\b""", re.IGNORECASE)
-_MEMBER_TIME = re.compile(r"\.\s*[TU]\b", re.IGNORECASE)  # quick to look for, and most texts have none
-_COMPARED = re.compile(
-    rf"""\s* (?:>=|<=|<>|>|<|=) \s* {_LITERAL} \s* (?:$ | [)"\\;,\]&] | (?:AND|OR|XOR|AND_THEN|OR_ELSE|THEN|DO)\b)""",
-    re.IGNORECASE | re.VERBOSE,
+_CLOCKS = frozenset({"time", "rd_sys_t", "time_tck"})
+_COMPARING = frozenset(
+    {
+        n.Operator.EQUAL,
+        n.Operator.UNEQUAL,
+        n.Operator.LESS,
+        n.Operator.GREATER,
+        n.Operator.LESS_OR_EQUAL,
+        n.Operator.GREATER_OR_EQUAL,
+    }
 )
-_CLOCK = re.compile(r"\bTIME\s*\(\s*\)|\bRD_SYS_T\b|\bTIME_TCK\b", re.IGNORECASE)
-_CALCULATED = re.compile(r"(?:[-+*/]|\bMOD)\s*$", re.IGNORECASE)
-_TIME_PIN = '"pin":"T"'  # of a step that a wire leads from
+_TIMES = frozenset({"T", "U"})
 _DEFAULT_SCAN = 10_000_000
 
 
@@ -65,19 +71,18 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
     in a scan and there is one before and one after it; 10 ms without durations.
     """
     texts = [text for subject in subjects for text in _texts(subject)]
-    charts = [chart for subject in subjects for chart in _own_charts(subject)]
-    constants = sorted(_constants(texts, charts))
+    constants = sorted(_constants(texts))
     if scan_time is None:
         common = math.gcd(*constants)
         scan_time = (common // 2 if common % 2 == 0 else common) or _DEFAULT_SCAN
-    reason = "the program reads the clock" if any(_CLOCK.search(text) for text in texts) else ""
-    return Clocking(scan_time, tuple(constants), reason)
+    reads_clock = any(use.role is Role.ACTION and use.name.casefold() in _CLOCKS for text in texts for use in text.uses)
+    return Clocking(scan_time, tuple(constants), "the program reads the clock" if reads_clock else "")
 
 
-def _constants(texts: Sequence[str], charts: Sequence[SfcNetwork]) -> set[int]:
+def _constants(texts: Iterable[BoundText]) -> set[int]:
     """The durations that times are compared with, or that timers are started with."""
-    terms = [time for chart in charts for text in _conditions(chart) for time in term_times(text)]
-    return {value for text in [*texts, *terms] for value in _durations(text)}
+    literals = (node for text in texts for tree in _trees(text) for node in walk(tree) if isinstance(node, n.Literal))
+    return {value for literal in literals if (value := _duration(literal)) is not None and value > 0}
 
 
 def _own_charts(subject: Subject) -> list[SfcNetwork]:
@@ -88,37 +93,44 @@ def step_times(subject: Subject, scan_time: int) -> StepTimes:
     """Look through a program for what it does with the times of steps, which it alone sees."""
     texts = _texts(subject)
     charts = _own_charts(subject)
-    plain = all(
-        _COMPARED.match(text, match.end()) and not _CALCULATED.search(text[: match.start()][-8:])
-        for text in texts
-        for match in _reads_of_times(text)
-    )
+    reads = [read for text in texts for read in _reads_of_times(text)]
     steps = [step for chart in charts for step in chart.steps]
     durations = [a.duration for step in steps for a in step.actions]
     durations += [time for step in steps for time in (step.min_time, step.max_time, step.warning_time)]
-    known = all(duration is None or _DURATION.fullmatch(duration.strip()) for duration in durations)
-    limit = max(_constants(texts, charts), default=0) + scan_time if plain and known else None
-    return StepTimes(limit, *_steps_read(charts, texts))
+    known = all(duration is None or _is_duration(duration.strip()) for duration in durations)
+    plain = all(read.is_compared for read in reads)
+    limit = max(_constants(texts), default=0) + scan_time if plain and known else None
+    return StepTimes(limit, *_steps_read(charts, [read.step for read in reads], subject.project.dialect))
 
 
-def _steps_read(charts: Sequence[SfcNetwork], texts: Sequence[str]) -> tuple[frozenset[str], frozenset[str]]:
+def _steps_read(
+    charts: Sequence[SfcNetwork], reads: Iterable[str], dialect: Dialect
+) -> tuple[frozenset[str], frozenset[str]]:
     """The names of steps whose time is read when they are not active, and of those whose time is read."""
-    read = Counter(name for text in texts for name in _times_read(text))
+    read = Counter(reads)
     own: Counter[str] = Counter()
-    if any(_TIME_PIN in text for text in texts):
+    if any(_has_wired_times(chart) for chart in charts):
         read.update(step.name.casefold() for chart in charts for step in chart.steps)
     for chart in charts:
         for step in chart.steps:
             key = step.name.casefold()
             if key in read:
                 conditions = [t.condition for t in chart.outgoing(step) if isinstance(t.condition, Expression)]
-                own[key] += sum(_times_read(each.model_dump_json()).count(key) for each in conditions)
+                texts = [text for each in conditions for text in texts_in(each, dialect)]
+                own[key] += sum(found.step == key for text in texts for found in _reads_of_times(text))
     anywhere = frozenset(name for name, count in read.items() if count != own[name])
     return anywhere, frozenset(read)
 
 
+def _has_wired_times(chart: SfcNetwork) -> bool:
+    """True if a wire leads from the time of a step."""
+    wired = [t.condition.input for t in chart.transitions if isinstance(t.condition, WiredCondition)]
+    wires = [*(wire for node in chart.logic for wire in wires_of(node)), *(w for pin in wired for w in pin.connections)]
+    return any(wire.pin in _TIMES for wire in wires)
+
+
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
-    """The chart, its partial charts, and what stands in its macro-steps."""
+    """The chart, its partial charts, and those of its macro-steps."""
     yield chart
     for partial in chart.partial_charts:
         yield from _charts(partial.chart)
@@ -127,43 +139,74 @@ def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
             yield from _charts(step.macro.body.chart)
 
 
-def _conditions(chart: SfcNetwork) -> Iterator[str]:
-    """The texts of conditions, which may have times of IEC 60848 in them (``3s/X5``)."""
-    conditions = [t.condition for t in chart.transitions] + [a.condition for _, a in chart.associations()]
-    return (each.text for each in conditions if isinstance(each, Expression))
+@dataclass(frozen=True)
+class _TimeRead:
+    """A text that reads the time of a step; `is_compared`: it does nothing else than compare it with a constant."""
+
+    step: str
+    is_compared: bool
 
 
-def _reads_of_times(text: str) -> Iterator[re.Match[str]]:
-    return _STEP_TIME.finditer(text) if _MEMBER_TIME.search(text) else iter(())
+def _reads_of_times(text: BoundText) -> Iterator[_TimeRead]:
+    """The reads of times in a text, each as often as it is there; all its names where it cannot be read."""
+    if text.piece.reading is Reading.FOREIGN:
+        return
+    for tree in _trees(text):
+        compared: set[int] = set()
+        for node in walk(tree):
+            if isinstance(node, n.Operation) and node.operator in _COMPARING:
+                time, constant = node.operands
+                if isinstance(constant, n.Literal) and _is_duration(constant.text):
+                    compared.add(id(time))
+            elif isinstance(node, n.Member) and node.name.identifier.upper() in _TIMES:
+                yield _TimeRead(_last_name(node.base), id(node) in compared)
+            elif isinstance(node, n.Unreadable):
+                yield from (_TimeRead(use.name.casefold(), False) for use in text.uses)
 
 
-def _times_read(text: str) -> list[str]:
-    """The steps whose time a text reads, each as often as it does."""
-    paths = (match.group().rpartition(".")[0].strip() for match in _reads_of_times(text))
-    return [path.rpartition(".")[2].strip('"\\').casefold() for path in paths]
+def _last_name(node: n.Expression) -> str:
+    while isinstance(node, n.Index | n.Dereference | n.Parenthesized):
+        node = node.inner if isinstance(node, n.Parenthesized) else node.base
+    name = node.name if isinstance(node, n.Member) else node
+    return name.identifier.casefold() if isinstance(name, n.Name) else ""
 
 
-def _texts(subject: Subject) -> list[str]:
-    """The POU with all that it may call, and the global variables, as text in which names and literals can be found."""
-    own = subject.pou.model_dump_json(exclude_none=True)
-    waiting, found = [own], [own]
-    others = {pou.name: pou for pou in subject.project.pous if pou.name != subject.pou.name}
+def _trees(text: BoundText) -> Iterator[n.Expression | n.Statement]:
+    """The trees of a text, and those of the edges and times of IEC 60848 in a condition (``3s/X5``)."""
+    terms = TermTexts()
+    read = terms.read(text.piece.text) if isinstance(text.piece.holder, Expression) else ""
+    if not terms.edges and not terms.timers:
+        yield from text.trees
+        return
+    texts = [read, *(edge.operand for edge in terms.edges)]
+    for timer in terms.timers:
+        texts += [timer.operand, *(time for time in (timer.first, timer.last) if time is not None)]
+    yield from (parse_condition(each, text.dialect).tree for each in texts)
+
+
+def _texts(subject: Subject) -> list[BoundText]:
+    """The texts of the POU and of all that it may call, of global variables and of types."""
+    project, dialect = subject.project, subject.project.dialect
+    others = {pou.name: pou for pou in project.pous if pou.name != subject.pou.name}
+    waiting, found = [subject.pou], list[BoundText]()
     while waiting:
-        words = set(re.findall(r"\w+", waiting.pop().casefold()))
-        for name in [each for each in others if each.casefold() in words]:
-            text = others.pop(name).model_dump_json(exclude_none=True)
-            waiting.append(text)
-            found.append(text)
-    found += [section.model_dump_json(exclude_none=True) for section in subject.project.global_variables]
-    found += [declared.model_dump_json(exclude_none=True) for declared in subject.project.data_types]
+        own = [*texts_in(waiting.pop(), dialect)]
+        found += own
+        names = {use.name.casefold() for text in own for use in text.uses}
+        waiting += [others.pop(name) for name in [*others] if name.casefold() in names]
+    for declared in (*project.global_variables, *project.data_types):
+        found += texts_in(declared, dialect)
     return found
 
 
-def _durations(text: str) -> Iterable[int]:
-    for match in _DURATION.finditer(text):
-        try:
-            literal = literal_value(match.group())
-        except LiteralError:
-            continue
-        if literal.kind is LiteralKind.DURATION and isinstance(literal.value, int) and literal.value > 0:
-            yield literal.value
+def _is_duration(text: str) -> bool:
+    return _duration(n.Literal(text)) is not None
+
+
+def _duration(literal: n.Literal) -> int | None:
+    """The nanoseconds of a literal; None where it is no duration."""
+    try:
+        value = literal_value(literal)
+    except LiteralError:
+        return None
+    return value.value if value.kind is LiteralKind.DURATION and isinstance(value.value, int) else None

@@ -7,7 +7,6 @@ transitions are looked at in turn until nothing more is found to be possible.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from plcopen_sfc.analysis.exclusivity import condition_of
@@ -16,13 +15,16 @@ from plcopen_sfc.analysis.knowledge import ProjectKnowledge
 from plcopen_sfc.analysis.marking import MarkingGraph
 from plcopen_sfc.analysis.systems import ProgramSystem
 from plcopen_sfc.errors import SfcError
+from plcopen_sfc.languages.binding import names_in, texts_in
+from plcopen_sfc.languages.names.declarations import inside
 from plcopen_sfc.languages.networks.values import inverted
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_condition, print_node, walk
 from plcopen_sfc.languages.st.nodes import Expression
-from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.sfc import SfcFlag, SfcNetwork
+from plcopen_sfc.model.types import PointerType
 from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 from plcopen_sfc.semantics.profile import Evolution, ScanOrder
@@ -30,11 +32,7 @@ from plcopen_sfc.semantics.profile import Evolution, ScanOrder
 __all__ = ["Unreachable"]
 
 _MARKINGS = 20_000
-_POINTERS = re.compile(r"\bADR\b|\bREF\b|REF=|REFERENCE|POINTER", re.IGNORECASE)
-_ESCAPES = re.compile(r"\\[\\nrtbf]")
-"""Of JSON: else the name behind a line break would begin with an n."""
-
-_GIVING = re.compile(r"(?<![\w.])([A-Za-z_]\w*)\s*:=\s*(TRUE|FALSE)\s*;", re.IGNORECASE)
+_POINTING = frozenset({"adr", "ref"})
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
 
@@ -122,22 +120,18 @@ class Unreachable:
         pou = self._pou
         bodies = {action.name.casefold(): action.body for action in pou.actions}
         texts = {
-            name: self._changing_words(body)
+            name: self._changing_names(body)
             for name, body in bodies.items()
             if not isinstance(body, SfcBody) and body is not None
         }
         charts = {name.partition(".")[2].casefold() or "": name for name in self._nets}
         own = self._own_variables()
         steps = (step.step for net in self._nets.values() for step in net.steps)
-        written = {word for body in bodies.values() if body is not None for word in _words(body.model_dump_json())}
-        written |= {word for step in steps for word in _words(step.model_dump_json())}
-        methods = {method.name.casefold(): self._changing_words(method) for method in pou.methods}
-        calling = {word for each in pou.transitions for word in _words(each.model_dump_json())}
-        calling |= {
-            w for net in self._nets.values() for t in net.transitions for w in _words(t.transition.model_dump_json())
-        }
+        written = self._names(*bodies.values(), *steps)
+        methods = {method.name.casefold(): self._changing_names(method) for method in pou.methods}
+        calling = self._names(*pou.transitions, *(t.transition for net in self._nets.values() for t in net.transitions))
         others = [each for each in self._system.subject.project.pous if each.name != pou.name]
-        calling |= {word for each in others for word in _words(each.model_dump_json())} if methods else set()
+        calling |= self._names(*others) if methods else set()
         possible: dict[str, set[int]] = {name: set() for name in self._nets}
         never: dict[str, set[int]] = {name: set() for name in self._nets}
         executed = {""}
@@ -151,9 +145,9 @@ class Unreachable:
                 never[name] = {t.index for t in net.transitions if self._is_never(name, t, fixed)}
                 possible[name] = _entered(net, never[name])
                 for index in possible[name]:
-                    said |= self._changing_words(net.steps[index].step)
+                    said |= self._changing_names(net.steps[index].step)
                 for macro in net.macros:
-                    said |= self._changing_words(macro.step)
+                    said |= self._changing_names(macro.step)
             for key in executed & texts.keys():
                 said |= texts[key]
             for key in (said | calling) & methods.keys():
@@ -172,20 +166,35 @@ class Unreachable:
             self.steps[name] = dead
             self.transitions[name] = never[name] | {t.index for t in net.transitions if set(t.sources) & dead}
 
-    def _changing_words(self, owner: Element) -> set[str]:
-        """The words of a text, without variables that it only gives their first value."""
-        return _words(_GIVING.sub(self._without_first_value, _ESCAPES.sub(" ", owner.model_dump_json())))
+    def _names(self, *owners: Model | None) -> set[str]:
+        dialect = self._system.subject.project.dialect
+        return {name for owner in owners if owner is not None for name in names_in(owner, dialect)}
 
-    def _without_first_value(self, given: re.Match[str]) -> str:
-        return ";" if self._first_value(given[1]) is (given[2].upper() == "TRUE") else given[0]
+    def _changing_names(self, owner: Model) -> set[str]:
+        """The names in a text, without variables that it only gives their first value."""
+        found: set[str] = set()
+        for text in texts_in(owner, self._system.subject.project.dialect):
+            kept = {self._kept(node) for tree in text.trees for node in walk(tree)}
+            found |= {use.name.casefold() for use in text.uses if use.span not in kept}
+        return found
+
+    def _kept(self, node: n.Node) -> n.Span | None:
+        """Where a variable is given its first value; None: a node does something else."""
+        if not isinstance(node, n.Assignment) or node.kind is not n.AssignmentKind.ASSIGN:
+            return None
+        if not isinstance(node.target, n.Name) or not isinstance(node.value, n.Literal):
+            return None
+        value = node.value.text.upper()
+        first = self._first_value(node.target.identifier)
+        return node.target.span if value in ("TRUE", "FALSE") and first is (value == "TRUE") else None
 
     def _never_called(self, possible: Mapping[str, set[int]], texts: Iterable[set[str]]) -> set[str]:
         """The methods that nothing names which can be executed."""
-        methods = {method.name.casefold(): _words(method.model_dump_json()) for method in self._pou.methods}
-        said = set().union(*texts, *(_words(each.model_dump_json()) for each in self._pou.transitions))
+        methods = {method.name.casefold(): self._names(method) for method in self._pou.methods}
+        said = set().union(*texts, self._names(*self._pou.transitions))
         for name, net in self._nets.items():
-            said |= {word for each in net.transitions for word in _words(each.transition.model_dump_json())}
-            said |= {word for index in possible[name] for word in _words(net.steps[index].step.model_dump_json())}
+            said |= self._names(*(each.transition for each in net.transitions))
+            said |= self._names(*(net.steps[index].step for index in possible[name]))
         waiting = True
         called: set[str] = set()
         while waiting:
@@ -197,7 +206,7 @@ class Unreachable:
 
     def _own_variables(self) -> set[str]:
         """Local variables that only texts of the POU can write."""
-        if _POINTERS.search(self._pou.model_dump_json()):
+        if self._has_references():
             return set()
         interface = self._pou.interface
         sections = interface.sections if interface is not None else []
@@ -205,6 +214,19 @@ class Unreachable:
             v.name.casefold() for s in sections if s.kind is SectionKind.LOCAL for v in s.variables if not v.address
         }
         return local - {name.casefold() for name in self._system.inputs} - _FLAGS
+
+    def _has_references(self) -> bool:
+        """True if variables of the POU can be reached by other means than their names."""
+        pou, dialect = self._pou, self._system.subject.project.dialect
+        interfaces = [pou.interface, *(method.interface for method in pou.methods)]
+        variables = [v for interface in interfaces if interface is not None for v in interface.variables()]
+        if any(isinstance(each, PointerType) for v in variables for each in inside(v.type)):
+            return True
+        texts = [*texts_in(pou, dialect)]
+        if any(use.name.casefold() in _POINTING for text in texts for use in text.uses):
+            return True
+        nodes = (node for text in texts for tree in text.trees for node in walk(tree))
+        return any(isinstance(node, n.Assignment) and node.kind is n.AssignmentKind.REFERENCE for node in nodes)
 
     def _is_never(self, name: str, transition: NetTransition, fixed: set[str]) -> bool:
         """Whether the condition of a transition that did not fire is FALSE while some variables are not written."""
@@ -251,8 +273,3 @@ def _variables(tree: Expression) -> Iterator[str]:
     for node in walk(tree):
         if isinstance(node, n.Name | n.Member):
             yield print_node(node)
-
-
-def _words(text: str) -> set[str]:
-    """The words of a text in JSON, in lower case."""
-    return set(re.findall(r"\w+", _ESCAPES.sub(" ", text).casefold()))

@@ -6,7 +6,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc.analysis.clocking import clocking, step_times
-from plcopen_sfc.model import ActionAssociation, PartialChart, Qualifier, SfcNetwork
+from plcopen_sfc.model import Action, ActionAssociation, IlBody, PartialChart, Qualifier, SfcNetwork, StBody
+from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.semantics.subjects import Subject, resolve
 
 MS = 1_000_000
@@ -87,5 +88,51 @@ def test_durations_of_what_is_called_count_too() -> None:
 
 
 def test_times_of_steps_with_names_in_quotes() -> None:
-    times = step_times(chart('#"Step 1".T >= T#2s AND "DB"."Other step".U > T#1s'), 10 * MS)
+    found = chart('#"Step 1".T >= T#2s AND "DB"."Other step".U > T#1s')
+    found.project.dialect = Dialect.SCL
+    times = step_times(found, 10 * MS)
     assert times.read == {"step 1", "other step"}
+
+
+@pytest.mark.parametrize(
+    ("condition", "constants"),
+    [
+        ("Go (* T#3s *)", ()),
+        ("Text = 'T#3s'", ()),
+        ("A.T > T#1s (* after T#3s *)", (1000 * MS,)),
+        ("Go (* TIME() *)", ()),
+    ],
+)
+def test_durations_in_comments_and_strings_are_none(condition: str, constants: tuple[int, ...]) -> None:
+    found = clocking([chart(condition)], None)
+    assert (found.constants, found.reason) == (constants, "")
+
+
+def test_times_of_steps_in_comments_and_strings_are_not_read() -> None:
+    times = step_times(chart("Go (* B.T *) AND Text <> 'A.T'"), 10 * MS)
+    assert times.read == frozenset()
+    assert times.limit is not None
+
+
+def test_durations_of_what_is_named_in_a_comment_do_not_count() -> None:
+    text = """
+    FUNCTION_BLOCK Other VAR t : TON; END_VAR t(PT := T#7s); END_FUNCTION_BLOCK
+    PROGRAM Main VAR o : BOOL; END_VAR o := TRUE; (* Other *) END_PROGRAM
+    """
+    project = sfc.loads(text.encode(), format="iec-text")
+    assert clocking([resolve(project, "Main")], None).constants == ()
+
+
+def test_instruction_list_reads_times_of_steps() -> None:
+    found = chart("Go")
+    found.pou.actions.append(Action(name="Look", body=IlBody(text="LD A.T\nGT T#1s\nST Late")))
+    times = step_times(found, 10 * MS)
+    assert (times.read, times.anywhere, times.limit) == ({"a"}, {"a"}, None)
+
+
+def test_what_cannot_be_read_may_read_every_time_that_it_names() -> None:
+    found = chart("Go")
+    found.pou.actions.append(Action(name="Look", body=StBody(text="x := := A.T > T#1s;")))
+    times = step_times(found, 10 * MS)
+    assert "a" in times.anywhere
+    assert times.limit is None

@@ -431,8 +431,11 @@ def test_a_variable_that_is_written_behind_a_line_break_is_written() -> None:
     assert found.kind is VerdictKind.UNTESTED
 
 
-def test_a_variable_that_only_gets_its_first_value_keeps_it() -> None:
-    found = flagged("FALSE", "flag := FALSE;")
+@pytest.mark.parametrize(
+    "action", ["flag := FALSE;", "flag := FALSE; (* flag := TRUE; *)", "IF b THEN flag := FALSE; END_IF"]
+)
+def test_a_variable_that_only_gets_its_first_value_keeps_it(action: str) -> None:
+    found = flagged("FALSE", action)
     assert found.kind is VerdictKind.TESTED
     reasons = {each.name: each.why for each in found.coverage[0].unreached}
     assert reasons["S3"] == "unreachable (proven)"

@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.languages.binding import ANYTHING, BoundBody, bind, called_actions
+from plcopen_sfc.languages.binding import ANYTHING, BoundBody, bind, called_actions, is_named_elsewhere
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.dialect import Dialect
 
@@ -152,3 +152,27 @@ def test_a_view_is_made_once_and_follows_the_body() -> None:
     del text, ladder
     gc.collect()
     assert bound(st("e := 1;")).effects.writes == {("e",)}
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (st("Main();"), True),
+        (st("x := Main.level;"), True),
+        (il("CAL Main"), True),
+        (rung("Main.level", "x"), True),
+        (box("Main"), True),
+        (st("x := := Main;"), True),
+        (st("x := 1; // Main"), False),
+        (st("x := 'Main';"), False),
+        (st("x := Pump.Main;"), False),
+        (il("LD x (* Main *)\nST y"), False),
+    ],
+)
+def test_programs_are_named_by_the_texts_of_other_pous(body: Body, *, expected: bool) -> None:
+    main, other = owner(), m.Pou(name="Other", kind=m.PouKind.PROGRAM, bodies=[body])
+    pump = m.StructType(members=[m.Variable(name="Main", type=m.ElementaryType(name="BOOL"))])
+    pumps = m.VariableSection(kind=m.SectionKind.LOCAL, variables=[m.Variable(name="Pump", type=pump)])
+    other.interface = m.Interface(sections=[pumps])
+    main.bodies = [st("x := Main.level;")]
+    assert is_named_elsewhere(main, m.Project(pous=[main, other])) is expected

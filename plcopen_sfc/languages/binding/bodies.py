@@ -52,6 +52,17 @@ class BoundBody:
     instances: Mapping[str, str] = field(default_factory=dict)
     charts: tuple[ChartTexts, ...] = ()
 
+    @property
+    def program(self) -> Sequence[n.Statement] | None:
+        """The statements if they are all that the body does; None where they are not, or need variables of their own.
+
+        So it is for instruction list, charts, and an expression in the place of statements.
+        """
+        has_statements = isinstance(self.body, FbdBody | LdBody) or (
+            isinstance(self.body, StBody) and len(self.trees) == len(self.statements)
+        )
+        return self.statements if has_statements and not self.unknown and not self.helpers else None
+
     @cached_property
     def uses(self) -> tuple[Reference, ...]:
         """The name sites of the body, those in text that cannot be read too; none is in a comment or a string."""

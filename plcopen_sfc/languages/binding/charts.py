@@ -19,6 +19,7 @@ class ChartTexts:
     """
 
     def __init__(self, chart: SfcNetwork, dialect: Dialect) -> None:
+        self.chart = chart
         self._dialect = dialect
         self.trees: list[n.Expression | n.Statement] = []
         self.bodies: list[Body] = []
