@@ -13,7 +13,7 @@ from plcopen_sfc.formats.iectext.matiec_text import compiled_text
 from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, write_project
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_source import OWN_PRAGMA, TextSource, is_own
-from plcopen_sfc.formats.matiec.fitting import fit_project
+from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.text import Key, Piece, Slice, SourceText, decode, numbered
 from plcopen_sfc.languages.edits import without
 from plcopen_sfc.languages.pragmas import NotationError, parse_change

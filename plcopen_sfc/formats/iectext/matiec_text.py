@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcopen_sfc.formats.iectext.text_source import INDENT, indented
-from plcopen_sfc.formats.matiec.fitting import pous_in_order
-from plcopen_sfc.formats.matiec.statements import compilable_comments, plain_comment
+from plcopen_sfc.formats.matiec.matiec_project import pous_in_order
+from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
 from plcopen_sfc.languages.declarations import write_data_type, write_section, write_type, write_value
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier

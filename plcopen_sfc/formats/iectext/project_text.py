@@ -23,7 +23,7 @@ from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_typ
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, numbered_pieces, pragmas, split
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, unwrapped, wrapped
-from plcopen_sfc.formats.strings import variable_names
+from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text import Piece
 from plcopen_sfc.languages.declarations import write_config_section
 from plcopen_sfc.languages.dialects import Dialect

@@ -1,5 +1,8 @@
-"""Projects as matiec compiles them, for its text and for the TC6 of the tools that stand on it (Beremiz, OpenPLC).
+"""Projects as matiec compiles them, for its text and for the TC6 XML of the tools that use it (Beremiz, OpenPLC).
 
-`fitting` changes a copy of a project, `charts` the charts in it, `statements` its texts, `naming`, `globals` and
-`undeclared` look after what they refer to.
+* `matiec_project`: `fit_project` changes a copy of a project, with its configuration and tasks; `pous_in_order`.
+* `matiec_pou`: one POU while it is adapted, its bodies and its drawn logic.
+* `matiec_charts`, `matiec_actions`: the chart of a POU, and the actions that it executes.
+* `matiec_statements`: texts of statements and instructions.
+* `matiec_declarations`, `matiec_names`: types, values, global variables, and names.
 """

@@ -8,7 +8,7 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.formats.base import Marks, Reading, WriteOptions
-from plcopen_sfc.formats.matiec.fitting import fit_project
+from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen import adapting, host
 from plcopen_sfc.formats.plcopen.beremiz import BEREMIZ
 from plcopen_sfc.formats.plcopen.host import Host

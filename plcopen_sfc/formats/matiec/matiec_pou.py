@@ -1,4 +1,9 @@
-"""A POU while it is fitted: the names in it, the variables it gets, and what is reported of it."""
+"""A POU while it is adapted to matiec: the names in it, the variables it gets, its bodies, and the report of them.
+
+The converters of Beremiz and OpenPLC, which run before matiec, translate drawn logic. They know blocks, variables,
+contacts, coils, rails and connectors, and see the negation, storage and edge of a contact, a coil and a pin, but not
+those of a variable (read from the converter of OpenPLC, and tried).
+"""
 
 from __future__ import annotations
 
@@ -6,25 +11,40 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.matiec.drawn import is_taken, write_negations_out
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import Helper, NetworkProblem, body_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements, print_node, render, transform
-from plcopen_sfc.languages.words import IEC_KEYWORDS
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, render, transform
+from plcopen_sfc.languages.standard_blocks import standard_block
+from plcopen_sfc.languages.words import IEC_KEYWORDS, is_plain
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody
-from plcopen_sfc.model.network import Block
+from plcopen_sfc.model.network import (
+    Block,
+    Coil,
+    CommentBox,
+    Connector,
+    Contact,
+    Continuation,
+    Edge,
+    InOutVariable,
+    InputVariable,
+    LeftPowerRail,
+    Node,
+    OutputVariable,
+    RightPowerRail,
+    Storage,
+)
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.types import DataType, Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
-NOTHING_RIGHT = "NOT_EXECUTED"
+UNDECLARED_PREFIX = "NOT_EXECUTED"
 """How names begin that are declared nowhere: matiec refuses a text in which nothing right could be written."""
 
 
 @dataclass(slots=True)
-class Unit:
+class FittedPou:
     """A POU of the copy that is fitted. `own`: the project is of a tool that compiles with matiec.
 
     `types` are the names of the data types of the project, `globals` those of its global variables, in lower case;
@@ -95,13 +115,13 @@ class Unit:
             self._results[key] = self.declare(f"{function}_result", self.functions[key])
         return self._results[key]
 
-    def nothing_right(self, what: str) -> str:
+    def uncompilable(self, what: str) -> str:
         """A statement that does not compile, for what cannot be said."""
         return f"{self.missing(what)} := TRUE;"
 
     def missing(self, what: str) -> str:
         """A name that is declared nowhere."""
-        return self.new_name(f"{NOTHING_RIGHT}_{what}")
+        return self.new_name(f"{UNDECLARED_PREFIX}_{what}")
 
     def declare_helpers(self, helpers: Iterable[Helper]) -> list[str]:
         """Declare what a translated network needs; returns what is wrong with it."""
@@ -124,7 +144,7 @@ class Unit:
                 self.note_negations(write_negations_out(nodes), path)
                 return body
         text = self.statements(body, path)
-        return StBody(text=self.nothing_right(wish) if text is None else text)
+        return StBody(text=self.uncompilable(wish) if text is None else text)
 
     def action(self, body: Body, path: str, wish: str) -> Body:
         """The body of an action: RETURN in it would end the whole POU, which matiec compiles without a word."""
@@ -185,3 +205,55 @@ def _names(pou: Pou) -> list[str]:
             names += [step.name for step in body.chart.steps]
             names += [a.target for _, a in body.chart.associations() if a.target is not None]
     return [pou.name, *names]
+
+
+_TAKEN = (
+    Block
+    | Coil
+    | CommentBox
+    | Connector
+    | Contact
+    | Continuation
+    | InOutVariable
+    | InputVariable
+    | LeftPowerRail
+    | OutputVariable
+    | RightPowerRail
+)
+
+
+def is_taken(nodes: Iterable[Node], dialect: Dialect) -> bool:
+    """True if the converters translate these elements to what they mean."""
+    return all(_is_taken(node, dialect) for node in nodes)
+
+
+def _is_taken(node: Node, dialect: Dialect) -> bool:
+    if isinstance(node, Block) and node.code is not None:
+        return False
+    if isinstance(node, InOutVariable):
+        return not (node.negated_in or node.negated_out)
+    if isinstance(node, InputVariable):
+        return node.edge is Edge.NONE and not parse_expression(node.expression, dialect).problems
+    if isinstance(node, OutputVariable):
+        return not node.negated and node.edge is Edge.NONE and node.storage is Storage.NONE
+    return isinstance(node, _TAKEN)
+
+
+def give_iec_pins(nodes: Iterable[Node]) -> None:
+    """Give the pins of standard function blocks the names of IEC 61131-3: CODESYS has ``SET`` and ``RESET1``."""
+    for node in nodes:
+        block = standard_block(node.type_name) if isinstance(node, Block) else None
+        if isinstance(node, Block) and block is not None and block.stateful:
+            for pin in node.parameters.inputs:
+                pin.name = block.input_name(pin.name) or pin.name
+            for pin in node.parameters.outputs:
+                pin.name = block.output_name(pin.name) or pin.name
+
+
+def write_negations_out(nodes: Iterable[Node]) -> int:
+    """Write ``NOT x`` for a negated variable ``x`` that is read; returns how many there were."""
+    negated = [node for node in nodes if isinstance(node, InputVariable) and node.negated]
+    for node in negated:
+        node.expression = f"NOT {node.expression}" if is_plain(node.expression) else f"NOT ({node.expression})"
+        node.negated = False
+    return len(negated)

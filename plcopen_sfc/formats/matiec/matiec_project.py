@@ -1,4 +1,4 @@
-"""Projects as matiec compiles them: each POU with a body in text or a chart, and a configuration that runs them."""
+"""A project as matiec compiles it: each POU with a body in text or a chart, and a configuration that runs them."""
 
 from __future__ import annotations
 
@@ -6,16 +6,11 @@ from graphlib import CycleError, TopologicalSorter
 
 from plcopen_sfc.formats.base import WriteOptions
 from plcopen_sfc.formats.durations import duration_literal, nanoseconds
-from plcopen_sfc.formats.matiec.charts import ChartFitter
-from plcopen_sfc.formats.matiec.drawn import give_iec_pins
-from plcopen_sfc.formats.matiec.globals import declare_globals
-from plcopen_sfc.formats.matiec.naming import give_plain_names, used_types
-from plcopen_sfc.formats.matiec.statements import compilable_instructions, compilable_statements, fit_expressions
-from plcopen_sfc.formats.matiec.structures import name_structures
-from plcopen_sfc.formats.matiec.types import TypeFitter
-from plcopen_sfc.formats.matiec.undeclared import note_undeclared
-from plcopen_sfc.formats.matiec.unit import Unit
-from plcopen_sfc.formats.strings import quote_strings
+from plcopen_sfc.formats.matiec.matiec_charts import ChartFitter
+from plcopen_sfc.formats.matiec.matiec_declarations import TypeFitter, declare_globals, name_structures, quote_strings
+from plcopen_sfc.formats.matiec.matiec_names import give_plain_names, note_undeclared, used_types
+from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
+from plcopen_sfc.formats.matiec.matiec_statements import compilable_instructions, compilable_statements, fit_expressions
 from plcopen_sfc.formats.tasks import iec_form, schedule_of
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -24,16 +19,12 @@ from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Task
-from plcopen_sfc.model.types import (
-    DataType,
-    DataTypeDeclaration,
-    Elementary,
-    ElementaryType,
-)
+from plcopen_sfc.model.types import DataType, DataTypeDeclaration, Elementary, ElementaryType
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
+
 _OF_THESE_TOOLS = ("beremiz", "openplc")
 
 
@@ -63,7 +54,7 @@ def fit_project(
     for pou in project.pous:
         if pou.interface is not None:
             types.sections(pou.interface.sections, pou.report_path, constants)
-        _fit_pou(Unit(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings), final_scan)
+        _fit_pou(FittedPou(pou, project.dialect, report, own, names, globals_, functions, keeps_drawings), final_scan)
     _configure(project, report, lists)
     fit_expressions(project, report)
     if not keeps_drawings:
@@ -97,7 +88,7 @@ def _typed_functions(project: Project) -> dict[str, DataType]:
 # -- POUs -------------------------------------------------------------------------------------------------------------
 
 
-def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
+def _fit_pou(unit: FittedPou, final_scan: bool | None) -> None:
     pou = unit.pou
     if pou.kind is PouKind.ORGANIZATION_BLOCK:
         pou.kind = PouKind.PROGRAM
@@ -121,7 +112,7 @@ def _fit_pou(unit: Unit, final_scan: bool | None) -> None:
         action.body = unit.action(action.body or StBody(), f"{unit.path} / action {action.name}", action.name)
     if isinstance(body, SfcBody) and not body.chart.initial_steps:
         unit.note(Outcome.NOT_EXECUTED, "chart", unit.path, "it has no initial step; the text does not compile there")
-        body = StBody(text=unit.nothing_right("chart"))
+        body = StBody(text=unit.uncompilable("chart"))
     if isinstance(body, SfcBody):
         ChartFitter(unit, body.chart, final_scan).fit()
         started = {(a.target or "").casefold() for _, a in body.chart.associations()}
@@ -151,7 +142,7 @@ def _drawn_in(body: Body) -> list[list[Node]]:
     return [network.nodes for network in body.networks] if isinstance(body, FbdBody | LdBody) else []
 
 
-def _check_addresses(unit: Unit) -> None:
+def _check_addresses(unit: FittedPou) -> None:
     """Take off addresses that matiec does not take: it has them at local variables of programs."""
     for section in unit.pou.interface.sections if unit.pou.interface is not None else ():
         for variable in section.variables:
@@ -176,7 +167,7 @@ def _by_location(section: VariableSection) -> list[VariableSection]:
     return parts
 
 
-def _one_body(unit: Unit) -> Body:
+def _one_body(unit: FittedPou) -> Body:
     """The body of a POU: a chart, instructions, or all its statements."""
     bodies = unit.pou.bodies
     charts = [body for body in bodies if isinstance(body, SfcBody) and body.chart.steps]
@@ -192,7 +183,7 @@ def _one_body(unit: Unit) -> Body:
         if isinstance(body, SfcBody) and not body.chart.steps:
             continue
         text = unit.statements(body, unit.path)
-        texts.append(unit.nothing_right("body") if text is None else text)
+        texts.append(unit.uncompilable("body") if text is None else text)
     return StBody(text="\n".join(texts))
 
 

@@ -1,9 +1,9 @@
 """Charts as matiec executes them: what it has no words for becomes statements that are executed in every scan.
 
-The order of a scan in the C code that matiec makes: transitions, then what associations say, then the bodies of
-actions. A condition in text cannot call a block, so that blocks, edges and drawn outputs stand in one action, which is
-executed in every scan from the first on; conditions read what it left in the scan before, as the converters of Beremiz
-and OpenPLC have it.
+The order of a scan in the C code that matiec makes: transitions, then action associations, then the bodies of actions.
+A condition in text cannot call a block. So blocks, edges and drawn outputs go into one action, which is executed in
+every scan from the first on; conditions read its results of the scan before, as in the converters of Beremiz and
+OpenPLC.
 """
 
 from __future__ import annotations
@@ -14,11 +14,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
 
-from plcopen_sfc.formats.matiec.actions import STEP_ACTIONS, ActionFitter
-from plcopen_sfc.formats.matiec.drawn import is_taken, write_negations_out
-from plcopen_sfc.formats.matiec.flags import StepFlags
-from plcopen_sfc.formats.matiec.statements import compilable_comments
-from plcopen_sfc.formats.matiec.unit import Unit
+from plcopen_sfc.formats.matiec.matiec_actions import STEP_ACTIONS, ActionFitter, StepFlagVariables
+from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, is_taken, write_negations_out
+from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkStatements, chart_statements, condition_reader
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.words import is_plain
@@ -35,6 +33,7 @@ _QUALIFIERS = frozenset(
     {Qualifier.N, Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.P0, Qualifier.P1}
     | {Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL}
 )
+
 _WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
 
 
@@ -47,7 +46,7 @@ class ChartFitter:
     entry, main and exit actions, `in_place` the names of actions that have none in the source.
     """
 
-    unit: Unit
+    unit: FittedPou
     chart: SfcNetwork
     final_scan: bool | None = None
     logic: list[str] = field(default_factory=list)
@@ -82,7 +81,7 @@ class ChartFitter:
         self._ends()
         self._put_logic()
         if self.unit.keeps_drawings:
-            StepFlags(self.unit, chart, self.ids).put()
+            StepFlagVariables(self.unit, chart, self.ids).put()
         chart.drawing = None
         used = {t.condition.name.casefold() for t in chart.transitions if isinstance(t.condition, NamedCondition)}
         self.unit.pou.transitions = [t for t in self.unit.pou.transitions if t.name.casefold() in used]
@@ -128,7 +127,7 @@ class ChartFitter:
         for things, what, why in refused:
             if things:
                 self.unit.note(Outcome.NOT_EXECUTED, what, path, why)
-                self.logic.append(self.unit.nothing_right(what))
+                self.logic.append(self.unit.uncompilable(what))
         chart.partial_charts, chart.permanent_pre, chart.permanent_post = [], [], []
         if self.final_scan:
             self._refuse_flags()
@@ -307,7 +306,7 @@ class ChartFitter:
             if present:
                 unit.note(Outcome.NOT_EXECUTED, what, path, f"matiec has no {what}")
                 if changes_more:
-                    self.logic.append(unit.nothing_right(f"{step.name}_{what}"))
+                    self.logic.append(unit.uncompilable(f"{step.name}_{what}"))
         step.max_time = step.warning_time = step.interlock = step.supervision = step.macro = step.encloses = None
         step.negated = False
 
@@ -319,7 +318,7 @@ class ChartFitter:
         wrong = self._wrong(step, found)
         if wrong:
             unit.note(Outcome.NOT_EXECUTED, "association", place, "; ".join(wrong))
-            return [self._line(Qualifier.N, self._action(wish, StBody(text=unit.nothing_right(wish)), place))]
+            return [self._line(Qualifier.N, self._action(wish, StBody(text=unit.uncompilable(wish)), place))]
         qualifier = Qualifier.R if found.qualifier is Qualifier.R0 else found.qualifier
         condition = None
         if found.condition is not None:
@@ -417,7 +416,7 @@ class ChartFitter:
         wrong = [str(problem) for problem in read.obstacles] or unit.declare_helpers(read.helpers)
         if wrong:
             unit.note(Outcome.NOT_EXECUTED, "drawn logic", unit.path, "; ".join(wrong))
-            self.logic.append(unit.nothing_right("drawn logic"))
+            self.logic.append(unit.uncompilable("drawn logic"))
         elif read.tree.statements:
             texts = [print_node(statement, unit.dialect) for statement in read.tree.statements]
             self.logic += [text for text in texts if text not in self.logic]

@@ -1,4 +1,7 @@
-"""Names as matiec takes them: ASCII letters, digits and single underscores, and nothing that it knows already."""
+"""Names that matiec accepts: ASCII letters, digits and single underscores, nothing that it knows already, all declared.
+
+matiec compiles nothing but the text: what it uses and does not declare (blocks of libraries, above all) is reported.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,23 @@ from collections.abc import Iterator
 from itertools import chain, count
 
 from plcopen_sfc.errors import ModelError
+from plcopen_sfc.formats.matiec.matiec_pou import UNDECLARED_PREFIX
+from plcopen_sfc.languages.names import Names
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.languages.words import IEC_KEYWORDS
+from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.project import Project
-from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, PointerType
+from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, Elementary, PointerType
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Za-z_][A-Za-z0-9_]*")
+
 _LETTERS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
+
 _KEYWORDS = IEC_KEYWORDS | {"ON", "R_EDGE", "F_EDGE", "EN", "ENO"}
+
 _LIBRARY = frozenset({"RTC", "SEMA", "INTEGRAL", "DERIVATIVE", "PID", "RAMP", "HYSTERESIS"})
+
 _TYPED = re.compile(r"([A-Z_]+)_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD)")
 
 
@@ -135,3 +145,40 @@ def _declared(project: Project) -> Iterator[tuple[str, str]]:
 
 def _units(project: Project) -> Iterator[tuple[str, str]]:
     yield from [(one.name, one.name) for one in (*project.pous, *project.data_types)]
+
+
+def note_undeclared(project: Project, report: ConversionReport) -> None:
+    """Report each name that nothing declares, at the first place where it stands."""
+    found: dict[str, tuple[str, str]] = {}
+    for name, path in (*_types(project), *_programs(project), *_names(project)):
+        if not name.upper().startswith(UNDECLARED_PREFIX):
+            found.setdefault(name.casefold(), (name, path))
+    for name, path in found.values():
+        report.add(Outcome.NOT_EXECUTED, "undeclared name", path, f"nothing in the project declares `{name}`")
+
+
+def _types(project: Project) -> Iterator[tuple[str, str]]:
+    known = {one.name.casefold() for one in (*project.pous, *project.data_types)}
+    places = [(one.report_path, one.type) for one in project.data_types]
+    for pou in project.pous:
+        places += [(f"{pou.report_path} / variable {one.name}", one.type) for one in pou.variables()]
+    for path, kind in places:
+        yield from (
+            (name, path) for name in used_types(kind) if name.casefold() not in known and not is_of_library(name)
+        )
+
+
+def _programs(project: Project) -> Iterator[tuple[str, str]]:
+    known = {pou.name.casefold() for pou in project.pous if pou.kind is PouKind.PROGRAM}
+    for configuration in project.configurations:
+        for resource in configuration.resources:
+            for task in resource.tasks:
+                instances = [one for one in task.instances if one.type_name.casefold() not in known]
+                yield from ((one.type_name, f"task {task.name} / {one.name}") for one in instances)
+
+
+def _names(project: Project) -> Iterator[tuple[str, str]]:
+    for occurrence in Names(project).undeclared():
+        name = occurrence.reference.name
+        if not is_of_library(name) and name.upper() not in Elementary.__members__:  # BOOL#TRUE
+            yield name, occurrence.piece.report_path

@@ -1,36 +1,51 @@
-"""Actions that matiec does not execute as the tool of a project does: statements of the action of every scan.
+"""Actions of a chart that matiec executes otherwise than the tool of the project, as statements of every scan.
 
 Of several associations that drive one thing matiec lets the last have its way, the start is no activation of the
 initial steps, SL starts again without R, and only a variable with a simple name can be driven. So the ACTION_CONTROL of
-IEC 61131-3 (6.7.4.6) is written out where one of these matters, and then all bodies of the chart stand in the order in
+IEC 61131-3 (6.7.4.6) is written out where one of these matters, and then all bodies of the chart run in the order in
 which the tool of the project executes them.
+
+The converters before matiec write actions before the steps that they name, but matiec knows ``Step.X`` behind the step
+only. `StepFlagVariables` puts variables in the place of such flags.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.matiec.unit import Unit
+from plcopen_sfc.formats.matiec.matiec_pou import FittedPou
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.words import is_plain
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.conditions import Expression
+from plcopen_sfc.model.network import InputVariable
 from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
 
 STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
+
 _WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
+
 _RESETS = frozenset({Qualifier.R, Qualifier.R0})
+
 _RISING = frozenset({Qualifier.P, Qualifier.P1})
+
 _PULSES = frozenset({Qualifier.P1, Qualifier.P0})
+
 _EDGES = _RISING | _PULSES
+
 _DELAYED = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
+
 _ALONE = frozenset({*_WHENEVER, *_RISING, Qualifier.P0, Qualifier.L, Qualifier.D})
 """Those of which matiec takes the last of several that drive one thing, instead of one that is active."""
+
 _LONG = "T#1000d"
 """The preset of timers of which only the elapsed time is read."""
+
 
 _User = tuple[Step, ActionAssociation]
 
@@ -69,7 +84,7 @@ class ActionFitter:
     the associations that stand for step actions, `in_place` the names of actions that have none in the source.
     """
 
-    unit: Unit
+    unit: FittedPou
     chart: SfcNetwork
     logic: list[str]
     final_scan: bool | None
@@ -325,3 +340,54 @@ def _without(terms: list[str], reset: str) -> str:
 def _term(text: str) -> str:
     """An expression as an operand."""
     return f"({text})" if " " in text else text
+
+
+class StepFlagVariables:
+    """Puts variables in the place of the flags of steps of a chart; what is added gets `ids`."""
+
+    def __init__(self, unit: FittedPou, chart: SfcNetwork, ids: Iterator[int]) -> None:
+        self._unit = unit
+        self._chart = chart
+        self._ids = ids
+        self._steps = {step.name.casefold(): step for step in chart.steps}
+        self._flags: dict[str, str] = {}
+
+    def put(self) -> None:
+        """Change actions, drawn logic and conditions; a condition keeps the flags of the steps that it leaves."""
+        names = {step.id: step.name.casefold() for step in self._chart.steps}
+        for action in self._unit.pou.actions:
+            if isinstance(action.body, StBody):
+                action.body.text = self._put(action.body.text, statements=True)
+        for node in self._chart.logic:
+            if isinstance(node, InputVariable):
+                node.expression = self._put(node.expression)
+        if self._unit.own:
+            return  # of those transitions that have numbers, one resets the flag that the next one reads
+        for transition in self._chart.transitions:
+            if isinstance(transition.condition, Expression):
+                left = [names[source] for source in transition.sources if source in names]
+                transition.condition.text = self._put(transition.condition.text, keep=left)
+
+    def _put(self, text: str, *, statements: bool = False, keep: Iterable[str] = ()) -> str:
+        parsed = (parse_statements if statements else parse_expression)(text, self._unit.dialect)
+        if parsed.problems:
+            return text
+        kept = frozenset(keep)
+
+        def change(node: n.Node) -> n.Node:
+            if not isinstance(node, n.Member) or not isinstance(node.base, n.Name):
+                return node
+            name = node.base.identifier.casefold()
+            if name in kept or name not in self._steps or node.name.identifier.upper() != "X":
+                return node
+            return n.Name(self._flag(self._steps[name]))
+
+        tree = transform(parsed.tree, change)
+        return text if tree is parsed.tree else render(parsed, tree)
+
+    def _flag(self, step: Step) -> str:
+        name = self._flags.get(step.name.casefold())
+        if name is None:
+            name = self._flags[step.name.casefold()] = self._unit.declare(f"{step.name}_flag")
+            step.actions.insert(0, ActionAssociation(id=next(self._ids), qualifier=Qualifier.N, target=name))
+        return name

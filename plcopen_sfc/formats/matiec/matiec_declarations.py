@@ -1,0 +1,342 @@
+"""Declarations that matiec accepts: types and initial values, named structures, quoted strings, and global variables.
+
+matiec wants global variables in a configuration, and declared as external wherever they are used. Beremiz and OpenPLC
+write the initial values of strings without quotes in their files.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from plcopen_sfc.formats.matiec.matiec_names import matiec_name
+from plcopen_sfc.languages.declarations.kept import kept
+from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, render, transform, walk
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Configuration, Project, Resource
+from plcopen_sfc.model.types import (
+    ArrayType,
+    ArrayValue,
+    DataType,
+    DataTypeDeclaration,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    EnumType,
+    PointerType,
+    SimpleValue,
+    StringType,
+    StructType,
+    StructValue,
+    Value,
+    Variable,
+)
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import ConversionReport, Outcome
+
+_UNKNOWN = frozenset({"LTIME", "LDATE", "LTOD", "LDT", "CHAR", "WCHAR"})
+
+_REALS = frozenset({Elementary.REAL, Elementary.LREAL})
+
+_WHOLE = re.compile(r"[+-]?\d[\d_]*")
+
+
+class TypeFitter:
+    """Changes types and values of variables; what matiec has not is reported. `declared` are the data types by name."""
+
+    def __init__(self, declared: Iterable[DataTypeDeclaration], report: ConversionReport) -> None:
+        self._declared = {one.name.casefold(): one.type for one in declared}
+        self._report = report
+
+    def declaration(self, one: DataTypeDeclaration) -> None:
+        """Fit a data type."""
+        path = f"type {one.name}"
+        for word in ("extends", "union"):
+            if word in kept(one.carried) or word in kept(getattr(one.type, "carried", None)):
+                self._lost("type", path, f"matiec has no {word.upper()}")
+        if isinstance(one.type, EnumType):
+            numbers = [value.value for value in one.type.values]
+            if any(number is not None and number.strip() != str(index) for index, number in enumerate(numbers)):
+                self._lost("enumeration", f"data type {one.name}", "matiec numbers enumerations from 0")
+            for value in one.type.values:
+                value.value = None
+            one.type.base = None
+        one.declaration = None
+        one.type = self._type(one.type, path, {})
+        one.initial = self._value(one.type, one.initial, path)
+
+    def sections(self, sections: Iterable[VariableSection], path: str, known: Mapping[str, str]) -> dict[str, str]:
+        """Fit variables; returns the values of constants, with those that are `known`, by names in lower case."""
+        sections = list(sections)
+        constants = {**known, **_constants(sections)}
+        for section in sections:
+            for variable in section.variables:
+                place = f"{path} / variable {variable.name}" if path else f"variable {variable.name}"
+                self._variable(variable, place, constants)
+        return constants
+
+    def _variable(self, variable: Variable, path: str, constants: Mapping[str, str]) -> None:
+        variable.type = self._type(variable.type, path, constants)
+        variable.initial = self._value(variable.type, variable.initial, path)
+
+    def _type(self, kind: DataType, path: str, constants: Mapping[str, str]) -> DataType:
+        """A type without strings of a length, whose variables matiec does not find, and with numbers for limits."""
+        if isinstance(kind, ArrayType):
+            if isinstance(kind.base, ArrayType):
+                self._lost("type", path, "matiec has no arrays of arrays; write one of two dimensions")
+            for dimension in kind.dimensions:
+                dimension.lower, dimension.upper = (
+                    self._limit(text, path, constants) for text in (dimension.lower, dimension.upper)
+                )
+            kind.base = self._type(kind.base, path, constants)
+        elif isinstance(kind, ElementaryType) and kind.name.value in _UNKNOWN:
+            self._lost("type", path, f"matiec has no {kind.name.value}")
+        elif isinstance(kind, StringType) and kind.wide:
+            self._lost("type", path, "matiec has no WSTRING")
+        elif isinstance(kind, PointerType) and not kind.reference:
+            self._lost("type", path, "matiec has no pointers")
+        elif isinstance(kind, StructType):
+            for member in kind.members:
+                self._variable(member, f"{path} / {member.name}", constants)
+        elif isinstance(kind, StringType) and kind.length is not None:
+            self._report.add(Outcome.APPROXIMATED, "string", path, "matiec has strings of its own length")
+            return StringType(wide=kind.wide)
+        return kind
+
+    def _limit(self, text: str, path: str, constants: Mapping[str, str]) -> str:
+        number = constants.get(text.strip().rpartition(".")[2].casefold(), text.strip())
+        if _WHOLE.fullmatch(number) is None:
+            self._lost("type", path, f"matiec takes numbers as limits of arrays, not {text}")
+        return number
+
+    def _value(self, kind: DataType, value: Value | None, path: str) -> Value | None:
+        """An initial value; None for one that matiec does not take."""
+        kind = self._plain(kind)
+        wrong = ""
+        if isinstance(kind, ElementaryType) and isinstance(value, ArrayValue | StructValue):
+            wrong = "a list is no value of an elementary type"
+        elif isinstance(value, ArrayValue) and any(isinstance(item.value, StructValue) for item in value.items):
+            wrong = "matiec has no values of structures in values of arrays"
+        if wrong:
+            self._lost("initial value", path, wrong)
+            return None
+        if isinstance(value, SimpleValue) and isinstance(kind, ElementaryType) and kind.name in _REALS:
+            is_whole = value.text is not None and _WHOLE.fullmatch(value.text.strip()) is not None
+            return SimpleValue(text=f"{value.text}.0") if is_whole else value
+        if isinstance(value, ArrayValue) and isinstance(kind, ArrayType):
+            for item in value.items:
+                item.value = self._value(kind.base, item.value, path) or item.value
+        if isinstance(value, StructValue) and isinstance(kind, StructType):
+            types = {member.name.casefold(): member.type for member in kind.members}
+            for one in value.members:
+                if one.member.casefold() in types:
+                    one.value = self._value(types[one.member.casefold()], one.value, path) or one.value
+        return value
+
+    def _plain(self, kind: DataType) -> DataType:
+        """The type that a name stands for."""
+        for _ in self._declared:
+            found = self._declared.get(kind.name.casefold()) if isinstance(kind, DerivedType) else None
+            if found is None:
+                break
+            kind = found
+        return kind
+
+    def _lost(self, what: str, path: str, why: str) -> None:
+        self._report.add(Outcome.NOT_EXECUTED, what, path, why)
+
+
+def _constants(sections: Iterable[VariableSection]) -> dict[str, str]:
+    constants = [variable for section in sections if section.constant for variable in section.variables]
+    texts = {one.name.casefold(): one.initial.text for one in constants if isinstance(one.initial, SimpleValue)}
+    return {name: text.strip() for name, text in texts.items() if text is not None and _WHOLE.fullmatch(text.strip())}
+
+
+def name_structures(project: Project, report: ConversionReport) -> None:
+    """Give a name to the structures and enumerations in declarations of variables and in other structures."""
+    namer = _Namer(project)
+    for declaration in list(project.data_types):
+        if isinstance(declaration.type, StructType):
+            namer.fit(declaration.type.members, declaration.name)
+        elif isinstance(declaration.type, ArrayType):
+            declaration.type.base = namer.named(declaration.type.base, f"{declaration.name}_element")
+    for pou in project.pous:
+        namer.fit(pou.variables(), pou.name)
+    for section in project.global_sections():
+        for variable in section.variables:
+            wish = f"{section.name or 'global'}_{variable.name}"
+            variable.type = namer.named(variable.type, wish)
+            if isinstance(variable.type, ArrayType):  # VAR_EXTERNAL must name the same type
+                variable.type = namer.declared(variable.type, wish)
+    for name in namer.given:
+        report.add(Outcome.TRANSLATED, "data type", f"type {name}", "a type without a name got one")
+
+
+class _Namer:
+    def __init__(self, project: Project) -> None:
+        self.project = project
+        self.used = {one.name.casefold() for one in (*project.data_types, *project.pous)}
+        self.given: list[str] = []
+
+    def fit(self, variables: Iterable[Variable], owner: str) -> None:
+        """Give names to what the types of `variables` hold."""
+        for variable in variables:
+            variable.type = self.named(variable.type, f"{owner}_{variable.name}")
+
+    def named(self, kind: DataType, wish: str) -> DataType:
+        """The type, or the new name of one that has none."""
+        if isinstance(kind, ArrayType):
+            kind.base = self.named(kind.base, f"{wish}_element")
+            return kind
+        if not isinstance(kind, StructType | EnumType):
+            return kind
+        if isinstance(kind, StructType):
+            self.fit(kind.members, wish)
+        return self.declared(kind, wish)
+
+    def declared(self, kind: DataType, wish: str) -> DerivedType:
+        """A new data type for `kind`."""
+        name, number = matiec_name(f"T_{wish}"), 1
+        while name.casefold() in self.used:
+            number += 1
+            name = matiec_name(f"T_{wish}_{number}")
+        self.used.add(name.casefold())
+        self.given.append(name)
+        self.project.data_types.append(DataTypeDeclaration(name=name, type=kind))
+        return DerivedType(name=name)
+
+
+def declare_globals(project: Project, report: ConversionReport) -> None:
+    """Move lists that stand in the project alone into a configuration, and declare in POUs what they use of globals."""
+    lists = project.global_variables
+    owners: list[Configuration | Resource] = [*project.applications, *project.configurations]
+    owners += [resource for configuration in project.configurations for resource in configuration.resources]
+    if lists and not owners:
+        owners = [Configuration(name="Config0")]
+        project.configurations = [one for one in owners if isinstance(one, Configuration)]
+    if lists:
+        owners[0].global_variables += lists
+        project.global_variables = []
+    sections = [section for owner in owners for section in owner.global_variables]
+    globals_ = _Globals(sections)
+    if not globals_.by_name:
+        return
+    for piece in list(pieces(project)):
+        if piece.is_program_text and piece.site.pou is not None:
+            _use(piece, globals_, project)
+    for pou in project.pous:
+        added = globals_.used.get(pou.name, {})
+        if added and pou.kind is not PouKind.FUNCTION:
+            _declare(pou, [globals_.by_name[name] for name in added])
+            report.add(Outcome.TRANSLATED, "global variables", pou.report_path, f"{len(added)} declared as external")
+    for section in sections:
+        if section.persistent:
+            section.persistent, section.retain = False, True
+            report.add(Outcome.TRANSLATED, "section", "global variables", "PERSISTENT is RETAIN in matiec")
+        section.declaration = None
+        section.name = None
+        section.carried = None
+
+
+class _Globals:
+    """The global variables by name, those of a list by its name, and which of them each POU uses."""
+
+    def __init__(self, sections: list[VariableSection]) -> None:
+        self.lists: dict[str, set[str]] = {}
+        self.by_name: dict[str, tuple[Variable, VariableSection]] = {}
+        self.used: dict[str, dict[str, None]] = {}
+        for section in sections:
+            for variable in section.variables:
+                self.by_name.setdefault(variable.name.casefold(), (variable, section))
+                if section.name:
+                    self.lists.setdefault(section.name.casefold(), set()).add(variable.name.casefold())
+
+
+@dataclass(slots=True)
+class _Resolver:
+    """Replaces ``List.x`` by ``x`` and notes what is used."""
+
+    globals: _Globals
+    own: frozenset[str]
+    used: dict[str, None]
+
+    def __call__(self, node: n.Node) -> n.Node:
+        if isinstance(node, n.Member) and isinstance(node.base, n.Name):
+            members = self.globals.lists.get(node.base.identifier.casefold(), set())
+            name = node.name.identifier.casefold()
+            if name in members and node.base.identifier.casefold() not in self.own and name not in self.own:
+                self.used[name] = None
+                return node.name
+        return node
+
+
+def _use(piece: Piece, globals_: _Globals, project: Project) -> None:
+    pou = piece.site.pou
+    if pou is None:
+        return
+    own = frozenset(v.name.casefold() for v in pou.variables()) | frozenset(_steps(pou))
+    used = globals_.used.setdefault(pou.name, {})
+    read = parse_statements if piece.reading is Reading.STATEMENTS else parse_expression
+    parsed = read(piece.text, project.dialect)
+    if parsed.problems:
+        return
+    tree = transform(parsed.tree, _Resolver(globals_, own, used))
+    if tree is not parsed.tree:
+        piece.put(render(parsed, tree))
+    for node in walk(tree):
+        if isinstance(node, n.Name) and node.identifier.casefold() in globals_.by_name.keys() - own:
+            used[node.identifier.casefold()] = None
+
+
+def _steps(pou: Pou) -> Iterator[str]:
+    if pou.chart is not None:
+        yield from (step.name.casefold() for step in pou.chart.steps)
+
+
+def _declare(pou: Pou, found: list[tuple[Variable, VariableSection]]) -> None:
+    if pou.interface is None:
+        pou.interface = Interface()
+    for constant in (False, True):
+        variables = [
+            Variable(name=variable.name, type=variable.type)
+            for variable, section in found
+            if section.constant is constant
+        ]
+        if variables:
+            section = VariableSection(kind=SectionKind.EXTERNAL, constant=constant, variables=variables)
+            pou.interface.sections.append(section)
+
+
+def variable_names(project: Project) -> Iterator[str]:
+    """The names of all variables of a project, in lower case."""
+    for section in project.global_sections():
+        yield from (variable.name.casefold() for variable in section.variables)
+    for pou in project.pous:
+        yield from (variable.name.casefold() for variable in pou.variables())
+
+
+def with_quotes(variable: Variable, names: Container[str]) -> Variable:
+    """The variable with its value as a literal, if it is a string; a value of `names` is that of a constant."""
+    value = variable.initial
+    if not isinstance(variable.type, StringType) or not isinstance(value, SimpleValue) or value.text is None:
+        return variable
+    quote = '"' if variable.type.wide else "'"
+    text = value.text.strip()
+    if text[:1] in ("'", '"') or "#" in text or text.casefold() in names:
+        return variable
+    inner = text.replace("$", "$$").replace(quote, f"${quote}")
+    return variable.model_copy(update={"initial": SimpleValue(text=f"{quote}{inner}{quote}")})
+
+
+def quote_strings(project: Project) -> None:
+    """Put the values of all string variables of POUs and structures in quotes."""
+    names = frozenset(variable_names(project))
+    lists = [pou.interface.sections for pou in project.pous if pou.interface is not None]
+    for section in (section for sections in lists for section in sections):
+        section.variables = [with_quotes(variable, names) for variable in section.variables]
+    for declaration in project.data_types:
+        if isinstance(declaration.type, StructType):
+            declaration.type.members = [with_quotes(member, names) for member in declaration.type.members]
