@@ -10,7 +10,7 @@ from plcopen_sfc.documents.file import read_document
 from plcopen_sfc.documents.source import FileSource, FolderSource
 from plcopen_sfc.documents.storage import SaveOptions, Source, load_project, save_project
 from plcopen_sfc.errors import check_argument
-from plcopen_sfc.formats.base import Format
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.project import Project
@@ -181,6 +181,6 @@ def _text_of(content: bytes, kind: Format) -> str:
         from plcopen_sfc.formats.xml.xml_parsing import decode  # noqa: PLC0415
 
         return decode(content)[0]
-    from plcopen_sfc.formats.text import decode as decode_text  # noqa: PLC0415
+    from plcopen_sfc.formats.text_patch import decode as decode_text  # noqa: PLC0415
 
     return decode_text(content).text

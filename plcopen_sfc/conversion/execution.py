@@ -20,7 +20,7 @@ from plcopen_sfc.conversion.meaning import (
 from plcopen_sfc.conversion.parts import PROGRAM_CALL, UNDECLARED, Part, duration_meaning, plain_name
 from plcopen_sfc.conversion.start_values import StartValues
 from plcopen_sfc.formats.iectext.text_source import unwrapped
-from plcopen_sfc.formats.tasks import schedule_of
+from plcopen_sfc.formats.task_schedules import schedule_of
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.dialects import STRING_LENGTHS, Dialect
 from plcopen_sfc.languages.names import Names

@@ -12,7 +12,7 @@ from plcopen_sfc.conversion import Part, compare, executed, report_execution
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.source import FileSource, FolderSource
 from plcopen_sfc.errors import DamagedSourceError, LossError, UnknownFormatError
-from plcopen_sfc.formats.base import DrawingNeed, Format, WriteOptions
+from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named, recognise
 from plcopen_sfc.languages.s7_boxes import translate_boxes
@@ -33,7 +33,7 @@ from plcopen_sfc.semantics.profile import PROFILES, default_profile
 if TYPE_CHECKING:
     from lxml import etree
 
-    from plcopen_sfc.formats.base import TextCodec
+    from plcopen_sfc.formats.format_interface import TextCodec
     from plcopen_sfc.formats.xml.xml_codec import XmlCodec
 
 
@@ -434,14 +434,14 @@ def _patched(project: Project, source: FileSource, kind: Format, report: Convers
 
 def _patched_text(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:
     """The text that was read with the edits in it."""
-    from plcopen_sfc.formats.text import patch  # noqa: PLC0415  # only to save edits
+    from plcopen_sfc.formats.text_patch import patch  # noqa: PLC0415  # only to save edits
 
     codec = cast("TextCodec", kind.codec())
     before = codec.read(source.content).project
     options = WriteOptions(source.version, same=True, baseline=before)
-    text, slices = codec.slices(source.content)
-    after = codec.to_pieces(project, options, report)
-    data, recoded = text.encode(patch(text, slices, codec.to_pieces(before, options, ConversionReport()), after))
+    text, spans = codec.spans(source.content)
+    after = codec.to_blocks(project, options, report)
+    data, recoded = text.encode(patch(text, spans, codec.to_blocks(before, options, ConversionReport()), after))
     if recoded:
         why = f"{text.encoding} does not have all of its characters; the file is in UTF-8 now"
         report.add(Outcome.TRANSLATED, "encoding", source.path or "", why)

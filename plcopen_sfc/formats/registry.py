@@ -5,22 +5,21 @@ from __future__ import annotations
 import re
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnknownVersionError, check_argument, nearest
-from plcopen_sfc.formats.base import DrawingNeed, Format
-from plcopen_sfc.formats.head import Head, head_of
-from plcopen_sfc.formats.unread import refuse_by_content, refuse_by_name
+from plcopen_sfc.formats.file_recognition import FileHead, head_of, refuse_by_content, refuse_by_name
+from plcopen_sfc.formats.format_interface import DrawingNeed, Format
 from plcopen_sfc.model.dialect import Dialect
 
 
-def _is_tc6(head: Head) -> bool:
+def _is_tc6(head: FileHead) -> bool:
     return head.root == "project" and head.namespace.startswith("http://www.plcopen.org/xml/tc6")
 
 
-def _is_codesys(head: Head) -> bool:
+def _is_codesys(head: FileHead) -> bool:
     # a file converted from CODESYS may carry its data too, but then its texts stand in elements with a prefix
     return _is_tc6(head) and not head.xhtml_prefix and head.mentions("http://www.3s-software.com/plcopenxml/")
 
 
-def _is_native(head: Head) -> bool:
+def _is_native(head: FileHead) -> bool:
     return head.text.lstrip().startswith("{") and '"plcopen_sfc"' in head.text[:2000]
 
 
@@ -33,7 +32,7 @@ _TEXT_UNIT = re.compile(
 _TEXT_PART = re.compile(r"\b(?:END_[A-Z_]+|VAR|VAR_[A-Z_]+|INITIAL_STEP)\b", re.IGNORECASE)
 
 
-def _is_iec_text(head: Head) -> bool:
+def _is_iec_text(head: FileHead) -> bool:
     if re.match(r"\s*\{\s*plcopen_sfc\s+format\b", head.text):
         return True
     return _TEXT_UNIT.match(head.text) is not None and _TEXT_PART.search(head.text) is not None
@@ -46,13 +45,13 @@ _BEFORE_UNITS = re.compile(r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\(/\*.*?\*/\)|/\*
 _OWN_SCL = "// {plcopen_sfc "
 
 
-def _is_scl(head: Head) -> bool:
+def _is_scl(head: FileHead) -> bool:
     start = _BEFORE_UNITS.match(head.text)
     position = start.end() if start is not None else 0
     return _SCL_UNIT.match(head.text, position) is not None or head.text.startswith(_OWN_SCL)
 
 
-def _is_simaticml(head: Head) -> bool:
+def _is_simaticml(head: FileHead) -> bool:
     if head.root == "Document":
         return "<Engineering" in head.text or re.search(r"<(?:SW|Hmi)\.", head.text) is not None
     # parts of documents, and what else Openness exports: the reader says what they are
@@ -137,7 +136,7 @@ FORMATS: tuple[Format, ...] = (
         name="json",
         title="the model itself",
         tool="",
-        module="plcopen_sfc.formats.native.codec",
+        module="plcopen_sfc.formats.json_codec",
         extensions=(".json",),
         recognises=_is_native,
         capabilities=("everything",),

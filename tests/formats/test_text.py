@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode, numbered, patch
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode, numbered, patch
 
 
 @pytest.mark.parametrize(
@@ -40,12 +40,12 @@ def test_equal_keys_are_numbered() -> None:
 LINES = "LIST // of things\r\n\tone   : Int;  (* first *)\r\n\r\n\ttwo:Int;\r\n\tthree : Int;\r\nEND // of the list\r\n"
 
 
-def slices() -> Slice:
+def slices() -> BlockSpan:
     """Where head, things and end stand in `LINES`."""
 
-    def at(text: str, *keys: tuple[str, str]) -> Slice:
+    def at(text: str, *keys: tuple[str, str]) -> BlockSpan:
         start = LINES.index(text)
-        return Slice(keys, (start, start + len(text)))
+        return BlockSpan(keys, (start, start + len(text)))
 
     inner = (
         at("LIST", ("head", "")),
@@ -54,12 +54,14 @@ def slices() -> Slice:
         at("three : Int;", ("thing", "three")),
         at("END", ("end", "")),
     )
-    return Slice((("list", ""),), (0, len(LINES)), inner)
+    return BlockSpan((("list", ""),), (0, len(LINES)), inner)
 
 
-def piece(*things: tuple[str, str]) -> Piece:
-    made = [Piece(("thing", name), f"    {text}") for name, text in things]
-    return Piece(("list", ""), pieces=(Piece(("head", ""), "LIST"), *made, Piece(("end", ""), "END")))
+def piece(*things: tuple[str, str]) -> WrittenBlock:
+    made = [WrittenBlock(("thing", name), f"    {text}") for name, text in things]
+    return WrittenBlock(
+        ("list", ""), blocks=(WrittenBlock(("head", ""), "LIST"), *made, WrittenBlock(("end", ""), "END"))
+    )
 
 
 ONE, TWO, THREE = ("one", "one : Int; // first"), ("two", "two : Int;"), ("three", "three : Int;")
@@ -96,14 +98,14 @@ def test_an_edit_changes_its_place(things: tuple[tuple[str, str], ...], old: str
 
 
 def test_what_has_no_place_is_written_with_all_that_is_around_it() -> None:
-    whole = Slice((("list", ""),), (0, LINES.index(" // of the list")))
+    whole = BlockSpan((("list", ""),), (0, LINES.index(" // of the list")))
     text = patch(SourceText(LINES, "utf-8"), whole, BEFORE, piece(TWO))
     assert text == "LIST\r\n    two : Int;\r\nEND // of the list\r\n"
 
 
 def test_verbatim_texts_are_not_laid_out() -> None:
     text = "BEGIN\n\tx := 1;\nEND"
-    before = Piece(("body", ""), "\tx := 1;", verbatim=True)
-    after = Piece(("body", ""), "  y := 1;\n\n", verbatim=True)
-    place = Slice((("body", ""),), (6, 14))
+    before = WrittenBlock(("body", ""), "\tx := 1;", verbatim=True)
+    after = WrittenBlock(("body", ""), "  y := 1;\n\n", verbatim=True)
+    place = BlockSpan((("body", ""),), (6, 14))
     assert patch(SourceText(text, "utf-8"), place, before, after) == "BEGIN\n  y := 1;\n\n\nEND"

@@ -10,7 +10,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc.cli import main
 from plcopen_sfc.errors import UnknownFormatError, UnreadFormatError
-from plcopen_sfc.formats.unread import UNREAD
+from plcopen_sfc.formats.file_recognition import UNREAD
 from tests.corpus import ROOT, corpus_files, require_corpus
 
 HEADER = "(* @NESTEDCOMMENTS := 'Yes' *)\n(* @PATH := '' *)\n(* @OBJECTFLAGS := '0, 8' *)\n"

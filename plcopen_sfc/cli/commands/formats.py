@@ -6,7 +6,7 @@ from typing import Any
 
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.cli.tables import Table
-from plcopen_sfc.formats.base import Format
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.registry import FORMATS
 
 

@@ -14,11 +14,10 @@ from plcopen_sfc.documents.folders.merging import merged, shared_fields, with_ob
 from plcopen_sfc.documents.source import FolderSource, SourceDocument
 from plcopen_sfc.errors import FileAccessError, Location, SfcError, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.files import access_failure, read_bytes
-from plcopen_sfc.formats.base import Format
-from plcopen_sfc.formats.head import HEAD
+from plcopen_sfc.formats.file_recognition import HEAD, named_like
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder
 from plcopen_sfc.formats.registry import FORMATS, format_named, recognised_as
-from plcopen_sfc.formats.unread import named_like
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.project_object import ProjectObject
 

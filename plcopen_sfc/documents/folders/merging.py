@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from plcopen_sfc.documents.source import SourceDocument
-from plcopen_sfc.formats.base import Format
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.project import FileHeader, Project
 from plcopen_sfc.model.project_object import ProjectObject

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 from plcopen_sfc.documents.folders.merging import SHARED, is_bare, with_objects
 from plcopen_sfc.documents.folders.naming import FileNames, legal_folder
 from plcopen_sfc.documents.source import FolderSource
-from plcopen_sfc.formats.base import Format
+from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
 from plcopen_sfc.model.base import Carried
 from plcopen_sfc.model.project import Project

@@ -23,7 +23,7 @@ from plcopen_sfc.documents.folders.planning import PROJECT_DOCUMENT, PlannedDocu
 from plcopen_sfc.documents.source import FileSource, FolderSource, SourceDocument
 from plcopen_sfc.errors import FileAccessError, Location, OldVersionError
 from plcopen_sfc.files import read_bytes, write_all
-from plcopen_sfc.formats.base import Format, WriteOptions
+from plcopen_sfc.formats.format_interface import Format, WriteOptions
 from plcopen_sfc.formats.provenance import put_in_folder, take_provenance
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.project import Project

@@ -7,12 +7,12 @@ from dataclasses import replace
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.base import Marks, Reading, WriteOptions
 from plcopen_sfc.formats.codesys import names
 from plcopen_sfc.formats.codesys.data_reader import DATA_READERS, finish_chart
 from plcopen_sfc.formats.codesys.data_writer import mark_as_codesys
 from plcopen_sfc.formats.codesys.declarations import drop_stale
 from plcopen_sfc.formats.codesys.dialect import CODESYS
+from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
 from plcopen_sfc.formats.plcopen import host
 from plcopen_sfc.formats.plcopen.codec import Tc6Codec
 from plcopen_sfc.formats.plcopen.loading import load
@@ -30,7 +30,7 @@ class CodesysCodec(Tc6Codec):
 
     host = host.CODESYS
 
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read an export. Raises `FormatError`."""
         reading = load(
             data,

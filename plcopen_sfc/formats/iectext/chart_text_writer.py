@@ -30,7 +30,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
     split,
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, format_comment, indented, unwrapped, wrapped
-from plcopen_sfc.formats.text import Key
+from plcopen_sfc.formats.text_patch import Key
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Numbered, Segment
 from plcopen_sfc.languages.st.lexer import tokenize
@@ -68,7 +68,7 @@ class ChartTextWriter:
         """Transitions are called by their labels in the report."""
         self.labels = self.chart.labels()
 
-    def pieces(self) -> Iterator[tuple[Key, str]]:
+    def blocks(self) -> Iterator[tuple[Key, str]]:
         """The steps and transitions, each with a key that stays when it is renamed."""
         self._choose_names()
         self.named = frozenset(one.name.casefold() for one in self.objects)

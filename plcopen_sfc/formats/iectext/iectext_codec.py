@@ -8,13 +8,13 @@ from typing import TypeAlias
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location
-from plcopen_sfc.formats.base import Reading, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.iectext.matiec_text import compiled_text
 from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, write_project
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_source import OWN_PRAGMA, TextSource, is_own
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
-from plcopen_sfc.formats.text import Key, Piece, Slice, SourceText, decode, numbered
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, WrittenBlock, decode, numbered
 from plcopen_sfc.languages.edits import without
 from plcopen_sfc.languages.pragmas import NotationError, parse_change
 from plcopen_sfc.languages.problems import Lines
@@ -83,7 +83,7 @@ Found: TypeAlias = tuple[tuple[Key, ...], tuple[int, int], "TextPart | None"]
 """The keys of a piece, where it stands, and the container it is, if its inside is looked into."""
 
 
-def file_slices(project: Project, src: TextSource, before: Piece) -> Slice:
+def file_slices(project: Project, src: TextSource, before: WrittenBlock) -> BlockSpan:
     """Where the pieces of `before`, which says what `project` holds, stand in the text that it was read from."""
     found = list(_units(src))
     pous = iter(project.pous)
@@ -214,18 +214,18 @@ def _matched(
     key: Key,
     span: tuple[int, int],
     found: list[Found],
-    before: Piece,
+    before: WrittenBlock,
     *,
     inside: dict[int, Pou],
-) -> Slice:
+) -> BlockSpan:
     """A slice for each piece of `before`: where it was found, or an empty one behind that of the piece before it."""
     keys = numbered([keys[0] for keys, _, _ in found if keys])
     places = dict(zip(keys, [(place, part) for keys_, place, part in found if keys_], strict=True))
-    slices: list[Slice] = []
+    slices: list[BlockSpan] = []
     position = span[0]
-    for piece in before.pieces:
+    for piece in before.blocks:
         if piece.key not in places:
-            slices.append(Slice((piece.key,), (position, position)))
+            slices.append(BlockSpan((piece.key,), (position, position)))
             continue
         place, part = places[piece.key]
         position = place[1]
@@ -233,32 +233,32 @@ def _matched(
         if part is not None and thing is not None:
             slices.append(_container(src, piece, place, part, thing))
         else:
-            slices.append(Slice((piece.key,), place))
-    return Slice((key,), span, tuple(sorted(slices, key=lambda one: one.span)))
+            slices.append(BlockSpan((piece.key,), place))
+    return BlockSpan((key,), span, tuple(sorted(slices, key=lambda one: one.span)))
 
 
 def _container(
     src: TextSource,
-    piece: Piece,
+    piece: WrittenBlock,
     place: tuple[int, int],
     part: TextPart,
     thing: Pou | Action | Method | NamedTransition,
-) -> Slice:
+) -> BlockSpan:
     found = list(_parts(src, part, place[0], thing))
     actions = iter(getattr(thing, "actions", ()))
     methods = iter(getattr(thing, "methods", ()))
     slices = _matched(src, piece.key, place, found, piece, inside={})
-    inner: list[Slice] = []
+    inner: list[BlockSpan] = []
     parts = {keys[0]: one for keys, _, one in found if keys and one is not None}
-    by_key = {p.key: p for p in piece.pieces}
-    for one in slices.slices:
+    by_key = {p.key: p for p in piece.blocks}
+    for one in slices.spans:
         child = parts.get(one.keys[0])
         if child is None:
             inner.append(one)
             continue
         owner = next(actions if child.kind is PartKind.ACTION else methods, None)
         inner.append(one if owner is None else _container(src, by_key[one.keys[0]], one.span, child, owner))
-    return Slice(slices.keys, slices.span, tuple(inner))
+    return BlockSpan(slices.keys, slices.span, tuple(inner))
 
 
 _MOST_NULS = 8
@@ -267,7 +267,7 @@ _MOST_NULS = 8
 class IecTextCodec(TextCodec):
     """Textual IEC 61131-3."""
 
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a text. Raises `FormatError`; what is wrong inside of it is in the diagnostics."""
         source = decode(data)
         if source.text.count("\0") > len(source.text) // _MOST_NULS:
@@ -277,7 +277,7 @@ class IecTextCodec(TextCodec):
         if source.guessed:
             message = f"not UTF-8; taken as {source.encoding}, which is a guess"
             src.diagnostics.append(Diagnostic("IEC200", Severity.WARNING, message, Location(file)))
-        return Reading(project, src.diagnostics)
+        return ReadResult(project, src.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """The file without pragmas of ours."""
@@ -287,15 +287,15 @@ class IecTextCodec(TextCodec):
         """The line of each object in the text `content`, by the path that the report gives it."""
         return source_lines(decode(content).text)
 
-    def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+    def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """The text of a project by its objects."""
         return write_project(project, options, report)
 
-    def slices(self, content: bytes) -> tuple[SourceText, Slice]:
+    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Where those objects stand in the text of a file."""
         source = decode(content)
         project, src = read_project(source.text, None)
-        return source, file_slices(project, src, self.to_pieces(project, WriteOptions(), ConversionReport()))
+        return source, file_slices(project, src, self.to_blocks(project, WriteOptions(), ConversionReport()))
 
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Change `project`, a copy, into what matiec executes."""

@@ -22,7 +22,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
     split,
 )
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextBlock, indented, unwrapped
-from plcopen_sfc.formats.text import Piece
+from plcopen_sfc.formats.text_patch import WrittenBlock
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody
@@ -38,7 +38,7 @@ _KEYWORDS = {
 _PARTS = frozenset({"bodies", "body", "actions", "transitions", "methods", "interface"})
 
 
-def write_pou(printer: TextPrinter, pou: Pou) -> Piece:
+def write_pou(printer: TextPrinter, pou: Pou) -> WrittenBlock:
     """A program, function block or function."""
     printer.used = {name.casefold() for name in _names(pou)}
     printer.actions = frozenset(action.name.casefold() for action in pou.actions)
@@ -84,7 +84,7 @@ class _Unit:
         self.late: list[Change] = []
         self.in_place: list[tuple[str, Body]] = []
 
-    def piece(self, extra: list[Change] | None = None) -> Piece:
+    def piece(self, extra: list[Change] | None = None) -> WrittenBlock:
         """The text of the container; `extra` is more to say of it."""
         thing = self.thing
         name = thing.name if self.printer.is_name(thing.name) else self.printer.new_name(thing.name)
@@ -107,18 +107,18 @@ class _Unit:
         note_changes(self.printer, (*near, *late), self.path, leave=("body", "in_place"))
         late += self.late
         top += pragmas(near, self.indent)
-        pieces = [Piece(("head", ""), (top + head).rstrip("\n"))]
-        pieces += [Piece(("section", ""), text) for text in sections]
-        pieces += [Piece(("property", ""), self.inner + text, apart=True) for text in properties]
+        pieces = [WrittenBlock(("head", ""), (top + head).rstrip("\n"))]
+        pieces += [WrittenBlock(("section", ""), text) for text in sections]
+        pieces += [WrittenBlock(("property", ""), self.inner + text, apart=True) for text in properties]
         pieces += [self._inner("METHOD", method) for method in getattr(thing, "methods", [])]
         pieces += body
         pieces += [write_in_place(self, other, part_body) for other, part_body in self.in_place]
         pieces += [self._inner("TRANSITION", transition) for transition in getattr(thing, "transitions", [])]
         pieces += [self._inner("ACTION", action) for action in getattr(thing, "actions", [])]
         if late:
-            pieces.append(Piece(("late", ""), pragmas(late, self.inner).rstrip("\n"), apart=True))
-        pieces.append(Piece(("end", ""), f"{self.indent}END_{self.keyword}"))
-        return Piece((self.keyword.lower(), thing.name), pieces=numbered_pieces(pieces), apart=True)
+            pieces.append(WrittenBlock(("late", ""), pragmas(late, self.inner).rstrip("\n"), apart=True))
+        pieces.append(WrittenBlock(("end", ""), f"{self.indent}END_{self.keyword}"))
+        return WrittenBlock((self.keyword.lower(), thing.name), blocks=numbered_pieces(pieces), apart=True)
 
     def _properties(self, meant: Fields, said: Fields) -> list[str]:
         """Properties, which the model has no place for, as they were read."""
@@ -134,7 +134,7 @@ class _Unit:
                 said.setdefault("carried", {}).setdefault("data", []).append(data)
         return texts
 
-    def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> Piece:
+    def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> WrittenBlock:
         path = f"{self.path} / {keyword.lower()} {thing.name}"
         self.printer.note(Outcome.KEPT, keyword.lower(), path)
         return _Unit(self.printer, thing, keyword, path, indent=self.inner, objects=self.objects).piece()
@@ -148,7 +148,7 @@ class _Unit:
 
     # -- bodies -------------------------------------------------------------------------------------------------------
 
-    def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[Piece]:
+    def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[WrittenBlock]:
         """The lines of the main body; what it says goes into `said`, what is meant into `meant`."""
         said["body"] = {"language": "ST"}
         if body is None:
@@ -188,7 +188,7 @@ class _Unit:
         lines, comes_back = self.printer.code(text or "")
         return lines if text is not None and comes_back and lines.whole() == lines.text else None
 
-    def _statements(self, lines: TextBlock, meant: Fields, said: Fields) -> list[Piece]:
+    def _statements(self, lines: TextBlock, meant: Fields, said: Fields) -> list[WrittenBlock]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
         said["body"] = body_fields(lines.text, tokens)
         meant["body"] = _without_text(meant.get("body", {})) | ({"text": lines.text} if lines.text else {})
@@ -198,11 +198,11 @@ class _Unit:
             return []
         if self.keyword == "TRANSITION":
             if said["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
-                return [Piece(("body", ""), f"{self.inner}:= {lines.text};")]
-            return [Piece(("body", ""), f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}")]
-        return [Piece(("body", ""), indented(lines.text, self.inner), apart=not self.alone, block=True)]
+                return [WrittenBlock(("body", ""), f"{self.inner}:= {lines.text};")]
+            return [WrittenBlock(("body", ""), f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}")]
+        return [WrittenBlock(("body", ""), indented(lines.text, self.inner), apart=not self.alone, block=True)]
 
-    def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[Piece]:
+    def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[WrittenBlock]:
         chart = body.chart
         rest = frozenset({"steps", "transitions"})
         meant["chart"] = plain_fields(chart, self._lift, rest)
@@ -212,7 +212,7 @@ class _Unit:
         said["body"] = {"language": "SFC"}
         said["chart"] = {}
         writer = ChartTextWriter(self.printer, chart, self.path, self.objects, self._action_in_place, self.inner)
-        pieces = [Piece(key, text.rstrip("\n"), apart=True) for key, text in writer.pieces()]
+        pieces = [WrittenBlock(key, text.rstrip("\n"), apart=True) for key, text in writer.blocks()]
         self.late += writer.late
         if writer.unused:
             meant["chart"]["unused_ids"] = writer.unused
@@ -222,7 +222,7 @@ class _Unit:
         return write_in_place(self, name, body, indent).whole() + "\n"
 
 
-def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None) -> Piece:
+def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None) -> WrittenBlock:
     """An action that stands for a body which belongs to a step, a transition or the chart."""
     action = Action(name=name, body=body)
     path = f"{unit.path} / {name}"

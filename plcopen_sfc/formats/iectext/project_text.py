@@ -8,7 +8,7 @@ from collections import Counter
 from pydantic import ValidationError
 
 from plcopen_sfc.errors import StructureError
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
 from plcopen_sfc.formats.iectext.pou_text_reader import read_pou
 from plcopen_sfc.formats.iectext.pou_text_writer import write_pou
@@ -24,7 +24,7 @@ from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, o
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, numbered_pieces, pragmas, split
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, unwrapped, wrapped
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
-from plcopen_sfc.formats.text import Piece
+from plcopen_sfc.formats.text_patch import WrittenBlock
 from plcopen_sfc.languages.declarations import write_config_section
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
@@ -136,7 +136,7 @@ VERSION = 1
 _UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", "applications", "config_variables"})
 
 
-def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> Piece:
+def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> WrittenBlock:
     """The text of a project."""
     printer = TextPrinter(project.dialect, report, variables=frozenset(variable_names(project)))
     said: Fields = {}
@@ -148,28 +148,28 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     near, late = split(found)
     late += [change for change in near if Append() in change.path]
     near = [change for change in near if Append() not in change.path]
-    pieces = [Piece(("head", ""), pragmas([Change(("format",), VERSION), *near], "").rstrip("\n"))]
-    pieces += [Piece(("unit", ""), text, apart=True) for text in foreign]
+    pieces = [WrittenBlock(("head", ""), pragmas([Change(("format",), VERSION), *near], "").rstrip("\n"))]
+    pieces += [WrittenBlock(("unit", ""), text, apart=True) for text in foreign]
     names = Counter(one.name.casefold() for one in project.data_types)
     for declaration in project.data_types:
         text = _type(printer, declaration, late, unique=names[declaration.name.casefold()] == 1)
-        pieces.append(Piece(("type", declaration.name), text, apart=True))
+        pieces.append(WrittenBlock(("type", declaration.name), text, apart=True))
     for section in project.global_variables:
         text = write_global_section(printer, section, "").rstrip("\n")
-        pieces.append(Piece(("global variables", section.name or ""), text, apart=True))
+        pieces.append(WrittenBlock(("global variables", section.name or ""), text, apart=True))
     pieces += [write_pou(printer, pou) for pou in project.pous]
     for configuration in project.configurations:
         text = write_configuration(printer, configuration)
-        pieces.append(Piece(("configuration", configuration.name), text, apart=True))
+        pieces.append(WrittenBlock(("configuration", configuration.name), text, apart=True))
     for application in project.applications:
         text = write_application(printer, application)
-        pieces.append(Piece(("configuration", application.name), text, apart=True))
+        pieces.append(WrittenBlock(("configuration", application.name), text, apart=True))
     if project.config_variables is not None:
         text = _config_section(printer, project.config_variables, late)
-        pieces.append(Piece(("VAR_CONFIG", ""), text, apart=True))
+        pieces.append(WrittenBlock(("VAR_CONFIG", ""), text, apart=True))
     if late:
-        pieces.append(Piece(("late", ""), pragmas(late, "").rstrip("\n"), apart=True))
-    return Piece(("project", ""), pieces=numbered_pieces(pieces))
+        pieces.append(WrittenBlock(("late", ""), pragmas(late, "").rstrip("\n"), apart=True))
+    return WrittenBlock(("project", ""), blocks=numbered_pieces(pieces))
 
 
 def _foreign_units(meant: Fields, said: Fields) -> list[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.durations import duration_literal
 from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
 from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_section, said_listing, write_said_section
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, TextPart, outline
@@ -19,7 +18,7 @@ from plcopen_sfc.formats.iectext.text_source import (
     unwrapped,
     wrapped,
 )
-from plcopen_sfc.formats.tasks import iec_form
+from plcopen_sfc.formats.task_schedules import duration_literal, iec_form
 from plcopen_sfc.languages.declarations import write_access_section, write_config_section
 from plcopen_sfc.languages.pragmas import Change, Fields, changes, plain_fields
 from plcopen_sfc.languages.pragmas.remainder import Named, Segment

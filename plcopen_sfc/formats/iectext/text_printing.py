@@ -19,7 +19,7 @@ from plcopen_sfc.formats.iectext.text_source import (
     taken,
     unwrapped,
 )
-from plcopen_sfc.formats.text import Piece, numbered
+from plcopen_sfc.formats.text_patch import WrittenBlock, numbered
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.pragmas import Change, Fields
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
@@ -34,7 +34,7 @@ _WIDE = 160
 _APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
 
 
-def numbered_pieces(pieces: list[Piece]) -> tuple[Piece, ...]:
+def numbered_pieces(pieces: list[WrittenBlock]) -> tuple[WrittenBlock, ...]:
     """`pieces` with keys that are unique among them."""
     keys = numbered([piece.key for piece in pieces])
     return tuple(replace(piece, key=key) for piece, key in zip(pieces, keys, strict=True))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from graphlib import CycleError, TopologicalSorter
 
-from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.durations import duration_literal, nanoseconds
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.matiec.matiec_charts import ChartFitter
 from plcopen_sfc.formats.matiec.matiec_declarations import TypeFitter, declare_globals, name_structures, quote_strings
 from plcopen_sfc.formats.matiec.matiec_names import give_plain_names, note_undeclared, used_types
 from plcopen_sfc.formats.matiec.matiec_pou import FittedPou, give_iec_pins
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_instructions, compilable_statements, fit_expressions
-from plcopen_sfc.formats.tasks import iec_form, schedule_of
+from plcopen_sfc.formats.task_schedules import duration_literal, iec_form, nanoseconds, schedule_of
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, SfcBody, StBody

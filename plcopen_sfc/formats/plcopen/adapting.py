@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.global_data import add_globals, has_globals, report_types
 from plcopen_sfc.formats.plcopen.global_lists import declare_lists, has_lists
 from plcopen_sfc.formats.plcopen.host import Host

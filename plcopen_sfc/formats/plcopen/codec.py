@@ -7,7 +7,7 @@ from typing import ClassVar
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.base import Marks, Reading, WriteOptions
+from plcopen_sfc.formats.format_interface import Marks, ReadResult, WriteOptions
 from plcopen_sfc.formats.matiec.matiec_project import fit_project
 from plcopen_sfc.formats.plcopen import adapting, host
 from plcopen_sfc.formats.plcopen.beremiz import BEREMIZ
@@ -28,7 +28,7 @@ class Tc6Codec(XmlCodec):
 
     host: ClassVar[Host] = host.TC6
 
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file of any TC6 version. Raises `FormatError`."""
         return load(data, file=file)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.rewritten import Marks
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import condition_reader

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.formats.base import Reading
+from plcopen_sfc.formats.format_interface import ReadResult
 from plcopen_sfc.formats.plcopen.body_reader import misfit
 from plcopen_sfc.formats.plcopen.project_reader import find_version, read_project
 from plcopen_sfc.formats.plcopen.reading import DataReader, Fields, ReadContext
@@ -23,7 +23,7 @@ def load(
     usual_text_element: str = "p",
     placeless: bool = False,
     finish_chart: Callable[[ReadContext, Fields], None] | None = None,
-) -> Reading:
+) -> ReadResult:
     """Read a TC6 file. Raises `FormatError` where it cannot be read at all."""
     with collector_paused():
         root = parse(data, file=file)
@@ -42,4 +42,4 @@ def load(
             project = Project.model_validate(fields)
         except ValidationError as error:
             raise misfit(error, file) from error
-    return Reading(project, ctx.diagnostics, version.name)
+    return ReadResult(project, ctx.diagnostics, version.name)

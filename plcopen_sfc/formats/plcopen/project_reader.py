@@ -39,7 +39,7 @@ from plcopen_sfc.formats.plcopen.types_reader import (
     read_section,
 )
 from plcopen_sfc.formats.plcopen.versions import NO_TIME, PREFIX, VERSIONS, Tc6Version, version_of
-from plcopen_sfc.formats.tasks import SCHEDULE_FIELDS, said_schedule
+from plcopen_sfc.formats.task_schedules import SCHEDULE_FIELDS, said_schedule
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
 from plcopen_sfc.model.project import Task
 

@@ -8,8 +8,7 @@ from datetime import datetime
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import WriteOptions
-from plcopen_sfc.formats.durations import clock_time
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.body_writer import write_pou
 from plcopen_sfc.formats.plcopen.carrying import APPLICATION_FIELD, INSTANCE_FIELD, SCHEDULE_FIELD
 from plcopen_sfc.formats.plcopen.global_lists import list_names
@@ -22,7 +21,7 @@ from plcopen_sfc.formats.plcopen.types_writer import (
 )
 from plcopen_sfc.formats.plcopen.versions import NO_TIME, XHTML
 from plcopen_sfc.formats.plcopen.writing import Dialect, WriteContext, decimal, finish, sub, write_text
-from plcopen_sfc.formats.tasks import SCHEDULE_FIELDS, codesys_form, iec_form, said_schedule
+from plcopen_sfc.formats.task_schedules import SCHEDULE_FIELDS, clock_time, codesys_form, iec_form, said_schedule
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.model.project import Configuration, PouInstance, Project, Resource, Scaling, Task
 from plcopen_sfc.report import ConversionReport, Outcome

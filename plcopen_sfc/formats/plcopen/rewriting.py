@@ -6,7 +6,7 @@ and reported as not executed. The source is kept beside what was written (`rewri
 
 from __future__ import annotations
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.host import (
     Host,
     Rewriting,

@@ -15,7 +15,7 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.plcopen.carrying import FIELDS_DATA
 from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
 from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version

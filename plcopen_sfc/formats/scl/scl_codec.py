@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.formats.base import Reading, TextCodec, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, TextCodec, WriteOptions
 from plcopen_sfc.formats.scl.scl_reader import OWN_COMMENT, read_source
 from plcopen_sfc.formats.scl.scl_writer import write_pieces
-from plcopen_sfc.formats.text import Piece, Slice, SourceText, decode
+from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock, decode
 from plcopen_sfc.languages.declarations import split_units
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import without
@@ -16,10 +16,10 @@ from plcopen_sfc.report import ConversionReport
 class SclCodec(TextCodec):
     """External source files in SCL."""
 
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a source. What does not parse is kept and reported."""
         found = read_source(decode(data), file)
-        return Reading(found.project, found.diagnostics)
+        return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
         """The source without comments of ours."""
@@ -30,17 +30,17 @@ class SclCodec(TextCodec):
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write a source anew: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
-        text = self.to_pieces(project, options, report).whole() + "\n"
+        text = self.to_blocks(project, options, report).whole() + "\n"
         return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
 
-    def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+    def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """The text of a project, in the pieces that an edit replaces."""
         return write_pieces(project, report)
 
-    def slices(self, content: bytes) -> tuple[SourceText, Slice]:
+    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """Where the objects of a source stand in its text."""
         source = decode(content)
-        return source, read_source(source).slices
+        return source, read_source(source).spans
 
 
 CODEC = SclCodec()

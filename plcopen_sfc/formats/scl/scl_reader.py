@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values
-from plcopen_sfc.formats.text import Key, Slice, SourceText, numbered
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, SourceText, numbered
 from plcopen_sfc.languages.declarations import Declared, Found, Head, Unit, read_declarations, split_units
 from plcopen_sfc.languages.declarations.comments import said
 from plcopen_sfc.languages.declarations.kept import keep, kept
@@ -65,7 +65,7 @@ BODY_START = re.compile(r"[ \t]*(?:\r\n|\r|\n)?")
 BODY_END = re.compile(r"(?:\r\n|\r|\n)?[ \t]*\Z")
 
 
-_Place: TypeAlias = tuple[Key, tuple[int, int], tuple[Slice, ...]]
+_Place: TypeAlias = tuple[Key, tuple[int, int], tuple[BlockSpan, ...]]
 """What stands where, and what stands in it."""
 
 
@@ -74,7 +74,7 @@ class SclFile:
     """A source that was read: the project, where its objects stand, and what there is to say."""
 
     project: Project
-    slices: Slice
+    spans: BlockSpan
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
 
@@ -128,11 +128,11 @@ class _Reader:
             self._found.append((("rest", ""), (changes[0][1].span[0], changes[-1][1].span[1]), ()))
         return SclFile(project, self._slices(), self._diagnostics)
 
-    def _slices(self) -> Slice:
+    def _slices(self) -> BlockSpan:
         keys = numbered([key for key, _, _ in self._found])
-        slices = [Slice((key,), span, inner) for key, (_, span, inner) in zip(keys, self._found, strict=True)]
+        slices = [BlockSpan((key,), span, inner) for key, (_, span, inner) in zip(keys, self._found, strict=True)]
         slices.sort(key=lambda each: each.span)
-        return Slice((("file", ""),), (0, len(self._text)), tuple(slices))
+        return BlockSpan((("file", ""),), (0, len(self._text)), tuple(slices))
 
     # -- what SCL has no words for
 
@@ -208,7 +208,7 @@ class _Reader:
         pieces += self._body(unit)
         keys = numbered([key for key, _, _ in pieces])
         inner = sorted(
-            (Slice((key,), span, slices) for key, (_, span, slices) in zip(keys, pieces, strict=True)),
+            (BlockSpan((key,), span, slices) for key, (_, span, slices) in zip(keys, pieces, strict=True)),
             key=lambda each: each.span,
         )
         kind = "POU" if isinstance(thing, Pou) else "data block"
@@ -332,9 +332,9 @@ class _Reader:
                 end_of_head = self._words_end(start + node_low, len(word.split()))
                 closing = start + high - self._closing_length(start + high)
                 slices = [
-                    Slice((("head", ""),), (start + low, end_of_head)),
+                    BlockSpan((("head", ""),), (start + low, end_of_head)),
                     *_variables(found, start),
-                    Slice((("end", ""),), (closing, start + high)),
+                    BlockSpan((("end", ""),), (closing, start + high)),
                 ]
                 yield ("section", word), (start + low, start + high), tuple(slices)
 
@@ -450,7 +450,7 @@ def _span(node: Any) -> tuple[int, int]:
     return span
 
 
-def _variables(section: Found, start: int) -> Iterator[Slice]:
+def _variables(section: Found, start: int) -> Iterator[BlockSpan]:
     """The places of the variables; those of one declaration together."""
     parts = [part for part in section.parts if part.thing is not None]
     keys = numbered([("variable", part.thing.name) for part in parts])
@@ -459,7 +459,7 @@ def _variables(section: Found, start: int) -> Iterator[Slice]:
         together.setdefault(id(part.node), []).append(key)
     spans = {id(part.node): part.span for part in parts}
     for node, named in together.items():
-        yield Slice(tuple(named), (start + spans[node][0], start + spans[node][1]))
+        yield BlockSpan(tuple(named), (start + spans[node][0], start + spans[node][1]))
 
 
 def _plain_lines(text: str) -> str:

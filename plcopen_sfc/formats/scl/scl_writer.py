@@ -11,7 +11,7 @@ from typing import Any
 
 from plcopen_sfc.formats.scl.scl_reader import KEYWORDS, read_source
 from plcopen_sfc.formats.scl.scl_start_values import DECLARED, can_be_assigned, start_values, write_start_values
-from plcopen_sfc.formats.text import Piece, SourceText, numbered
+from plcopen_sfc.formats.text_patch import SourceText, WrittenBlock, numbered
 from plcopen_sfc.languages.declarations import (
     read_declarations,
     split_units,
@@ -63,15 +63,15 @@ _SCL = Dialect.SCL
 _INDENT = indent_of(_SCL)
 
 
-def write_pieces(project: Project, report: ConversionReport) -> Piece:
+def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
     """The text of a project, in the pieces that an edit replaces."""
     pieces = [*_named(_units(project, report))]
     unreadable = kept(project.carried).get("unreadable")
     if unreadable:
-        pieces.append(Piece(("stray", ""), unreadable, apart=True))
+        pieces.append(WrittenBlock(("stray", ""), unreadable, apart=True))
     if plain(project.comment):
-        pieces.append(Piece(("comment", ""), "\n".join(comment_lines(plain(project.comment), _SCL)), apart=True))
-    written = Piece(("file", ""), pieces=tuple(pieces))
+        pieces.append(WrittenBlock(("comment", ""), "\n".join(comment_lines(plain(project.comment), _SCL)), apart=True))
+    written = WrittenBlock(("file", ""), blocks=tuple(pieces))
     back = read_source(SourceText(written.whole() + "\n", "utf-8")).project
     left = [] if back == project else list(changes(plain_fields(back), plain_fields(project), guarded=True))
     types = s7_types(project)
@@ -80,8 +80,8 @@ def write_pieces(project: Project, report: ConversionReport) -> Piece:
         _report(project, change, report, says_the_same=change.path not in other)
     if left:
         rest = "\n".join(f"// {{plcopen_sfc {change}}}" for change in left)
-        pieces.append(Piece(("rest", ""), rest, apart=True))
-    return Piece(("file", ""), pieces=tuple(pieces))
+        pieces.append(WrittenBlock(("rest", ""), rest, apart=True))
+    return WrittenBlock(("file", ""), blocks=tuple(pieces))
 
 
 _EXECUTED = {
@@ -175,28 +175,28 @@ def _keys(project: Project, change: Change) -> Iterator[str | int]:
         yield index
 
 
-def _named(pieces: Iterator[Piece]) -> Iterator[Piece]:
+def _named(pieces: Iterator[WrittenBlock]) -> Iterator[WrittenBlock]:
     """`pieces` with keys that differ."""
     made = list(pieces)
     for key, piece in zip(numbered([piece.key for piece in made]), made, strict=True):
-        yield piece if key == piece.key else Piece(key, piece.text, piece.pieces, piece.apart, piece.verbatim)
+        yield piece if key == piece.key else WrittenBlock(key, piece.text, piece.blocks, piece.apart, piece.verbatim)
 
 
-def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
+def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:
     types, called = s7_types(project), called_actions(project)
     for declaration in project.data_types:
         report.add(Outcome.KEPT, "data type", f"type {declaration.name}")
-        yield Piece(("type", declaration.name), _data_type(declaration, types), apart=True)
+        yield WrittenBlock(("type", declaration.name), _data_type(declaration, types), apart=True)
     for pou in project.pous:
         report.add(Outcome.KEPT, "POU", f"POU {pou.name}")
         _note_foreign(pou, types, report)
         for what, name, why in _not_executed(pou, called):
             outcome = Outcome.EXTENSION_DATA if why == UNCALLED else Outcome.NOT_EXECUTED
             report.add(outcome, what, " / ".join(filter(None, (f"POU {pou.name}", name))), why)
-        yield Piece(("POU", pou.name), pieces=tuple(_named(_pou(pou, types))), apart=True)
+        yield WrittenBlock(("POU", pou.name), blocks=tuple(_named(_pou(pou, types))), apart=True)
     for block in project.data_blocks:
         report.add(Outcome.KEPT, "data block", f"data block {block.name}")
-        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block, types))), apart=True)
+        yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
     for name, why in left_out(project):
         report.add(Outcome.NOT_EXECUTED, "global variable", name, why)
     for table in tag_tables_of(project):
@@ -207,7 +207,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[Piece]:
         report.add(Outcome.NOT_EXECUTED, what, name, why)
     for block in data_blocks_of(project):
         report.add(Outcome.TRANSLATED, "global variables", block.name, "a data block")
-        yield Piece(("data block", block.name), pieces=tuple(_named(_data_block(block, types))), apart=True)
+        yield WrittenBlock(("data block", block.name), blocks=tuple(_named(_data_block(block, types))), apart=True)
 
 
 def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, str]]:
@@ -340,7 +340,7 @@ def _without_constants(text: str, types: S7Types) -> str:
 # -- blocks
 
 
-def _pou(pou: Pou, types: S7Types) -> Iterator[Piece]:
+def _pou(pou: Pou, types: S7Types) -> Iterator[WrittenBlock]:
     keyword = KEYWORDS.get(pou.kind, KEYWORDS[PouKind.FUNCTION_BLOCK])
     result = pou.interface.return_type if pou.interface is not None else None
     written = f" : {write_type(types.type(result), _SCL) if result is not None else 'Void'}"
@@ -349,10 +349,10 @@ def _pou(pou: Pou, types: S7Types) -> Iterator[Piece]:
     for section in pou.interface.sections if pou.interface is not None else []:
         if section.kind is not SectionKind.EXTERNAL and not is_void(section):  # S7 declares in no block what is global
             yield _section(_in_scl(section, pou, types), types)
-    yield Piece(("begin", ""), "BEGIN")
+    yield WrittenBlock(("begin", ""), "BEGIN")
     text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""
-    yield Piece(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
-    yield Piece(("end", ""), f"END_{keyword}")
+    yield WrittenBlock(("body", ""), text if _stays_inside(text, keyword) else "", verbatim=True)
+    yield WrittenBlock(("end", ""), f"END_{keyword}")
 
 
 def _stays_inside(body: str, keyword: str) -> bool:
@@ -363,7 +363,7 @@ def _stays_inside(body: str, keyword: str) -> bool:
     return len(units) == 2 and units[0].span == (0, len(text))
 
 
-def _head(keyword: str, name: str, result: str, title: Text | None, carried: Carried | None) -> Iterator[Piece]:
+def _head(keyword: str, name: str, result: str, title: Text | None, carried: Carried | None) -> Iterator[WrittenBlock]:
     texts = kept(carried)
     quoted = texts.get("name", "quoted" if is_unit_quoted_in_scl(name) else "unquoted") == "quoted"
     written = '"' + LINE_END.sub("_", name).replace('"', "_") + '"' if quoted else name
@@ -373,35 +373,35 @@ def _head(keyword: str, name: str, result: str, title: Text | None, carried: Car
     lines += [*texts.get("attributes", "").splitlines(), *texts.get("properties", "").splitlines()]
     if texts.get("unreadable"):
         lines.append(texts["unreadable"])
-    yield Piece(("head", ""), "\n".join(lines))
+    yield WrittenBlock(("head", ""), "\n".join(lines))
 
 
-def _comment(comment: Text | None) -> Iterator[Piece]:
+def _comment(comment: Text | None) -> Iterator[WrittenBlock]:
     text = plain(comment)
     if text:
-        yield Piece(("comment", ""), "\n".join(comment_lines(text, _SCL)))
+        yield WrittenBlock(("comment", ""), "\n".join(comment_lines(text, _SCL)))
 
 
-def _section(section: VariableSection, types: S7Types) -> Piece:
+def _section(section: VariableSection, types: S7Types) -> WrittenBlock:
     head = section_head(section, _SCL)
     struct = kept(section.carried).get("keyword") == "STRUCT"
     words = "STRUCT" if struct else head[-1]
     lines = [*head[:-1], words]
-    pieces = [Piece(("head", ""), "\n".join(_INDENT + line for line in lines))]
+    pieces = [WrittenBlock(("head", ""), "\n".join(_INDENT + line for line in lines))]
     pieces += _named(_variable(_in_s7(variable, types)) for variable in section.variables)
     ending = [*section_rest(section, 2 * _INDENT), f"{_INDENT}{'END_STRUCT;' if struct else 'END_VAR'}"]
-    pieces.append(Piece(("end", ""), "\n".join(ending)))
-    return Piece(("section", head[-1]), pieces=tuple(pieces))
+    pieces.append(WrittenBlock(("end", ""), "\n".join(ending)))
+    return WrittenBlock(("section", head[-1]), blocks=tuple(pieces))
 
 
-def _variable(variable: Variable) -> Piece:
-    return Piece(("variable", variable.name), write_variable(variable, _SCL, 2 * _INDENT))
+def _variable(variable: Variable) -> WrittenBlock:
+    return WrittenBlock(("variable", variable.name), write_variable(variable, _SCL, 2 * _INDENT))
 
 
 # -- data blocks
 
 
-def _data_block(block: DataBlock, types: S7Types) -> Iterator[Piece]:
+def _data_block(block: DataBlock, types: S7Types) -> Iterator[WrittenBlock]:
     texts = kept(block.carried)
     sections = block.interface.sections if block.interface is not None else []
     sections = [
@@ -414,7 +414,7 @@ def _data_block(block: DataBlock, types: S7Types) -> Iterator[Piece]:
         quoting: dict[str, str] = {name: "" for name in ("quoted", "unquoted") if name in texts}
         type_name = "\n" + write_type(DerivedType(name=block.type_name, carried=keep(quoting)), _SCL)
     for piece in _head("DATA_BLOCK", block.name, "", block.title, _retained(block)):
-        yield Piece(piece.key, piece.text + type_name)
+        yield WrittenBlock(piece.key, piece.text + type_name)
     yield from _comment(block.comment)
     body = texts.get("unread", _begin(texts, variables, types))
     assigned = "inline" not in texts and all(can_be_assigned(variable, types.declared) for variable in variables)
@@ -426,13 +426,13 @@ def _data_block(block: DataBlock, types: S7Types) -> Iterator[Piece]:
             declared = [_without_value(variable) for variable in declared]
         for written in _of_block(section.model_copy(update={"variables": declared})):
             yield _section(written, types)
-    yield Piece(("begin", ""), "BEGIN")
+    yield WrittenBlock(("begin", ""), "BEGIN")
     values = ""
     if assigned or block.type_name is not None:
         given = [variable for variable in variables if can_be_assigned(variable, types.declared)]
         values = "\n".join(_INDENT + line for line in write_start_values(given, types.declared))
-    yield Piece(("body", ""), values if body is None else body, verbatim=body is not None)
-    yield Piece(("end", ""), "END_DATA_BLOCK")
+    yield WrittenBlock(("body", ""), values if body is None else body, verbatim=body is not None)
+    yield WrittenBlock(("end", ""), "END_DATA_BLOCK")
 
 
 def _begin(texts: dict[str, str], variables: list[Variable], types: S7Types) -> str | None:

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.formats.base import Reading, WriteOptions
+from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.simaticml import adapting, layout, normalizing, project_writer
 from plcopen_sfc.formats.simaticml.bodies_reader import misfit
 from plcopen_sfc.formats.simaticml.fitting import fit_alarms
@@ -49,7 +49,7 @@ _STYLE = XmlStyle(encoding="utf-8", bom=True, newline="\r\n", self_closing=" />"
 class SimaticmlCodec(FolderCodec):
     """SimaticML, the documents of TIA Portal Openness."""
 
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a document of TIA Portal Openness. Raises `FormatError`."""
         with collector_paused():
             root = parse(data, file=file)
@@ -60,7 +60,7 @@ class SimaticmlCodec(FolderCodec):
             except ValidationError as error:
                 raise misfit(error, file) from error
             exchange(project, Markup.SIMATICML, markup_of(project))
-        return Reading(project, diagnostics, version.name)
+        return ReadResult(project, diagnostics, version.name)
 
     def adapt(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
         """Make of `project`, a copy, what this format makes of it."""

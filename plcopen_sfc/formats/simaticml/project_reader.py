@@ -8,7 +8,7 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.base import TIA_PORTAL
+from plcopen_sfc.formats.format_interface import TIA_PORTAL
 from plcopen_sfc.formats.simaticml.added import Added, added, forget_mark
 from plcopen_sfc.formats.simaticml.late_reading import LateDocument
 from plcopen_sfc.formats.simaticml.objects_reader import DATA_BLOCKS, DATA_TYPE, POUS, TAG_TABLE

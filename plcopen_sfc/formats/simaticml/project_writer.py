@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.added import keep_added, seal
 from plcopen_sfc.formats.simaticml.fitting import refuse_older
 from plcopen_sfc.formats.simaticml.numbering import number, number_like

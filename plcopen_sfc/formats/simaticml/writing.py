@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.reading import VERBATIM, N
 from plcopen_sfc.formats.simaticml.sections import LAYOUT
 from plcopen_sfc.formats.simaticml.versions import TiaVersion, concrete, namespace

@@ -18,7 +18,7 @@ from xml.sax.saxutils import escape
 from lxml import etree
 from pydantic import ValidationError
 
-from plcopen_sfc.formats.base import TIA_PORTAL
+from plcopen_sfc.formats.format_interface import TIA_PORTAL
 from plcopen_sfc.model.base import Carried, ForeignData, Model
 from plcopen_sfc.model.project import Project
 

@@ -16,7 +16,7 @@ from typing import Any, Literal, cast
 
 from lxml import etree
 
-from plcopen_sfc.formats.base import Codec, WriteOptions
+from plcopen_sfc.formats.format_interface import Codec, WriteOptions
 from plcopen_sfc.formats.xml.escaping import encode_text
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, OWN_DATA, canonical_form
 from plcopen_sfc.formats.xml.source_tree import COMMENT, SourceNode, SourceTree

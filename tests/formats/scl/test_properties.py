@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.scl.scl_codec import CODEC
-from plcopen_sfc.formats.text import decode
+from plcopen_sfc.formats.text_patch import decode
 from plcopen_sfc.report import LOSSES, ConversionReport
 from tests import strategies as random_model
 from tests.languages.declarations import test_model as sayable

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
-from plcopen_sfc.formats.base import WriteOptions
+from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.simaticml.interface_reader import read_member
 from plcopen_sfc.formats.simaticml.interface_writer import write_member
 from plcopen_sfc.formats.simaticml.reading import ReadContext

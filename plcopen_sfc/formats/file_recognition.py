@@ -1,4 +1,4 @@
-"""Files that are recognised and not read: what they are, and what their tool exports that is read."""
+"""Recognition of files: their first bytes, and formats that are recognised but not read, with advice what to export."""
 
 from __future__ import annotations
 
@@ -7,20 +7,65 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from plcopen_sfc.errors import Location, UnknownFormatError, UnreadFormatError
-from plcopen_sfc.formats.head import Head
 from plcopen_sfc.model.dialect import Dialect
+
+_ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
+
+HEAD = 65536
+"""How many bytes of a file are looked at to recognise its format."""
+
+
+@dataclass(frozen=True)
+class FileHead:
+    """What recognising needs to know of a file: its first text, and the root element where it is XML."""
+
+    text: str
+    root: str = ""
+    namespace: str = ""
+    data: bytes = b""
+    xhtml_prefix: bool = False
+
+    def mentions(self, text: str) -> bool:
+        """Whether `text` occurs anywhere in the file, in any of the encodings that XML uses."""
+        return any(text.encode(codec) in self.data for codec in ("utf-8", "utf-16-le", "utf-16-be"))
+
+
+def head_of(data: bytes) -> FileHead:
+    """Return what is known of a file from its first `HEAD` bytes."""
+    start = data[:HEAD]
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = start[: len(start) // 2 * 2].decode("utf-16", errors="replace")
+    elif start[:2] in (b"<\0", b"\0<"):
+        text = start[: len(start) // 2 * 2].decode("utf-16-le" if start[:1] == b"<" else "utf-16-be", errors="replace")
+    else:
+        text = start.decode("utf-8-sig", errors="replace")
+    plain = re.sub(r"<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\])?\s*>", "", text, flags=re.DOTALL)
+    match = _ROOT.search(plain)
+    if match is None or plain[: match.start()].strip():
+        return FileHead(text, data=data)
+    prefix, root, attributes = match.groups()
+    name = f"xmlns:{prefix}" if prefix else "xmlns"
+    declared = re.search(rf"\s{re.escape(name)}\s*=\s*(?:\"([^\"]*)\"|'([^']*)')", attributes)
+    namespace = (declared.group(1) or declared.group(2) or "") if declared else ""
+    return FileHead(text, root, namespace, data, "http://www.w3.org/1999/xhtml" in attributes)
+
 
 _OPENNESS = (
     "Export the blocks as XML: with TIA Portal Openness, or by the version control interface (project tree > Version "
     "control interface > a workspace). Blocks in SCL: their context menu > Generate source from blocks."
 )
+
 _CODESYS = "Open it in CODESYS, then Project > Export PLCopenXML."
+
 _TWINCAT = (
     "In the Solution Explorer of TwinCAT: context menu of the PLC project (NAME Project) or of a folder in it > "
     "Export PLCopenXML."
 )
+
 _SCHNEIDER = "Control Expert has no export to PLCopen XML; nothing that it exports is read yet."
+
 _ROCKWELL = "Studio 5000 exports charts as L5X and L5K only, and neither is read yet."
+
 _STEP7 = "Migrate the project into TIA Portal (Project > Migrate project). " + _OPENNESS
 
 
@@ -150,14 +195,14 @@ UNREAD: tuple[UnreadFormat, ...] = (
 """Every format that is recognised and not read, in the order in which they are tried."""
 
 
-def refuse_by_content(head: Head, file: str | None) -> None:
+def refuse_by_content(head: FileHead, file: str | None) -> None:
     """Raise `UnreadFormatError` where the content, or a name that insists, is that of a format that is not read."""
     for kind in UNREAD:
         if _has_content(kind, head) or (kind.insists and not head.root and _suffix(file) in kind.extensions):
             raise _refusal(kind, file)
 
 
-def refuse_by_name(head: Head, file: str | None) -> None:
+def refuse_by_name(head: FileHead, file: str | None) -> None:
     """Raise `UnreadFormatError` where only the name tells what it is, `UnknownFormatError` for a piece of program."""
     kind = named_like(file)
     if kind is not None:
@@ -171,7 +216,7 @@ def named_like(file: str | None) -> UnreadFormat | None:
     return next((kind for kind in UNREAD if _suffix(file) in kind.extensions), None)
 
 
-def _has_content(kind: UnreadFormat, head: Head) -> bool:
+def _has_content(kind: UnreadFormat, head: FileHead) -> bool:
     if head.root:
         return bool(kind.root and re.fullmatch(kind.root, head.root)) and kind.namespace in head.namespace
     return bool(kind.text and re.search(kind.text, head.text))
@@ -188,9 +233,13 @@ def _refusal(kind: UnreadFormat, file: str | None) -> UnreadFormatError:
 # -- pieces of programs --------------------------------------------------------------------------------------------
 
 _QUIET = re.compile(r"\(\*.*?\*\)|/\*.*?\*/|//[^\r\n]*|'(?:\$.|[^'$\r\n])*'", re.DOTALL)
+
 _OF_SCL = re.compile(r'#[^\W\d]\w*|#"|"[^"\r\n]+"\s*(?:\.|:=|\()|^\s*(?:END_)?REGION\b|^\s*BEGIN\s*$', re.MULTILINE)
+
 _STATEMENT = re.compile(r":=[^;]*;|\bEND_(?:IF|CASE|FOR|WHILE|REPEAT)\b", re.IGNORECASE)
+
 _SECTION = re.compile(r"\s*VAR(?:_\w+)?\b", re.IGNORECASE)
+
 _SOURCES = (".scl", ".st", ".iecst", ".sfc")
 
 

@@ -1,4 +1,4 @@
-"""Reads and writes the model as JSON: everything, exactly. `plcopen-sfc schema` prints its JSON Schema."""
+"""The model as JSON: everything, exactly. `plcopen-sfc schema` prints its JSON Schema."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import json
 from pydantic import ValidationError
 
 from plcopen_sfc.errors import EncodingError, FormatError, Location, StructureError, UnknownVersionError
-from plcopen_sfc.formats.base import Codec, Reading, WriteOptions
+from plcopen_sfc.formats.format_interface import Codec, ReadResult, WriteOptions
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _VERSION = 1
 
 
-class NativeCodec(Codec):
+class JsonCodec(Codec):
     """The model as JSON."""
 
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a saved model. Raises `FormatError`."""
         try:
             content = json.loads(data.decode("utf-8-sig"))
@@ -40,7 +40,7 @@ class NativeCodec(Codec):
             first = error.errors()[0]
             path = ".".join(map(str, first["loc"]))
             raise StructureError(f"{path}: {first['msg']}", location=Location(file, path=path)) from error
-        return Reading(project, [])
+        return ReadResult(project, [])
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
         """Write the model."""
@@ -53,4 +53,4 @@ class NativeCodec(Codec):
         return (json.dumps(content, ensure_ascii=False, indent=1) + "\n").encode()
 
 
-CODEC = NativeCodec()
+CODEC = JsonCodec()

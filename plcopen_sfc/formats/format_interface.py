@@ -1,4 +1,4 @@
-"""What a file format is to the rest of the package."""
+"""Interface of a file format to the rest of the package: its record, its codec, and the options of writing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from plcopen_sfc.model.dialect import Dialect
 
 if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
-    from plcopen_sfc.formats.text import Piece, Slice, SourceText
+    from plcopen_sfc.formats.text_patch import BlockSpan, SourceText, WrittenBlock
     from plcopen_sfc.model.project import Project
     from plcopen_sfc.report import ConversionReport
 
@@ -26,7 +26,7 @@ Marks: TypeAlias = Mapping[int, Mapping[str, Any]]
 """What to keep beside objects that were rewritten, by their `id()`."""
 
 
-class Reading(NamedTuple):
+class ReadResult(NamedTuple):
     """A project that was read, what there is to say about its file, and the version of the format that it has."""
 
     project: Project
@@ -77,7 +77,7 @@ class Codec(ABC):
     """Reads and writes a format. What only some formats need has a default."""
 
     @abstractmethod
-    def read(self, data: bytes, *, file: str | None = None) -> Reading:
+    def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
         """Read a file. Raises `FormatError`."""
 
     @abstractmethod
@@ -119,14 +119,14 @@ class Codec(ABC):
 
 
 class TextCodec(Codec):
-    """Reads and writes a text format, whose files can be patched: see `formats.text`."""
+    """Reads and writes a text format, whose files can be patched: see `formats.text_patch`."""
 
     @abstractmethod
-    def to_pieces(self, project: Project, options: WriteOptions, report: ConversionReport) -> Piece:
+    def to_blocks(self, project: Project, options: WriteOptions, report: ConversionReport) -> WrittenBlock:
         """The text of a project, object by object."""
 
     @abstractmethod
-    def slices(self, content: bytes) -> tuple[SourceText, Slice]:
+    def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
         """The text of a file, and where the objects stand in it."""
 
 

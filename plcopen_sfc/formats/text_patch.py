@@ -1,8 +1,8 @@
-"""What text formats share: encodings, and saving an edited project into the text that was read.
+"""Text formats: encodings, and an edited project as a patch of the text that was read.
 
-A writer makes *pieces*: the text of an object, or of what it consists of. A reader of the same format makes *slices*:
-where those objects stand in the file. To save an edit, the model is written as it was read and as it is now; only the
-pieces that differ are put into the text, in its own layout as far as that goes.
+A writer makes *blocks*: the text of an object, or of its parts. A reader of the same format makes *spans*: the places
+of those objects in the file. To save an edit, the model is written as it was read and as it is now; only the blocks
+that differ go into the text, in its own layout as far as possible.
 """
 
 from __future__ import annotations
@@ -54,15 +54,15 @@ def decode(data: bytes) -> SourceText:
     return SourceText(data.decode("latin-1"), "latin-1", guessed=True)
 
 
-# -- pieces and slices
+# -- blocks and spans
 
 Key: TypeAlias = tuple[str, str]
 """The kind of an object and its name; among its neighbours it is the only one with both."""
 
 
 @dataclass(frozen=True)
-class Piece:
-    """An object as a writer writes it: `text` in whole lines, or `pieces` on lines below each other.
+class WrittenBlock:
+    """An object as a writer writes it: `text` in whole lines, or `blocks` on lines below each other.
 
     `apart`: an empty line stands before it. `verbatim`: the text is as it stands in the model, layout and all.
     `block`: it is put into the text as whole lines, indented as its first line is there, never word by word.
@@ -70,19 +70,19 @@ class Piece:
 
     key: Key
     text: str = ""
-    pieces: tuple[Piece, ...] = ()
+    blocks: tuple[WrittenBlock, ...] = ()
     apart: bool = False
     verbatim: bool = False
     block: bool = False
 
     def lines(self) -> Iterator[str]:
-        """The text, its pieces joined."""
-        if not self.pieces:
+        """The text, its blocks joined."""
+        if not self.blocks:
             yield self.text
-        for number, piece in enumerate(self.pieces):
-            if piece.apart and number:
+        for number, block in enumerate(self.blocks):
+            if block.apart and number:
                 yield ""
-            yield from piece.lines()
+            yield from block.lines()
 
     def whole(self) -> str:
         """The text in one."""
@@ -90,12 +90,12 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Slice:
+class BlockSpan:
     """Where objects stand in a text: usually one, several where they are declared together (``a, b : INT``)."""
 
     keys: tuple[Key, ...]
     span: tuple[int, int]
-    slices: tuple[Slice, ...] = field(default=())
+    spans: tuple[BlockSpan, ...] = field(default=())
 
 
 def numbered(keys: Sequence[Key]) -> list[Key]:
@@ -111,15 +111,15 @@ def numbered(keys: Sequence[Key]) -> list[Key]:
 # -- patching
 
 
-def patch(source: SourceText, slices: Slice, before: Piece, after: Piece) -> str:
-    """The text of `source` with what differs between the pieces `before` and `after` put into it."""
+def patch(source: SourceText, spans: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> str:
+    """The text of `source` with what differs between the blocks `before` and `after` put into it."""
     if source.text == _file(before, source.newline):  # the text is as the writer writes it, and stays so
         return _file(after, source.newline)
-    return apply_edits(source.text, _Patch(source.text, source.newline).edits(slices, before, after))
+    return apply_edits(source.text, _Patch(source.text, source.newline).edits(spans, before, after))
 
 
-def _file(piece: Piece, newline: str) -> str:
-    return piece.whole().replace("\n", newline) + newline
+def _file(block: WrittenBlock, newline: str) -> str:
+    return block.whole().replace("\n", newline) + newline
 
 
 class _Patch:
@@ -127,21 +127,21 @@ class _Patch:
         self._text = text
         self._newline = newline
 
-    def edits(self, slice_: Slice, before: Piece, after: Piece) -> list[Edit]:
+    def edits(self, around: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> list[Edit]:
         if before == after:
             return []
-        known = [key for inner in slice_.slices for key in inner.keys]
-        if not (before.pieces and after.pieces and sorted(known) == sorted(piece.key for piece in before.pieces)):
-            return [self._replaced(slice_, before, after)]
-        return self._children(slice_, before, after)
+        known = [key for inner in around.spans for key in inner.keys]
+        if not (before.blocks and after.blocks and sorted(known) == sorted(block.key for block in before.blocks)):
+            return [self._replaced(around, before, after)]
+        return self._children(around, before, after)
 
-    def _children(self, slice_: Slice, before: Piece, after: Piece) -> list[Edit]:
-        pairs = _pairs(before.pieces, after.pieces)
-        old_pieces = {piece.key: piece for piece in before.pieces}
+    def _children(self, around: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> list[Edit]:
+        pairs = _pairs(before.blocks, after.blocks)
+        old_blocks = {block.key: block for block in before.blocks}
         edits: list[Edit] = []
-        following: dict[int, list[Piece]] = {}  # new pieces by the number of the slice that they stand behind
-        new_of: dict[Key, Piece] = {}
-        number_of = {key: number for number, inner in enumerate(slice_.slices) for key in inner.keys}
+        following: dict[int, list[WrittenBlock]] = {}  # new blocks by the number of the span that they follow
+        new_of: dict[Key, WrittenBlock] = {}
+        number_of = {key: number for number, inner in enumerate(around.spans) for key in inner.keys}
         last = -1
         for old, new in pairs:
             if old is not None and new is not None:
@@ -150,12 +150,12 @@ class _Patch:
             elif new is not None:
                 following.setdefault(last, []).append(new)
         final = following.get(last, [])
-        if slice_.slices and final and final[-1] is after.pieces[-1]:
+        if around.spans and final and final[-1] is after.blocks[-1]:
             # what ends the new text stands behind all that is there, in whatever order that is
             following.pop(last)
-            following.setdefault(len(slice_.slices) - 1, []).extend(final)
-        for number, inner in enumerate(slice_.slices):
-            olds = [old_pieces[key] for key in inner.keys]
+            following.setdefault(len(around.spans) - 1, []).extend(final)
+        for number, inner in enumerate(around.spans):
+            olds = [old_blocks[key] for key in inner.keys]
             news = [new_of[key] for key in inner.keys if key in new_of]
             if not news:
                 edits.append(self._removed(inner, apart=olds[0].apart))
@@ -165,52 +165,52 @@ class _Patch:
                 together = "\n".join(new.whole() for new in news)
                 edits.append(Edit(*inner.span, self._laid_out(together, inner.span[0])))
             if number in following:
-                edits.append(self._inserted(slice_.slices, number, following[number]))
+                edits.append(self._inserted(around.spans, number, following[number]))
         if -1 in following:
-            edits.append(self._put_first(slice_, following[-1]))
+            edits.append(self._put_first(around, following[-1]))
         return _joined(edits)
 
     # -- single edits
 
-    def _replaced(self, slice_: Slice, before: Piece, after: Piece) -> Edit:
-        start, end = slice_.span
+    def _replaced(self, around: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> Edit:
+        start, end = around.span
         source = self._text[start:end]
         old, new = before.whole(), after.whole()
         if after.verbatim:
             return Edit(start, end, self._with_newlines(new))
         anew = self._laid_out(new, start)
-        is_one_text = not (before.pieces or after.pieces or after.block)
+        is_one_text = not (before.blocks or after.blocks or after.block)
         if not is_one_text or source.count("\n") >= _LONG or source == self._laid_out(old, start):
             return Edit(start, end, anew)
         merged = _merged(source, old.strip(), new.strip())
         return Edit(start, end, anew if merged is None else self._with_newlines(merged))
 
-    def _removed(self, slice_: Slice, *, apart: bool) -> Edit:
-        start, end = slice_.span
+    def _removed(self, around: BlockSpan, *, apart: bool) -> Edit:
+        start, end = around.span
         line = self._line_start(start)
         rest = re.compile(rf"{_REST_OF_LINE}(?:{_REST_OF_LINE})?" if apart else _REST_OF_LINE).match(self._text, end)
         return Edit(start, end, "") if line is None or rest is None else Edit(line, rest.end(), "")
 
-    def _inserted(self, slices: Sequence[Slice], number: int, pieces: list[Piece]) -> Edit:
-        at = slices[number].span[1]
+    def _inserted(self, spans: Sequence[BlockSpan], number: int, blocks: list[WrittenBlock]) -> Edit:
+        at = spans[number].span[1]
         line_end = _LINE_END.search(self._text, at)
         stop = line_end.start() if line_end is not None else len(self._text)
-        if not any(at <= other.span[0] < stop for other in slices[number + 1 :]):
+        if not any(at <= other.span[0] < stop for other in spans[number + 1 :]):
             at = stop  # behind a comment that belongs to nothing
         text = ""
-        for piece in pieces:
-            kinds = {piece.key[0]}
-            neighbours = [*slices[number::-1], *slices[number + 1 :]]
+        for block in blocks:
+            kinds = {block.key[0]}
+            neighbours = [*spans[number::-1], *spans[number + 1 :]]
             like = next((s for s in neighbours if kinds & {kind for kind, _ in s.keys}), None)
-            lines = self._reindented(piece.whole(), self._indent(like.span[0])) if like is not None else piece.whole()
-            text += ("\n\n" if piece.apart else "\n") + lines
+            lines = self._reindented(block.whole(), self._indent(like.span[0])) if like is not None else block.whole()
+            text += ("\n\n" if block.apart else "\n") + lines
         return Edit(at, at, self._with_newlines(text))
 
-    def _put_first(self, slice_: Slice, pieces: list[Piece]) -> Edit:
-        at = slice_.slices[0].span[0] if slice_.slices else slice_.span[1]
+    def _put_first(self, around: BlockSpan, blocks: list[WrittenBlock]) -> Edit:
+        at = around.spans[0].span[0] if around.spans else around.span[1]
         line = self._line_start(at)
         at = line if line is not None else at
-        text = "".join(piece.whole() + ("\n\n" if piece.apart else "\n") for piece in pieces)
+        text = "".join(block.whole() + ("\n\n" if block.apart else "\n") for block in blocks)
         return Edit(at, at, self._with_newlines(text))
 
     # -- layout
@@ -240,13 +240,17 @@ class _Patch:
 
 
 _LINE_END = re.compile(r"[\r\n]")
+
 _REST_OF_LINE = r"[ \t]*(?:\r\n|\r|\n|\Z)"
+
 _LONG = 200
 """Texts of more lines are not merged word by word, which takes the square of their length."""
 
 
-def _pairs(before: Sequence[Piece], after: Sequence[Piece]) -> Iterator[tuple[Piece | None, Piece | None]]:
-    """Which old piece became which new one; None where it is removed or added.
+def _pairs(
+    before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]
+) -> Iterator[tuple[WrittenBlock | None, WrittenBlock | None]]:
+    """Which old block became which new one; None where it is removed or added.
 
     First those that say the same, then those of the same key, then those of the same kind at the same place: renamed.
     """
@@ -255,13 +259,16 @@ def _pairs(before: Sequence[Piece], after: Sequence[Piece]) -> Iterator[tuple[Pi
             left, right = list(olds), list(news)
             while left and right and left[0].key[0] == right[0].key[0]:
                 yield left.pop(0), right.pop(0)
-            yield from ((piece, None) for piece in left)
-            yield from ((None, piece) for piece in right)
+            yield from ((block, None) for block in left)
+            yield from ((None, block) for block in right)
 
 
 def _runs(
-    before: Sequence[Piece], after: Sequence[Piece], old_marks: Sequence[Hashable], new_marks: Sequence[Hashable]
-) -> Iterator[tuple[Sequence[Piece], Sequence[Piece]]]:
+    before: Sequence[WrittenBlock],
+    after: Sequence[WrittenBlock],
+    old_marks: Sequence[Hashable],
+    new_marks: Sequence[Hashable],
+) -> Iterator[tuple[Sequence[WrittenBlock], Sequence[WrittenBlock]]]:
     """Pieces that belong to each other: one by one where their marks are equal, else in runs."""
     matcher = SequenceMatcher(a=old_marks, b=new_marks, autojunk=False)
     for operation, low, high, new_low, new_high in matcher.get_opcodes():
@@ -286,7 +293,9 @@ def _joined(edits: list[Edit]) -> list[Edit]:
 
 _SIMILAR = 0.6
 """So much of its words a text must keep to be changed word by word."""
+
 _Word: TypeAlias = re.Match[str]
+
 _WORDS = re.compile(
     r"TITLE\s*=[^\r\n]*|//[^\r\n]*|\(\*(?:(?!\*\))[\s\S])*\*\)|'[^'\r\n]*'|\"[^\"\r\n]*\"|%[\w.*]+|\w+#[\w.+-]+|\w+|:=|=>|\.\.|[^\w\s]"
 )

@@ -1,1 +1,0 @@
-"""Our own format: the model as JSON."""
