@@ -19,7 +19,7 @@ from functools import partial
 from benchmarks.execution import condition
 from benchmarks.nets import best, nested
 from plcopen_sfc import model as m
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 
 SIZES = (1250, 2500, 5000, 10_000)
 OUTPUTS = 20

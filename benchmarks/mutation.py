@@ -34,7 +34,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
 from plcopen_sfc.documents.file import read_document
 from plcopen_sfc.errors import SfcError
-from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.semantics.profile import default_profile
 from plcopen_sfc.semantics.programs.library import ALL_FREE

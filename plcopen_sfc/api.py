@@ -18,7 +18,7 @@ from plcopen_sfc.report import ConversionReport, Converted
 
 if TYPE_CHECKING:
     from plcopen_sfc.documents.folders.loading import Progress
-    from plcopen_sfc.lowering.lower import LoweredPou
+    from plcopen_sfc.lowering.chart_lowering import LoweredPou
 
 
 def load(

@@ -27,11 +27,12 @@ from plcopen_sfc.documents.storage import (
 from plcopen_sfc.errors import LoweringError, UntestedError
 from plcopen_sfc.files import refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import format_named
+from plcopen_sfc.lowering import LoweredPou, lower_project
+from plcopen_sfc.lowering.chart_lowering import faults_of
 from plcopen_sfc.lowering.construction import errors_of
-from plcopen_sfc.lowering.lower import LoweredPou, faults_of
+from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.lowering.proof import ProofOptions, refuse_untested
 from plcopen_sfc.lowering.proof_as_written import prove_written, refuse_comments
-from plcopen_sfc.lowering.whole_project import LoweringOptions, lower_project
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome

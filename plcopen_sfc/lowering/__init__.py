@@ -1,7 +1,7 @@
 """Lowering: a chart as program code, with the proof that the code does the same.
 
-`lower`              one chart as code in a copy of its project, compared with the chart
-`whole_project`      all charts of a project, one after the other
+`chart_lowering`     one chart as code in a copy of its project, compared with the chart
+`project_lowering`   all charts of a project, one after the other
 `proof`              the comparison of code and chart
 `proof_as_written`   the comparison of the code in a file, as the tool of the file reads it, with the chart
 `lowering_losses`    what a chart holds and its code does not
@@ -17,3 +17,24 @@
 `lowering_options`   what a user can choose
 `code_texts`         titles, comments and names in the code, in English and German
 """
+
+from plcopen_sfc.lowering.chart_lowering import LoweredPou, lower
+from plcopen_sfc.lowering.faults.fault_kinds import Fault, FaultKind, FaultScan
+from plcopen_sfc.lowering.lowering_options import ActionPlace, Construction, Language, OperatingMode, States, Style
+from plcopen_sfc.lowering.project_lowering import LoweredProject, lower_project
+
+__all__ = [
+    "ActionPlace",
+    "Construction",
+    "Fault",
+    "FaultKind",
+    "FaultScan",
+    "Language",
+    "LoweredPou",
+    "LoweredProject",
+    "OperatingMode",
+    "States",
+    "Style",
+    "lower",
+    "lower_project",
+]

@@ -16,9 +16,9 @@ from plcopen_sfc.lowering.code.code_bodies import assemble
 from plcopen_sfc.lowering.code.code_declarations import LOCAL, FlagPlaces, Naming, names_of
 from plcopen_sfc.lowering.code.code_memory import BitMemory, BlockMemory, Memory, OperandMemory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import Code
-from plcopen_sfc.lowering.encodings.case_encodings import CaseChain, RegionChain, no_regions, one_step_at_a_time
-from plcopen_sfc.lowering.encodings.step_flags import FlipFlopChain, StepBits
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, RegionEncoding, no_regions, one_step_at_a_time
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_encodings import GrafcetCase, GrafcetFlipFlops, no_case
 from plcopen_sfc.lowering.grafcet.grafcet_reading import is_grafcet, plain_chart, read_grafcet
 from plcopen_sfc.lowering.grafcet.grafcet_scan import add_grafcet
@@ -51,7 +51,7 @@ from plcopen_sfc.lowering.lowering_options import (
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.lowering.schedule.added_inputs import names_in_conditions, with_usual_input
-from plcopen_sfc.lowering.schedule.scan_schedule import Chain, firing_together
+from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -243,7 +243,7 @@ def construct(
     code = _code(source, dialect, rules, language, project)
     if rules.flags != LOCAL:
         code.flags = FlagPlaces(rules, pou.name, project, code.tool)
-    maker: Sequencer | Chain
+    maker: Sequencer | ScanSchedule
     if isinstance(source, GraphSource):
         maker = _SEQUENCERS[chosen](source, code, _memory(code, language), rules, surroundings)
         _fill(maker, chosen, style)
@@ -258,7 +258,7 @@ def construct(
     # most of a sequencer would be the text of boxes in CODESYS
     if code.needs_flat_statements or (code.drawn and isinstance(source, GraphSource)):
         flatten(code, pou.variables())
-    drives = maker.drives if isinstance(maker, Chain) else []
+    drives = maker.drives if isinstance(maker, ScanSchedule) else []
     return Constructed(
         assemble(pou, code, dialect, language),
         chosen,
@@ -281,13 +281,13 @@ _SEQUENCERS: dict[Construction, type[Sequencer]] = {
     Construction.REGIONS: RegionSequencer,
     Construction.BITS: BitSequencer,
 }
-_CHAINS: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
-    Construction.FLIPFLOP: FlipFlopChain,
-    Construction.CASE: CaseChain,
-    Construction.REGIONS: RegionChain,
-    Construction.BITS: StepBits,
+_CHAINS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
+    Construction.FLIPFLOP: FlipFlopEncoding,
+    Construction.CASE: CaseEncoding,
+    Construction.REGIONS: RegionEncoding,
+    Construction.BITS: StepBitEncoding,
 }
-_GRAFCET_CHAINS: dict[Construction, type[FlipFlopChain | RegionChain | StepBits]] = {
+_GRAFCET_CHAINS: dict[Construction, type[FlipFlopEncoding | RegionEncoding | StepBitEncoding]] = {
     Construction.FLIPFLOP: GrafcetFlipFlops,
     Construction.CASE: GrafcetCase,
 }
@@ -301,9 +301,11 @@ def _read(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, p
     return read_chart(pou, chart, dialect, rules.profile, names_of(project), project=project)
 
 
-def _code(source: ChartSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project) -> Code:
+def _code(
+    source: ChartSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project
+) -> LoweredCode:
     """Nothing yet, but all that is known of what it is for."""
-    code = Code(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
+    code = LoweredCode(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
     code.known_types = {kind.name.casefold() for kind in project.data_types}
     code.texts = rules.texts
@@ -313,16 +315,16 @@ def _code(source: ChartSource, dialect: Dialect, rules: LoweringRules, language:
     return code
 
 
-def _memory(code: Code, language: Language) -> Memory:
+def _memory(code: LoweredCode, language: Language) -> Memory:
     if language is Language.ST:
         return BitMemory(code)
     return OperandMemory(code) if code.tool is Tool.S7 else BlockMemory(code)
 
 
-def _fill(maker: Sequencer | Chain, construction: Construction, style: Style) -> None:
+def _fill(maker: Sequencer | ScanSchedule, construction: Construction, style: Style) -> None:
     if style is Style.EXACT:
         maker.exact()
-    elif isinstance(maker, FlipFlopChain | CaseChain):
+    elif isinstance(maker, FlipFlopEncoding | CaseEncoding):
         maker.classic()
     else:
         raise LoweringError(f"{construction} has no classic style")

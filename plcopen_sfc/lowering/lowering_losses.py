@@ -28,28 +28,28 @@ _TEXTS = ("title", "comment", "content", "alternative_text", "alarm")
 _MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)
 
 
-class Remark(NamedTuple):
+class Caption(NamedTuple):
     """A text for people, and the path of what it is about."""
 
     path: str
     text: Text
 
 
-def remarks(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Remark]:
+def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption]:
     """All texts for people in a part of the model, in the order in which it has them.
 
     Without a `dialect` structured text is given as a whole, else what its comments say.
     """
     if isinstance(thing, list | tuple):
         for each in thing:
-            yield from remarks(each, path, dialect)
+            yield from captions(each, path, dialect)
     if not isinstance(thing, Model) or isinstance(thing, Carried | SfcSettings):
         return
     if isinstance(thing, Block) and thing.code is not None:
         yield from _inside(thing.code, path, dialect)
     if isinstance(thing, NodeBase):  # there are many, and nothing in their pins is for people
         found = (getattr(thing, name, None) for name in _TEXTS)
-        yield from (Remark(path, text) for text in found if text is not None)
+        yield from (Caption(path, text) for text in found if text is not None)
         return
     if isinstance(thing, Step):
         path = f"{path} / step {thing.name}"
@@ -57,25 +57,25 @@ def remarks(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Remark]:
         path = f"{path} / action {thing.target}"
     for name, value in thing:
         if name in _TEXTS and isinstance(value, str | MarkupText | MultilingualText):
-            yield Remark(path, value)
+            yield Caption(path, value)
         elif isinstance(thing, SfcNetwork) and name == "transitions":
             labels = thing.labels()
             for transition in thing.transitions:
-                yield from remarks(transition, f"{path} / transition {labels[transition.id]}", dialect)
+                yield from captions(transition, f"{path} / transition {labels[transition.id]}", dialect)
         elif isinstance(value, Model | list):
-            yield from remarks(value, path, dialect)
+            yield from captions(value, path, dialect)
     if isinstance(thing, StBody | Expression):
         yield from _inside(thing.text, path, dialect)
 
 
-def _inside(text: str, path: str, dialect: Dialect | None) -> Iterator[Remark]:
+def _inside(text: str, path: str, dialect: Dialect | None) -> Iterator[Caption]:
     if dialect is None:
-        yield Remark(path, text)
+        yield Caption(path, text)
     else:
-        yield from (Remark(path, comment.text) for comment in tokenize(text, dialect).comments)
+        yield from (Caption(path, comment.text) for comment in tokenize(text, dialect).comments)
 
 
-def texts_of(text: Text) -> dict[str, str]:
+def caption_texts(text: Text) -> dict[str, str]:
     """What a text says, by language; in none where it does not say in which, and nothing where it is empty."""
     if isinstance(text, MultilingualText):
         return {language: each for language, each in text.texts.items() if _bare(each)}
@@ -83,12 +83,12 @@ def texts_of(text: Text) -> dict[str, str]:
     return {"": only} if _bare(only) else {}
 
 
-class Said:
+class CodeCaptions:
     """All that the code of some POUs says to people."""
 
     def __init__(self, pous: Iterable[Pou]) -> None:
-        found = [remark.text for pou in pous for remark in remarks(pou, "", None)]
-        texts = [each for text in found for each in texts_of(text).values()]
+        found = [remark.text for pou in pous for remark in captions(pou, "", None)]
+        texts = [each for text in found for each in caption_texts(text).values()]
         self._lines = frozenset(_bare(line) for text in texts for line in text.splitlines())
         self._all = _bare(" ".join(texts))
 
@@ -115,12 +115,12 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
     texts in the code (``de``).
     """
     own, pou = subject.pou, lowered[0]
-    said = Said(lowered)
+    said = CodeCaptions(lowered)
     found: list[Item] = []
     for path, part in _lowered_parts(subject, pou):
         if isinstance(part, SfcBody):
             found += _Chart(subject, part.chart, profile, path).losses()
-        for remark in remarks(part, path, subject.project.dialect):
+        for remark in captions(part, path, subject.project.dialect):
             found += _unsaid(remark, said, language)
     kept = {variable.name.casefold() for variable in pou.variables()}
     gone = [variable.name for variable in own.variables() if variable.name.casefold() not in kept]
@@ -149,9 +149,9 @@ def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
             yield own.report_path_of(f"{own.name}.{each.name}"), each
 
 
-def _unsaid(remark: Remark, said: Said, language: str) -> Iterator[Item]:
+def _unsaid(remark: Caption, said: CodeCaptions, language: str) -> Iterator[Item]:
     """A text for people that the code does not have, or has in one of its languages only."""
-    texts = texts_of(remark.text)
+    texts = caption_texts(remark.text)
     missing = {culture: text for culture, text in texts.items() if not said.has(text)}
     if not missing:
         return

@@ -12,7 +12,7 @@ from typing import Unpack
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
 from plcopen_sfc.errors import Location, LoweringError, ModelError
-from plcopen_sfc.lowering.lower import LoweredPou
+from plcopen_sfc.lowering.chart_lowering import LoweredPou
 from plcopen_sfc.lowering.lowering_options import Style
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.model.base import Model

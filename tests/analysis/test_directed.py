@@ -13,7 +13,7 @@ from plcopen_sfc.errors import UntestedError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.languages.st.nodes import Operator
-from plcopen_sfc.lowering.lower import LoweredPou
+from plcopen_sfc.lowering import LoweredPou
 from plcopen_sfc.model import Project, StBody
 from plcopen_sfc.semantics.subjects import resolve
 

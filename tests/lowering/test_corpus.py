@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import pytest
 
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from tests.corpus import require_corpus
 from tests.lowering.corpus_sweep import (
     FAMILIES,

@@ -9,7 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import equivalent
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from plcopen_sfc.lowering.proof import compared_subjects
 from plcopen_sfc.semantics.subjects import resolve
 from tests.corpus import corpus_files, require_corpus

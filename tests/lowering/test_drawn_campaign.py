@@ -11,7 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from plcopen_sfc.semantics.subjects import resolve
 from tests.analysis.nets import block_chart
 from tests.lowering.charts import act, pou_with

@@ -12,8 +12,8 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.faults.fault_kinds import Fault, FaultKind
-from plcopen_sfc.lowering.lower import faults_of, lower
+from plcopen_sfc.lowering import Fault, FaultKind, lower
+from plcopen_sfc.lowering.chart_lowering import faults_of
 from plcopen_sfc.semantics.net import Net
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.random_charts import random_chart

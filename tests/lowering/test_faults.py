@@ -10,9 +10,8 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.lowering.faults.fault_kinds import Fault, FaultKind
+from plcopen_sfc.lowering import Fault, FaultKind, LoweredPou, lower
 from plcopen_sfc.lowering.faults.fault_search import find_faults
-from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.semantics.subjects import Subject, resolve
 from tests.analysis.nets import block_chart

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from tests.lowering.charts import act, boolean, pou_with, training_chain
 
 NUMBER = m.ElementaryType(name=m.Elementary.INT)

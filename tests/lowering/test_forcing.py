@@ -10,7 +10,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
-from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.semantics.profile import Profile
 from plcopen_sfc.semantics.simulation import simulate
 from plcopen_sfc.semantics.subjects import resolve

@@ -12,14 +12,14 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.code.code_declarations import Naming
 from plcopen_sfc.lowering.code.code_memory import BitMemory
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Texts
-from plcopen_sfc.lowering.encodings.step_flags import StepBits
+from plcopen_sfc.lowering.encodings.step_flags import StepBitEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_reading import read_grafcet
 from plcopen_sfc.lowering.grafcet.grafcet_scan import GrafcetScan
-from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.semantics.profile import PROFILES, Evolution, Profile
 from tests.corpus import require_corpus
@@ -399,8 +399,8 @@ def most_evolutions(conditions: str, stored: str = "") -> int | None:
     if stored:
         chart.step("2").actions = [action("onActivation", stored, value="TRUE")]
     source = read_grafcet(pou_with(chart, "a b c", "Q"), m.Dialect.IEC, PROFILES["grafcet"])
-    code = Code(Naming(m.Dialect.IEC, source.names()))
-    bits = StepBits(source, code, BitMemory(code), LoweringRules(PROFILES["grafcet"], Texts()))
+    code = LoweredCode(Naming(m.Dialect.IEC, source.names()))
+    bits = StepBitEncoding(source, code, BitMemory(code), LoweringRules(PROFILES["grafcet"], Texts()))
     return GrafcetScan(bits).stability.most
 
 

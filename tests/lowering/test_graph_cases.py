@@ -9,8 +9,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
 from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.lowering.lower import LoweredPou
-from plcopen_sfc.lowering.lowering_options import Construction
+from plcopen_sfc.lowering import Construction, LoweredPou
 from plcopen_sfc.lowering.proof import prove
 from plcopen_sfc.semantics.subjects import resolve
 from tests.lowering.sequencers import STANDARD_INPUTS, STANDARD_OUTPUTS, act, block, guarded, ring, text, verdict

@@ -10,8 +10,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import LoweredPou
-from plcopen_sfc.lowering.lowering_options import Construction
+from plcopen_sfc.lowering import Construction, LoweredPou
 from plcopen_sfc.semantics.subjects import resolve
 from tests.corpus import corpus_files, require_corpus
 from tests.lowering.sequencers import act, block, guarded

@@ -7,7 +7,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from plcopen_sfc.report import Item
 from tests.lowering.charts import training_chain
 

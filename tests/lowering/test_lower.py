@@ -8,8 +8,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
-from plcopen_sfc.lowering.lowering_options import Construction
+from plcopen_sfc.lowering import Construction, lower
 from tests.lowering.charts import training_chain
 from tests.samples import FIXTURES
 

@@ -7,8 +7,7 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
-from plcopen_sfc.lowering.lowering_options import Construction, Language
+from plcopen_sfc.lowering import Construction, Language, lower
 from tests.lowering.charts import training_chain
 from tests.lowering.test_exact import FORMS, verdict
 

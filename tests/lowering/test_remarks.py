@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.model.text import plain
 from tests.lowering.charts import training_chain
 

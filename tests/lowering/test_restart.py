@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.semantics.simulation import simulate
 from tests.lowering.charts import boolean, pou_with, training_chain
 

@@ -11,7 +11,7 @@ from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.api import convert
 from plcopen_sfc.errors import LoweringError
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from plcopen_sfc.lowering.reading.chart_source import step_numbers
 from plcopen_sfc.semantics.net import Net
 from tests.analysis.nets import chart_of

@@ -9,12 +9,13 @@ from plcopen_sfc.analysis import equivalent
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
+from plcopen_sfc.lowering import Construction, Language
 from plcopen_sfc.lowering.code.code_declarations import Naming
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.construction import construct
-from plcopen_sfc.lowering.lowering_options import Construction, Language, LoweringRules
-from plcopen_sfc.lowering.reading.step_variables import StepTimes
+from plcopen_sfc.lowering.lowering_options import LoweringRules
+from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.semantics.profile import PROFILES
 from tests.lowering.charts import act
 from tests.lowering.test_executing import chain, chart
@@ -61,7 +62,7 @@ def test_nothing_is_kept_for_a_condition_of_the_step_itself() -> None:
 
 
 def test_what_was_said_of_a_time_holds_whatever_is_asked_later() -> None:
-    times = StepTimes(Code(Naming(Dialect.IEC, ())), lambda _: n.Name("X1"), lambda _: "X1_time")
+    times = StepTimers(LoweredCode(Naming(Dialect.IEC, ())), lambda _: n.Name("X1"), lambda _: "X1_time")
     short, long = n.Literal("T#20ms"), n.Literal("T#40ms")
     asked = [times.is_over(0, short), times.is_over(0, long), times.elapsed(0), times.is_over(0, short)]
     told = [print_node(value, Dialect.IEC) for value in asked]

@@ -19,7 +19,7 @@ from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.standard_blocks import Tool
-from plcopen_sfc.lowering.lower import LoweredPou, lower
+from plcopen_sfc.lowering import LoweredPou, lower
 from tests.corpus import XSD
 from tests.lowering.charts import act, pou_with, training_chain
 

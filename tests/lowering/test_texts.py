@@ -11,8 +11,8 @@ import pytest
 
 from plcopen_sfc import load
 from plcopen_sfc import model as m
+from plcopen_sfc.lowering import lower
 from plcopen_sfc.lowering.code_texts import TEXTS, GermanTexts, Suffix, Texts
-from plcopen_sfc.lowering.lower import lower
 from tests.lowering.charts import act, boolean, training_chain
 from tests.lowering.grafcets import pou_with
 from tests.samples import FIXTURES

@@ -15,8 +15,8 @@ from plcopen_sfc.documents.lowered import LoweredFile, lower_to_file
 from plcopen_sfc.errors import LoweringError, UntestedError
 from plcopen_sfc.files import write_atomic
 from plcopen_sfc.formats.registry import format_named
-from plcopen_sfc.lowering.lower import LoweredPou
-from plcopen_sfc.lowering.whole_project import LoweringOptions
+from plcopen_sfc.lowering import LoweredPou
+from plcopen_sfc.lowering.project_lowering import LoweringOptions
 from plcopen_sfc.report import ConversionReport
 
 _FINDINGS = 1

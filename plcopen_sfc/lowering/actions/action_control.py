@@ -1,7 +1,7 @@
 """Control of actions: the expression that tells when an action is executed.
 
-`ActionControl` is the action control of IEC 61131-3, `SequentialControl` lets associations act one after the other, as
-in the code of matiec.
+`ActionControlCode` is the action control of IEC 61131-3 (6.7.4.6): one block of an action gets all its associations.
+`SequentialControlCode` lets the associations act one after the other, as the code of matiec does.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_declarations import TIME
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Suffix
-from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, Use
-from plcopen_sfc.lowering.reading.step_variables import StepTimes
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
+from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net
@@ -38,7 +38,7 @@ Q = Qualifier
 _STORED = {Q.S, Q.SD, Q.DS, Q.SL}
 
 
-class ActionControl:
+class ActionControlCode:
     """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
 
     `ending`: what ends stored actions besides R.
@@ -85,7 +85,7 @@ class ActionControl:
         """The input of the action control for these qualifiers: any step that uses the action with one of them."""
         return disjunction(self._of(use) for use in action.uses if use.qualifier in qualifiers)
 
-    def _of(self, use: Use) -> Expression:
+    def _of(self, use: ActionUse) -> Expression:
         active = disjunction(self._active(step) for step in use.steps)
         return conjunction([negation(active) if use.inverted else active, use.condition])
 
@@ -170,7 +170,7 @@ def stepwise_timed(source: ChartSource) -> list[int]:
     return sorted({step for use in timed for step in use.steps})
 
 
-class SequentialControl:
+class SequentialControlCode:
     """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
 
     `ending`: what ends stored actions besides R. `entered`: the start is an activation of the initial steps. Raises
@@ -180,9 +180,9 @@ class SequentialControl:
     def __init__(
         self,
         net: Net,
-        code: Code,
+        code: LoweredCode,
         memory: Memory,
-        times: StepTimes,
+        times: StepTimers,
         *,
         active: StepValue,
         ending: Expression = FALSE,
@@ -229,7 +229,7 @@ class SequentialControl:
             found = found.then(self._decides(action, use))
         return found
 
-    def _decides(self, action: ActionSource, use: Use) -> Decision:
+    def _decides(self, action: ActionSource, use: ActionUse) -> Decision:
         qualifier = use.qualifier
         if qualifier in (Q.P, Q.P1):
             begins = self._begins(use)
@@ -251,11 +251,11 @@ class SequentialControl:
     def _is_active(self, steps: Sequence[int]) -> Expression:
         return disjunction(self._active(step) for step in steps)
 
-    def _acts(self, use: Use) -> Expression:
+    def _acts(self, use: ActionUse) -> Expression:
         active = self._is_active(use.steps)
         return negation(active) if use.inverted else active
 
-    def _acted(self, use: Use) -> Expression:
+    def _acted(self, use: ActionUse) -> Expression:
         if use.steps not in self._before:
             name = "_".join(self._net.steps[step].path for step in use.steps[:1])
             initial = not self._entered and any(self._net.initial >> step & 1 for step in use.steps)
@@ -265,13 +265,13 @@ class SequentialControl:
         before = self._before[use.steps]
         return negation(before) if use.inverted else before
 
-    def _begins(self, use: Use) -> Expression:
+    def _begins(self, use: ActionUse) -> Expression:
         return conjunction([self._acts(use), use.condition, negation(self._acted(use))])
 
-    def _ends(self, use: Use) -> Expression:
+    def _ends(self, use: ActionUse) -> Expression:
         return conjunction([negation(self._acts(use)), self._acted(use)])
 
-    def _is_late(self, action: ActionSource, use: Use) -> Expression:
+    def _is_late(self, action: ActionSource, use: ActionUse) -> Expression:
         """Whether the step has been active for the time of a D or L."""
         if use.inverted or len(use.steps) != 1 or use.duration is None:
             raise LoweringError(
@@ -297,7 +297,7 @@ class SequentialControl:
             reset = [self._timer(f"{action.name}_SL", uses[Q.SL], disjunction(reset), into)]
         return disjunction(set_), disjunction(reset)
 
-    def _timer(self, name: str, uses: Sequence[Use], also: Expression, into: list[Statement]) -> Expression:
+    def _timer(self, name: str, uses: Sequence[ActionUse], also: Expression, into: list[Statement]) -> Expression:
         """TRUE when the time since the last activation of a step is over, and with `also`, which ends the time too.
 
         A time of zero never ends in the code of matiec. The time is that of the scan of the activation.

@@ -14,7 +14,7 @@ from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.st.effects import ANYTHING, Path, path_of, reads, writes
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.languages.standard_blocks import standard_block
-from plcopen_sfc.lowering.actions.action_control import ActionControl, SequentialControl
+from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -26,7 +26,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue, TextNetwork
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
@@ -117,7 +117,11 @@ def standard_instances(source: ChartSource) -> set[Path]:
 
 
 def add_actions(
-    source: ChartSource, code: Code, control: ActionControl | SequentialControl, memory: Memory, rules: LoweringRules
+    source: ChartSource,
+    code: LoweredCode,
+    control: ActionControlCode | SequentialControlCode,
+    memory: Memory,
+    rules: LoweringRules,
 ) -> None:
     """Append what drives and executes the actions, in the order in which the profile does."""
     actions = _in_order(source, rules)
@@ -131,11 +135,13 @@ def add_actions(
     for action in actions:
         if action.target is None and not action.statements:
             execution.explain(action)
-    if isinstance(control, SequentialControl):
+    if isinstance(control, SequentialControlCode):
         code.add(rules.texts.steps_before, control.remember())
 
 
-def add_conditions(source: ChartSource, code: Code, memory: Memory, active: StepValue, rules: LoweringRules) -> None:
+def add_conditions(
+    source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, rules: LoweringRules
+) -> None:
     """Append the blocks with a state in conditions of actions, executed while their steps drive these."""
     statements: list[Statement] = []
     for action in _in_order(source, rules):
@@ -165,8 +171,8 @@ class _Execution:
     def __init__(
         self,
         source: ChartSource,
-        code: Code,
-        control: ActionControl | SequentialControl,
+        code: LoweredCode,
+        control: ActionControlCode | SequentialControlCode,
         memory: Memory,
         rules: LoweringRules,
     ) -> None:
@@ -192,7 +198,7 @@ class _Execution:
                 executed = disjunction([lasting, single, ended])
             self._add(action, executed, statements)
             return
-        if isinstance(self._control, SequentialControl):
+        if isinstance(self._control, SequentialControlCode):
             self._decide(action, self._control, statements)
         elif self._always or self._owned.is_false_at_rest(action.target):
             statements.append(assignment(action.target, self._control.drive(action, statements)))
@@ -203,7 +209,7 @@ class _Execution:
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
         self._code.add(self._texts.action(action.name), statements, self._said(action))
 
-    def _decide(self, action: ActionSource, control: SequentialControl, statements: list[Statement]) -> None:
+    def _decide(self, action: ActionSource, control: SequentialControlCode, statements: list[Statement]) -> None:
         """Write a variable where its associations decide on it."""
         assert action.target is not None  # noqa: S101
         decision = control.decision(action, statements)
@@ -223,7 +229,7 @@ class _Execution:
         idle: list[Statement] = []
         for action in actions:
             name = action.name
-            if action.target is not None and isinstance(self._control, SequentialControl):
+            if action.target is not None and isinstance(self._control, SequentialControlCode):
                 decision = self._control.decision(action, deciding)
                 off = self._memory.named(self._texts.with_suffix(name, "end"), decision.off, deciding)
                 driven = self._memory.named(f"{name}_Q", decision.on, deciding)
@@ -315,7 +321,7 @@ def _union(sets: Iterable[frozenset[Path]]) -> frozenset[Path]:
     return frozenset().union(*sets)
 
 
-def add_changes(source: ChartSource, code: Code, memory: Memory, active: StepValue, texts: Texts) -> None:
+def add_changes(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:
     """Append the exit actions of all steps that were left, then the entry actions of those that were entered."""
     edges: list[Statement] = []
     exits: list[Statement] = []
@@ -331,7 +337,7 @@ def add_changes(source: ChartSource, code: Code, memory: Memory, active: StepVal
     code.add(texts.step_actions, [*edges, *exits, *entries])
 
 
-def add_main_actions(source: ChartSource, code: Code, memory: Memory, active: StepValue, texts: Texts) -> None:
+def add_main_actions(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:
     """Append what the active steps execute in every scan."""
     mains: list[Statement] = []
     for step in source.step_code:

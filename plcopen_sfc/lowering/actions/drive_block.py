@@ -18,7 +18,7 @@ from plcopen_sfc.lowering.code.code_bodies import body_of
 from plcopen_sfc.lowering.code.code_declarations import BOOL, free_name
 from plcopen_sfc.lowering.code.code_memory import Memory
 from plcopen_sfc.lowering.code.flat_statements import flatten
-from plcopen_sfc.lowering.code.lowered_code import Code, CodeNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.pou import Pou, PouKind
@@ -26,7 +26,7 @@ from plcopen_sfc.model.types import DataType, DerivedType, Elementary, Elementar
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
-class Signal(NamedTuple):
+class DriveSignal(NamedTuple):
     """What a chain says by an expression, as an input of a drive block: its name and comment."""
 
     name: str
@@ -44,11 +44,11 @@ class DriveBlock:
     def __init__(
         self,
         source: ChartSource,
-        chain: Code,
+        chain: LoweredCode,
         memory: Memory,
         *,
         wanted: str,
-        signals: Mapping[Expression, Signal],
+        signals: Mapping[Expression, DriveSignal],
         beside: Iterable[Statement] = (),
     ) -> None:
         self.code = chain.beside()

@@ -14,7 +14,7 @@ from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.languages.standard_blocks import S7_INSTANCES, Tool
-from plcopen_sfc.lowering.code.lowered_code import Code, CodeNetwork, TextNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode, TextNetwork
 from plcopen_sfc.lowering.lowering_options import Language
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, SfcBody, StBody
 from plcopen_sfc.model.network import Block, LogicNetwork, RightPowerRail
@@ -23,23 +23,23 @@ from plcopen_sfc.model.types import Variable
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
-def structured_text(code: Code, dialect: Dialect) -> StBody:
+def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
     """A paragraph for each network, its title and comment before it."""
     paragraphs = [paragraph(network, dialect) for network in code.networks]
     return StBody(text="\n\n".join(paragraphs))
 
 
-def function_block_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
+def function_block_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
     """A network of FBD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
     return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared), pou))
 
 
-def ladder_diagram(code: Code, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
+def ladder_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
     """A network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
     return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
 
 
-def _rules(code: Code, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
+def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
     """How networks are drawn. Boxes of S7 have the names of IEC 61131-3; who writes the file knows the others."""
     rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
     own = {system: block for block, system in S7_INSTANCES.items()}
@@ -67,7 +67,9 @@ def comment_lines(text: str) -> list[str]:
     return [f"// {line}".rstrip() for line in text.splitlines() if line.strip()]
 
 
-def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules, pou: str) -> list[LogicNetwork]:
+def _drawn(
+    code: LoweredCode, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRules, pou: str
+) -> list[LogicNetwork]:
     found: list[LogicNetwork] = []
     free = 1
     for network in code.networks:
@@ -97,7 +99,7 @@ def _drawn(code: Code, draw: Callable[..., DrawnFbd | DrawnLd], rules: DrawingRu
     return found
 
 
-def assemble(original: Pou, code: Code, dialect: Dialect, language: Language) -> Pou:
+def assemble(original: Pou, code: LoweredCode, dialect: Dialect, language: Language) -> Pou:
     """A copy of `original` with `code` as its body instead of the chart."""
     interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
     interface.declaration = None
@@ -113,7 +115,7 @@ def assemble(original: Pou, code: Code, dialect: Dialect, language: Language) ->
     return lowered
 
 
-def body_of(code: Code, dialect: Dialect, language: Language, declared: list[Variable], pou: str) -> Body:
+def body_of(code: LoweredCode, dialect: Dialect, language: Language, declared: list[Variable], pou: str) -> Body:
     """Return the code as a body in `language`; `declared` are the variables of the POU called `pou`."""
     if language is Language.ST:
         return structured_text(code, dialect)

@@ -19,7 +19,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     when,
 )
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.model.types import DataType, DerivedType
 
 
@@ -33,7 +33,7 @@ class Memory(ABC):
     has_instances: ClassVar[bool] = False
     """Whether flip-flops keep a value of their own besides their `flag`, which is FALSE at the start."""
 
-    def __init__(self, code: Code) -> None:
+    def __init__(self, code: LoweredCode) -> None:
         self.ends: list[Statement] = []
         self.texts = code.texts
         self._code = code
@@ -163,7 +163,7 @@ class BitMemory(Memory):
 
 
 def _edge(
-    code: Code, wanted: str, value: Expression, into: list[Statement], *, rising: bool
+    code: LoweredCode, wanted: str, value: Expression, into: list[Statement], *, rising: bool
 ) -> tuple[Expression, Statement]:
     """An edge, and what makes it forget."""
     pulse, before = code.declare(wanted), code.declare(code.texts.with_suffix(wanted, "old"))

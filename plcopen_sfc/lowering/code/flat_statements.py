@@ -20,7 +20,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_declarations import BOOL
-from plcopen_sfc.lowering.code.lowered_code import Code, CodeNetwork
+from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, LoweredCode
 from plcopen_sfc.model.types import Variable
 
 _BOOLEAN = frozenset(
@@ -39,7 +39,7 @@ _BOOLEAN = frozenset(
 _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
 
 
-def flatten(code: Code, declared: Iterable[Variable] = ()) -> None:
+def flatten(code: LoweredCode, declared: Iterable[Variable] = ()) -> None:
     """Make statements of each network that a network can hold. What it cannot make flat is left as it is.
 
     `declared` are variables besides those of `code`.

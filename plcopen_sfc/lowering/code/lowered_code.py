@@ -50,7 +50,7 @@ class TextNetwork:
 
 
 @dataclass
-class Code:
+class LoweredCode:
     """What a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
     `data_types` are what the project gets besides. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
@@ -107,7 +107,7 @@ class Code:
         """Whether it becomes networks that hold no IF and CASE; those of CODESYS do, as the text of a box."""
         return self.drawn and self.tool is not Tool.CODESYS
 
-    def beside(self) -> Code:
+    def beside(self) -> LoweredCode:
         """Code for another block of the same target, whose names are none of this one."""
         return replace(
             self, networks=[], variables=[], inputs=[], constants=[], data_types=[], operands={}, first_scan=None

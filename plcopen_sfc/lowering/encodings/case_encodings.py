@@ -25,16 +25,16 @@ from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code.lowered_code import TextNetwork
 from plcopen_sfc.lowering.encodings.case_states import (
     INDENT,
-    Machine,
-    StateMachines,
+    RegionState,
     StateNames,
-    Try,
+    StateVariables,
+    TriedTransition,
     one_region,
     regions_of,
 )
 from plcopen_sfc.lowering.lowering_options import States
-from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, Use
-from plcopen_sfc.lowering.schedule.scan_schedule import Chain, firing_together, refuse_classic
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource
+from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, firing_together, refuse_classic
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.semantics.net import NetStep, NetTransition, indexes
@@ -47,7 +47,7 @@ def no_regions(source: ChartSource) -> str:
     return found if isinstance(found, str) else ""
 
 
-class RegionChain(Chain):
+class RegionEncoding(ScanSchedule):
     """Lowers one chart into `code`. Raises `LoweringError` where it is not built of regions."""
 
     def declare_states(self, source: ChartSource) -> None:
@@ -55,7 +55,7 @@ class RegionChain(Chain):
         self._refuse_rivals(source)
         self._regions = self.structure(source)
         self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
-        self.states = StateMachines(self._regions, self.names, self.texts, source.dialect)
+        self.states = StateVariables(self._regions, self.names, self.texts, source.dialect)
         self.machines = self.states.machines
         self._bits: dict[int, n.Name] = {}
         for index in self._needing_bits(source):
@@ -151,7 +151,7 @@ class RegionChain(Chain):
 
     # -- states that change behind all CASEs
 
-    def _must_wait(self, machine: Machine) -> bool:
+    def _must_wait(self, machine: RegionState) -> bool:
         """Whether anything looks at the state of a region, or writes it, besides its own CASE."""
         if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
             return True
@@ -169,7 +169,7 @@ class RegionChain(Chain):
                         found.setdefault(node.identifier, set()).add(region)
         return found
 
-    def _guarded(self, machine: Machine, case: list[str]) -> list[str]:
+    def _guarded(self, machine: RegionState, case: list[str]) -> list[str]:
         """A CASE that is not executed while no transition may fire."""
         if not self.blocking:
             return case
@@ -219,7 +219,7 @@ class RegionChain(Chain):
 
     # -- the CASE of one region
 
-    def _case(self, machine: Machine) -> list[str]:
+    def _case(self, machine: RegionState) -> list[str]:
         def leaving(step: NetStep) -> list[str]:
             transitions = [self.net.transitions[t] for t in self.net.leaving[step.index]]
             return self.states.tried([self._try(machine, t) for t in transitions if len(t.sources) == 1])
@@ -229,11 +229,11 @@ class RegionChain(Chain):
 
         return self.states.case(machine, leaving, joining)
 
-    def _try(self, machine: Machine, transition: NetTransition) -> Try:
+    def _try(self, machine: RegionState, transition: NetTransition) -> TriedTransition:
         effect = self._effect(machine, transition)
         remarks = self.states.remarks(transition.transition)
         if transition.index in self._bits:
-            return Try((), self._bits[transition.index], effect, remarks)
+            return TriedTransition((), self._bits[transition.index], effect, remarks)
         # a step with one source is active where it is tried, a join is tried while its branches are
         enabled = TRUE if len(transition.sources) == 1 else self._enabled(transition)
         condition = conjunction([enabled, self.source.conditions[transition.index]])
@@ -241,9 +241,9 @@ class RegionChain(Chain):
         asked = self.sfc_flags.is_asked()
         if before and not is_constant(asked, TRUE):
             before = (when(asked, *before),)
-        return Try(before, condition, effect, remarks)
+        return TriedTransition(before, condition, effect, remarks)
 
-    def _effect(self, machine: Machine, transition: NetTransition) -> list[str]:
+    def _effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
         loops = set(transition.sources) & set(transition.targets) & set(self._again)
         again = [f"{self.text(self._again[i])} := TRUE;" for i in loops]
         return [*self.states.effect(machine, transition), *again]
@@ -263,7 +263,7 @@ def one_step_at_a_time(source: ChartSource) -> str:
     return ""
 
 
-class CaseChain(RegionChain):
+class CaseEncoding(RegionEncoding):
     """Lowers one chart into `code`. Raises `LoweringError` where several steps can be active."""
 
     def structure(self, source: ChartSource) -> Regions:
@@ -356,7 +356,7 @@ class CaseChain(RegionChain):
                     what = "an action of all other steps" if use.inverted else f"qualifier {use.qualifier}"
                     refuse_classic(self.source, what, f"action {action.name}")
 
-    def _acting(self, action: ActionSource, use: Use) -> list[str]:
+    def _acting(self, action: ActionSource, use: ActionUse) -> list[str]:
         conditional = not is_constant(use.condition, TRUE)
         value = self.text(use.condition)
         if action.target is None:
@@ -374,7 +374,7 @@ class CaseChain(RegionChain):
             return [f"{target} := {value}; // {self.texts.set_while(value)}"]
         return [f"{target} := true; // {self.texts.set_action}"]
 
-    def _ending(self, action: ActionSource, use: Use) -> list[str]:
+    def _ending(self, action: ActionSource, use: ActionUse) -> list[str]:
         if action.target is None or use.qualifier in _STORED:
             return []
         return [f"{self.text(action.target)} := false; // {self.texts.reset_actions}"]

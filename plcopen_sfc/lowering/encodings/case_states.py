@@ -23,7 +23,7 @@ from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, equal, is_constant
 from plcopen_sfc.lowering.code.code_bodies import comment_lines
 from plcopen_sfc.lowering.code.code_declarations import Naming, integer
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Texts
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, States, tool_of
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, number_in_name, step_numbers
@@ -55,7 +55,12 @@ class StateNames:
     """
 
     def __init__(
-        self, source: ChartSource, regions: Regions, code: Code, rules: LoweringRules, surroundings: Collection[str]
+        self,
+        source: ChartSource,
+        regions: Regions,
+        code: LoweredCode,
+        rules: LoweringRules,
+        surroundings: Collection[str],
     ) -> None:
         self._code, self._texts = code, rules.texts
         # where steps are selected, the regions of all others have none
@@ -192,7 +197,7 @@ def one_region(net: Net) -> Regions:
 
 
 @dataclass(frozen=True)
-class Machine:
+class RegionState:
     """A region and its state variable. `first`: the step with which it starts, `blocks`: what is forked from it."""
 
     region: Region
@@ -201,7 +206,7 @@ class Machine:
     state: n.Name
 
 
-class Try(NamedTuple):
+class TriedTransition(NamedTuple):
     """A transition as the CASE tries it: what must be executed before, its condition, what it does, its comment."""
 
     before: tuple[Statement, ...]
@@ -210,7 +215,7 @@ class Try(NamedTuple):
     remarks: list[str]
 
 
-class StateMachines:
+class StateVariables:
     """The state variables of all regions of a chart, and the text of their CASEs.
 
     At the start their states are those of the initial steps, or with `off` those of no step.
@@ -226,10 +231,10 @@ class StateMachines:
         self.machines = tuple(self._machine(region) for region in regions.regions)
         self._next = {machine.region.index: machine.state for machine in self.machines}
 
-    def _machine(self, region: Region) -> Machine:
+    def _machine(self, region: Region) -> RegionState:
         blocks = tuple(self.regions.blocks[i] for i in region.blocks)
         state = self._declared(region, following=False)
-        return Machine(region, self.regions.first_step(region), blocks, state)
+        return RegionState(region, self.regions.first_step(region), blocks, state)
 
     def _declared(self, region: Region, *, following: bool) -> n.Name:
         at_start = replace(region, initial=None) if self._off else region
@@ -239,19 +244,19 @@ class StateMachines:
         """What tells the variables of a region from others: its first step. Those of the first region have none."""
         return "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
 
-    def let_wait(self, machine: Machine) -> None:
+    def let_wait(self, machine: RegionState) -> None:
         """Give a region a second variable, which its CASE writes and which becomes valid later."""
         self._next[machine.region.index] = self._declared(machine.region, following=True)
 
-    def waits(self, machine: Machine) -> bool:
+    def waits(self, machine: RegionState) -> bool:
         """Whether a region has a second variable."""
         return self.following(machine) != machine.state
 
-    def following(self, machine: Machine) -> n.Name:
+    def following(self, machine: RegionState) -> n.Name:
         """The variable that the CASE of a region writes."""
         return self._next[machine.region.index]
 
-    def machine_of(self, step: int) -> Machine:
+    def machine_of(self, step: int) -> RegionState:
         """The machine in whose states a step, given by its index in the net, is one."""
         return self.machines[self._region_of[step]]
 
@@ -259,7 +264,7 @@ class StateMachines:
         """Whether a step is active: a comparison of the state of its region."""
         return equal(self.machine_of(step).state, self.names.step(step))
 
-    def set_back(self, machine: Machine) -> Statement:
+    def set_back(self, machine: RegionState) -> Statement:
         """The assignment that starts a region anew."""
         return assignment(self.following(machine), self.names.start(machine.region))
 
@@ -273,7 +278,7 @@ class StateMachines:
         """A node in the dialect of the code."""
         return print_node(node, self._dialect)
 
-    def title(self, machine: Machine) -> str:
+    def title(self, machine: RegionState) -> str:
         """The title of the CASE of a region."""
         if len(self.machines) == 1:
             return self._texts.chain
@@ -289,7 +294,7 @@ class StateMachines:
 
     def case(
         self,
-        machine: Machine,
+        machine: RegionState,
         leaving: Callable[[NetStep], list[str]],
         joining: Callable[[ParallelBlock], list[str]],
     ) -> list[str]:
@@ -312,7 +317,7 @@ class StateMachines:
         comment = " ".join(heading.split())  # a line break in a name would end it
         return [f"{INDENT}{self.text(label)}: // {comment}", *(INDENT * 2 + line for line in lines)]
 
-    def effect(self, machine: Machine, transition: NetTransition) -> list[str]:
+    def effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
         """What a transition does that the CASE of a region tries."""
         joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
         lines = [self.entered(i) for i in transition.targets]
@@ -329,7 +334,7 @@ class StateMachines:
     def _becoming(self, region: int, state: Expression) -> str:
         return self.text(assignment(self._next[region], state))
 
-    def tried(self, choice: Sequence[Try]) -> list[str]:
+    def tried(self, choice: Sequence[TriedTransition]) -> list[str]:
         """IF and ELSIF in the order in which they are tried; ELSE where something must be executed between them.
 
         The last one stands in ELSE, or alone, if its condition is TRUE.

@@ -24,12 +24,12 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
 from plcopen_sfc.lowering.lowering_options import OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.lowering.schedule.scan_schedule import Chain, exclusive_rivals, firing_together
+from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_rivals, firing_together
 from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
 
-class StepFlags(Chain):
+class StepFlagEncoding(ScanSchedule):
     """A flag for each step, and a bit for each transition that fires."""
 
     def declare_states(self, source: ChartSource) -> None:
@@ -114,7 +114,7 @@ class StepFlags(Chain):
         return found
 
 
-class StepBits(StepFlags):
+class StepBitEncoding(StepFlagEncoding):
     """Lowers one chart into `code`."""
 
     def flag_comment(self, step: NetStep) -> str:
@@ -142,7 +142,7 @@ class StepBits(StepFlags):
             self.code.add(self.texts.init, [when(self.init, *back)])
 
 
-class FlipFlopChain(StepFlags):
+class FlipFlopEncoding(StepFlagEncoding):
     """Lowers one chart into `code`."""
 
     def move(self) -> None:

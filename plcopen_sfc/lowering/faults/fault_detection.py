@@ -15,7 +15,7 @@ from plcopen_sfc.languages.st.nodes import Expression
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment, conjunction, is_constant
 from plcopen_sfc.lowering.code.code_bodies import function_block_diagram, ladder_diagram, structured_text
 from plcopen_sfc.lowering.code.code_declarations import Naming
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.faults.fault_kinds import FaultKind
 from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource
 from plcopen_sfc.model.actions import Qualifier
@@ -45,8 +45,8 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
     """
     flags = {path.casefold(): parse_expression(text, source.dialect).tree for path, text in situation.items()}
     declared = {v.name.casefold() for v in code.variables()}
-    first = Code(Naming(source.dialect, declared | source.names()))
-    last = Code(first.naming)
+    first = LoweredCode(Naming(source.dialect, declared | source.names()))
+    last = LoweredCode(first.naming)
     names: list[dict[int, str]] = []
     for place, wanted in ((first, "wanted"), (last, "waits")):
         names.append(_watch(place, source, flags, wanted) if place is first or behind else {})
@@ -61,7 +61,7 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
     return WatchedPou(copy, *names)
 
 
-def _watch(code: Code, source: ChartSource, flags: Mapping[str, Expression], wanted: str) -> dict[int, str]:
+def _watch(code: LoweredCode, source: ChartSource, flags: Mapping[str, Expression], wanted: str) -> dict[int, str]:
     """Append what is assigned to the variables."""
     statements: list[n.Statement] = []
     names: dict[int, str] = {}
@@ -93,7 +93,7 @@ def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression 
     return told
 
 
-def _around(body: Body, first: Code, last: Code, source: ChartSource, declared: list[Variable]) -> Body:
+def _around(body: Body, first: LoweredCode, last: LoweredCode, source: ChartSource, declared: list[Variable]) -> Body:
     """The body with code before and behind it."""
     if isinstance(body, StBody):
         texts = (structured_text(code, source.dialect).text for code in (first, last))
@@ -109,17 +109,17 @@ def _around(body: Body, first: Code, last: Code, source: ChartSource, declared: 
     raise LoweringError(f"nothing can be put around a body in {body.language}")
 
 
-Place = tuple[str, ...]
+FaultPlace = tuple[str, ...]
 """The steps, and the output, in which a fault has shown itself."""
 
 
 @dataclass(frozen=True)
-class Scan:
+class ObservedScan:
     """What one scan of the code has done.
 
     `before` and `after` are the active steps, `wanted` the transitions that were enabled with a TRUE condition at its
     beginning, `waiting` those that are at its end, where that was asked; all as bits. `restarted`: the chain was
-    initialised. `was` and `now` are the outputs of `Facts.outputs` before and after it.
+    initialised. `was` and `now` are the outputs of `ChartFacts.outputs` before and after it.
     """
 
     first: bool
@@ -133,7 +133,7 @@ class Scan:
 
 
 @dataclass(frozen=True)
-class Output:
+class ObservedOutput:
     """A variable that is driven by qualifier N only: by the steps `always`, and by `sometimes` under conditions."""
 
     name: str
@@ -141,11 +141,17 @@ class Output:
     sometimes: int
 
 
-class Facts:
+class ChartFacts:
     """What is known of a chart and its code before anything runs. `waits`: there is an initialisation."""
 
     def __init__(
-        self, source: ChartSource, profile: Profile, graph: MarkingGraph, outputs: Sequence[Output], *, waits: bool
+        self,
+        source: ChartSource,
+        profile: Profile,
+        graph: MarkingGraph,
+        outputs: Sequence[ObservedOutput],
+        *,
+        waits: bool,
     ) -> None:
         net = source.net
         self.net, self.profile, self.graph = net, profile, graph
@@ -168,14 +174,14 @@ class Facts:
         both = 1 << a | 1 << b
         return any(marking & both == both for marking in self.graph)
 
-    def names(self, *steps: int) -> Place:
+    def names(self, *steps: int) -> FaultPlace:
         """The paths of steps."""
         return tuple(self.net.steps[step].path for step in steps)
 
 
-def outputs_of(actions: Sequence[ActionSource]) -> list[Output]:
+def outputs_of(actions: Sequence[ActionSource]) -> list[ObservedOutput]:
     """The Boolean variables that nothing but qualifier N drives."""
-    found: list[Output] = []
+    found: list[ObservedOutput] = []
     for action in actions:
         plain = all(use.qualifier in (Qualifier.N, Qualifier.NONE) and not use.inverted for use in action.uses)
         if not isinstance(action.target, n.Name) or not plain:
@@ -185,18 +191,18 @@ def outputs_of(actions: Sequence[ActionSource]) -> list[Output]:
             bits = mask(use.steps)
             always |= bits if is_constant(use.condition, TRUE) else 0
             sometimes |= bits
-        found.append(Output(action.target.identifier, always, sometimes))
+        found.append(ObservedOutput(action.target.identifier, always, sometimes))
     return found
 
 
-def _overlap(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _overlap(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     for source in indexes(scan.after):
         for target in indexes(facts.following[source] & scan.after & ~(1 << source)):
             if not facts.together(source, target):
                 yield facts.names(source, target)
 
 
-def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _run_through(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if facts.profile.evolution is Evolution.UNTIL_STABLE:
         return  # the chart does so too
     entered = scan.after & ~scan.before
@@ -215,7 +221,7 @@ def _run_through(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield facts.names(*indexes(origin), through, step)
 
 
-def _blocked_loop(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _blocked_loop(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.restarted:
         return
     for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
@@ -227,7 +233,7 @@ def _blocked_loop(facts: Facts, scan: Scan) -> Iterator[Place]:
                 yield facts.names(*sorted((source, target)))
 
 
-def _init_empties(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _init_empties(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if not scan.restarted:
         return
     for step in indexes(facts.net.initial & ~scan.after):
@@ -236,7 +242,7 @@ def _init_empties(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield facts.names(step, next(indexes(behind)))
 
 
-def _duplicated(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _duplicated(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if facts.profile.rivals is Rivals.ALL:
         return
     entered = scan.after & ~scan.before
@@ -248,7 +254,7 @@ def _duplicated(facts: Facts, scan: Scan) -> Iterator[Place]:
                 yield facts.names(source, next(indexes(theirs & entered)), next(indexes(mine & entered)))
 
 
-def _lost(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _lost(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.restarted or (scan.first and facts.waits):
         return
     for step in indexes(scan.before & ~scan.after):
@@ -258,12 +264,12 @@ def _lost(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield facts.names(step)
 
 
-def _not_started(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _not_started(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.first and facts.waits and not scan.after and not scan.restarted and facts.net.initial:
         yield facts.names(*indexes(facts.net.initial))
 
 
-def _gap(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _gap(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.before == scan.after or scan.restarted:
         return
     for output, now in zip(facts.outputs, scan.now, strict=True):
@@ -271,7 +277,7 @@ def _gap(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(scan.before), *indexes(scan.after)), output.name)
 
 
-def _shifted(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _shifted(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.before == scan.after or scan.restarted:
         return
     late = facts.profile.order is ScanOrder.TRANSITIONS_FIRST
@@ -282,7 +288,7 @@ def _shifted(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(active)), output.name)
 
 
-def _swallowed(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _swallowed(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.before == scan.after or scan.restarted or scan.first:
         return
     for output, was, now in zip(facts.outputs, scan.was, scan.now, strict=True):
@@ -290,7 +296,7 @@ def _swallowed(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(scan.before)), output.name)
 
 
-def _stuck(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _stuck(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if not scan.restarted:
         return
     for output, now in zip(facts.outputs, scan.now, strict=True):
@@ -298,12 +304,12 @@ def _stuck(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(scan.before)), output.name)
 
 
-def _init_ignored(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _init_ignored(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.restarted and scan.after & ~facts.net.initial:
         yield facts.names(*indexes(facts.net.initial), *indexes(scan.after & ~facts.net.initial))
 
 
-def _late(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _late(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if facts.profile.order is not ScanOrder.TRANSITIONS_FIRST or scan.restarted:
         return
     for name, steps in facts.executed:
@@ -311,7 +317,7 @@ def _late(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield (*facts.names(*indexes(scan.after)), name)
 
 
-def _not_stable(facts: Facts, scan: Scan) -> Iterator[Place]:
+def _not_stable(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
     if scan.restarted:
         return
     for transition in (facts.net.transitions[t] for t in indexes(scan.waiting)):
@@ -319,7 +325,7 @@ def _not_stable(facts: Facts, scan: Scan) -> Iterator[Place]:
             yield facts.names(next(indexes(transition.pre), 0), next(indexes(transition.post)))
 
 
-Rule = Callable[[Facts, Scan], Iterator[Place]]
+Rule = Callable[[ChartFacts, ObservedScan], Iterator[FaultPlace]]
 
 FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.OVERLAP: _overlap,

@@ -23,10 +23,10 @@ from plcopen_sfc.analysis.systems import Observation, ProgramSystem
 from plcopen_sfc.lowering.faults.fault_detection import (
     CASE_RULES,
     FLIP_FLOP_RULES,
-    Facts,
-    Place,
+    ChartFacts,
+    FaultPlace,
+    ObservedScan,
     Rule,
-    Scan,
     WatchedPou,
     outputs_of,
     watched_pou,
@@ -88,7 +88,7 @@ def find_faults(
         sorted(name for name in restarts if name is not None and name.casefold() in known),
         [output.name for output in outputs],
     )
-    facts = Facts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs, waits=bool(restarts))
+    facts = ChartFacts(source, rules.profile, marking_graph(source.net, cap=_MARKINGS), outputs, waits=bool(restarts))
     fixed = {name: value for name, value in at_rest.items() if name not in restarts}
     signals = _connect(program, original, fixed)
     found = _Search(observed, facts, looked_for, signals).all()
@@ -189,7 +189,7 @@ class _State:
     seen: _Seen
 
 
-_Faults = dict[tuple[FaultKind, Place], _Found]
+_Faults = dict[tuple[FaultKind, FaultPlace], _Found]
 
 
 class _FewInputs(Branching):
@@ -209,7 +209,7 @@ class _FewInputs(Branching):
 
 class _Search:
     def __init__(
-        self, code: _Observed, facts: Facts, rules: Mapping[FaultKind, Rule], signals: Mapping[str, Signal]
+        self, code: _Observed, facts: ChartFacts, rules: Mapping[FaultKind, Rule], signals: Mapping[str, Signal]
     ) -> None:
         self._code, self._facts, self._rules, self._signals = code, facts, rules, signals
         self._domains = {name: Domain(name, signal) for name, signal in signals.items()}
@@ -284,8 +284,8 @@ class _Search:
             states[number] = replace(state, snapshot=None)  # it is not gone back to
         return True
 
-    def _shown(self, before: _Seen, after: _Seen, *, first: bool) -> Iterator[tuple[FaultKind, Place]]:
-        scan = Scan(
+    def _shown(self, before: _Seen, after: _Seen, *, first: bool) -> Iterator[tuple[FaultKind, FaultPlace]]:
+        scan = ObservedScan(
             first,
             before.marking,
             after.marking,
@@ -318,10 +318,10 @@ class _Search:
 class _Showing:
     """Makes the report of a fault, with what the chart does. It starts anew where the code is initialised."""
 
-    def __init__(self, code: _Observed, chart: ProgramSystem, facts: Facts, signals: Mapping[str, Signal]) -> None:
+    def __init__(self, code: _Observed, chart: ProgramSystem, facts: ChartFacts, signals: Mapping[str, Signal]) -> None:
         self._code, self._chart, self._facts, self._signals = code, chart, facts, signals
 
-    def fault(self, kind: FaultKind, places: Mapping[Place, _Found]) -> Fault:
+    def fault(self, kind: FaultKind, places: Mapping[FaultPlace, _Found]) -> Fault:
         """A fault with the trace of the place where the fewest scans show it."""
         place = min(places, key=lambda each: len(places[each].inputs))
         others = tuple(each for each in places if each != place)

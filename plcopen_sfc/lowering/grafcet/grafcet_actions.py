@@ -8,7 +8,7 @@ from typing import NamedTuple
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Statement
-from plcopen_sfc.lowering.actions.action_control import ActionControl
+from plcopen_sfc.lowering.actions.action_control import ActionControlCode
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -20,15 +20,15 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     simplified,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
-from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, GrafcetSource, StoredAction, Use
-from plcopen_sfc.lowering.reading.step_variables import StepTimes
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
+from plcopen_sfc.lowering.reading.chart_source import ActionSource, ActionUse, ChartSource, GrafcetSource, StoredAction
+from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.actions import ActionKind, Qualifier
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import indexes
 
 
-class StepSights(NamedTuple):
+class StepViews(NamedTuple):
     """What can be seen of a step: whether it is `active`, and was so `before` the present evolution.
 
     `fresh`: whether the evolution before this one has activated it.
@@ -39,36 +39,36 @@ class StepSights(NamedTuple):
     fresh: StepValue
 
 
-class Event(NamedTuple):
+class StoredActionEvent(NamedTuple):
     """What tells that an event happens, and the action that it executes."""
 
     happens: Expression
     action: StoredAction
 
-    def named(self, memory: Memory, wanted: str, into: list[Statement]) -> Event:
+    def named(self, memory: Memory, wanted: str, into: list[Statement]) -> StoredActionEvent:
         """The same with a variable that says so."""
-        return Event(memory.named(wanted, self.happens, into), self.action)
+        return StoredActionEvent(memory.named(wanted, self.happens, into), self.action)
 
 
 class StoredActions:
     """`bits`: names of BOOL variables, in lower case, that are assigned by logic and not under a condition."""
 
     def __init__(
-        self, actions: Sequence[StoredAction], memory: Memory, sights: StepSights, bits: Collection[str] = ()
+        self, actions: Sequence[StoredAction], memory: Memory, sights: StepViews, bits: Collection[str] = ()
     ) -> None:
         self._actions, self._memory, self._bits = actions, memory, bits
         self._active, self._before, self._fresh = sights
 
-    def events(self) -> list[Event]:
+    def events(self) -> list[StoredActionEvent]:
         """What happens to active steps, but for the event that has activated them, and what it executes."""
-        found: list[Event] = []
+        found: list[StoredActionEvent] = []
         for action in self._actions:
             if action.event is not None:
                 ready = [conjunction([self._active(i), negation(self._fresh(i))]) for i in action.steps]
-                found.append(Event(conjunction([disjunction(ready), action.event]), action))
+                found.append(StoredActionEvent(conjunction([disjunction(ready), action.event]), action))
         return found
 
-    def on_events(self, events: Iterable[Event]) -> list[Statement]:
+    def on_events(self, events: Iterable[StoredActionEvent]) -> list[Statement]:
         """What events execute."""
         return [statement for event in events for statement in self._executed(*event)]
 
@@ -140,11 +140,11 @@ def passed_steps(actions: Sequence[ActionSource]) -> set[int]:
     return {i for use in uses if use.qualifier in _PASSING | _PULSES or use.preparation for i in use.steps}
 
 
-class PassingControl(ActionControl):
+class PassingActionCode(ActionControlCode):
     """The action control of IEC 61131-3. `seen` tells whether a step was active in any evolution of the scan."""
 
     def __init__(
-        self, code: Code, memory: Memory, active: StepValue, seen: StepValue, ending: Expression = FALSE
+        self, code: LoweredCode, memory: Memory, active: StepValue, seen: StepValue, ending: Expression = FALSE
     ) -> None:
         super().__init__(memory, active, ending)
         self._code, self._stable, self._seen = code, active, seen
@@ -178,7 +178,7 @@ class PassingControl(ActionControl):
         return found
 
 
-class ContinuousControl(ActionControl):
+class ContinuousActionCode(ActionControlCode):
     """Each association acts on its own, with the time of its step (IEC 60848:2013, 4.8.4).
 
     `timers`: those of macro-steps, with what starts each and its time. Like those of steps (`times`) they are to be
@@ -186,7 +186,7 @@ class ContinuousControl(ActionControl):
     """
 
     def __init__(
-        self, actions: Sequence[ActionSource], code: Code, memory: Memory, active: StepValue, times: StepTimes
+        self, actions: Sequence[ActionSource], code: LoweredCode, memory: Memory, active: StepValue, times: StepTimers
     ) -> None:
         super().__init__(memory, active)
         self._code, self._times = code, times
@@ -201,14 +201,14 @@ class ContinuousControl(ActionControl):
         """The same; there are no pulses."""
         return self._driven[action.name], FALSE
 
-    def _of_step(self, use: Use, action: ActionSource) -> Expression:
+    def _of_step(self, use: ActionUse, action: ActionSource) -> Expression:
         terms = [self._of(use)]
         if use.duration is not None:
             over = self._is_over(use, use.duration, action)
             terms.append(over if use.qualifier is Qualifier.D else negation(over))
         return conjunction(terms)
 
-    def _is_over(self, use: Use, duration: Expression, action: ActionSource) -> Expression:
+    def _is_over(self, use: ActionUse, duration: Expression, action: ActionSource) -> Expression:
         """Whether the step, or any step of the macro-step, has been active for the time."""
         if len(use.steps) == 1:
             if isinstance(duration, n.Literal):

@@ -9,7 +9,7 @@ from typing import Protocol, TypeAlias
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.actions.drive_block import Signal
+from plcopen_sfc.lowering.actions.drive_block import DriveSignal
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
     TRUE,
@@ -21,9 +21,9 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
 )
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
-from plcopen_sfc.lowering.encodings.case_encodings import CaseChain, one_step_at_a_time
-from plcopen_sfc.lowering.encodings.step_flags import FlipFlopChain, StepFlags
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
+from plcopen_sfc.lowering.encodings.case_encodings import CaseEncoding, one_step_at_a_time
+from plcopen_sfc.lowering.encodings.step_flags import FlipFlopEncoding, StepFlagEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, exclude, leaving_and_entering
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
@@ -49,13 +49,13 @@ def no_case(source: ChartSource, profile: Profile) -> str:
     return ""
 
 
-class GrafcetCase(CaseChain):
+class GrafcetCase(CaseEncoding):
     """Lowers one chart into `code`. Raises `LoweringError` for what one CASE cannot hold."""
 
     def __init__(
         self,
         source: ChartSource,
-        code: Code,
+        code: LoweredCode,
         memory: Memory,
         rules: LoweringRules,
         surroundings: Collection[str] = (),
@@ -76,7 +76,7 @@ Situation: TypeAlias = Mapping[int, "Expression | None"]
 """For each step of a chart whether it is active; None: as it was before the evolution."""
 
 
-class Ruling:
+class ForcingCode:
     """What rules one chart. `active` tells whether a step is active, `before` whether it was before the evolution.
 
     `entered` tells whether a transition has activated a step that may have been active before.
@@ -119,7 +119,7 @@ class Ruling:
         yield conjunction(negation(self._active(i)) for i in enclosing), dict.fromkeys(self.steps, FALSE)
 
 
-def imposed(ruling: Ruling, flags: Sequence[Expression], before: StepValue) -> Statement:
+def forced_assignments(ruling: ForcingCode, flags: Sequence[Expression], before: StepValue) -> Statement:
     """The assignment of the situation that a chart is ruled into, if it is."""
     branches = [
         n.Branch(when, tuple(assignment(flags[i], before(i) if value is None else value) for i, value in steps.items()))
@@ -128,13 +128,13 @@ def imposed(ruling: Ruling, flags: Sequence[Expression], before: StepValue) -> S
     return n.If(tuple(branches))
 
 
-class GrafcetFlipFlops(FlipFlopChain):
+class GrafcetFlipFlops(FlipFlopEncoding):
     """Lowers one chart into `code`. `ruled` are the charts that others rule, those above first.
 
     `first`: TRUE in the first evolution only, where a scan can have several of them.
     """
 
-    ruled: Sequence[Ruling] = ()
+    ruled: Sequence[ForcingCode] = ()
     concurrency: Concurrency
     first: Expression | None = None
 
@@ -148,7 +148,7 @@ class GrafcetFlipFlops(FlipFlopChain):
             for index in ruling.steps:
                 self._add_ruled(self.net.steps[index], ruling)
 
-    def _add_ruled(self, step: NetStep, ruling: Ruling | None) -> None:
+    def _add_ruled(self, step: NetStep, ruling: ForcingCode | None) -> None:
         leaving, entering = leaving_and_entering(self.net, step.index)
         set_: list[Expression] = [self.fired[t.index] for t in entering if t not in leaving]
         reset: list[Expression] = []
@@ -164,7 +164,7 @@ class GrafcetFlipFlops(FlipFlopChain):
         self._add_step(step, set_, reset)
 
     def _ruled(
-        self, step: int, ruling: Ruling, set_: list[Expression], reset: list[Expression]
+        self, step: int, ruling: ForcingCode, set_: list[Expression], reset: list[Expression]
     ) -> tuple[list[Expression], list[Expression]]:
         """The inputs of a flip-flop with what orders and enclosing steps want; reset dominates."""
         earlier: list[Expression] = []
@@ -190,7 +190,7 @@ class GrafcetFlipFlops(FlipFlopChain):
         return set_, reset
 
 
-class Evolving(Protocol):
+class EvolvingEncoding(Protocol):
     """What the scan of a GRAFCET asks of a construction."""
 
     def before(self, step: int) -> Expression:
@@ -199,7 +199,7 @@ class Evolving(Protocol):
     def remembered(self) -> list[Statement]:
         """What keeps that: to be executed before anything changes. Complete when everything has been asked."""
 
-    def signals(self) -> dict[Expression, Signal]:
+    def signals(self) -> dict[Expression, DriveSignal]:
         """What tells of steps before the evolution by more than a variable, as far as it has been asked."""
 
     def fired(self, transition: int) -> Expression:
@@ -209,10 +209,10 @@ class Evolving(Protocol):
         """Whether any was."""
 
 
-class EvolvingFlags:
+class EvolvingStepFlags:
     """Step flags and bits of transitions."""
 
-    def __init__(self, chain: StepFlags) -> None:
+    def __init__(self, chain: StepFlagEncoding) -> None:
         self._chain = chain
         self._olds: dict[int, n.Name] = {}
 
@@ -227,7 +227,7 @@ class EvolvingFlags:
         """The flags that anyone asks for."""
         return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
 
-    def signals(self) -> dict[Expression, Signal]:
+    def signals(self) -> dict[Expression, DriveSignal]:
         """None: all of them are variables."""
         return {}
 
@@ -240,7 +240,7 @@ class EvolvingFlags:
         return disjunction(self._chain.fired)
 
 
-class EvolvingState:
+class EvolvingCaseState:
     """The state of a CASE, in which no transition leads back to its own step."""
 
     def __init__(self, chain: GrafcetCase) -> None:
@@ -256,12 +256,12 @@ class EvolvingState:
         """The state, if anyone asks for it."""
         return [assignment(self._old, self._state)] if self._old is not None else []
 
-    def signals(self) -> dict[Expression, Signal]:
+    def signals(self) -> dict[Expression, DriveSignal]:
         """Comparisons of the copy."""
         if self._old is None:
             return {}
         flags = ((self.before(s.index), self._chain.texts.flag_name(s.step)) for s in self._chain.net.steps)
-        return {before: Signal(self._chain.texts.with_suffix(flag, "old"), "") for before, flag in flags}
+        return {before: DriveSignal(self._chain.texts.with_suffix(flag, "old"), "") for before, flag in flags}
 
     def fired(self, transition: int) -> Expression:  # noqa: ARG002
         """Nothing tells, and nobody asks where steps are not left and entered at once."""

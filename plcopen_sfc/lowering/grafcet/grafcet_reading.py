@@ -13,15 +13,15 @@ from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, is_constant
 from plcopen_sfc.lowering.reading.chart_reading import read_chart
 from plcopen_sfc.lowering.reading.chart_source import (
     ActionSource,
+    ActionUse,
     ChartSource,
-    Delay,
-    Edge,
+    DelayInCondition,
+    EdgeInCondition,
     GrafcetSource,
     StoredAction,
-    Use,
 )
 from plcopen_sfc.lowering.reading.step_variables import bits_by_number
-from plcopen_sfc.lowering.reading.text_reading import ConditionText, Targets, TextReader
+from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
 from plcopen_sfc.lowering.schedule.scan_schedule import refuse_classic
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.conditions import Condition, Expression
@@ -59,7 +59,7 @@ def read_grafcet(
     chart = copied.chart
     if chart is None:
         raise LoweringError("there is no chart to be lowered")
-    reader = _Reader(copied, chart, dialect, profile, Targets(pou, project, dialect))
+    reader = _Reader(copied, chart, dialect, profile, ActionTargets(pou, project, dialect))
     grafcet = reader.grafcet()
     once = replace(profile, evolution=Evolution.SINGLE)
     plain = read_chart(copied, chart, dialect, once, surroundings, project=project, grafcet=reader)
@@ -78,7 +78,7 @@ def _owned(net: Net) -> list[Owned]:
 class _Reader(TextReader):
     """Takes everything out of a copy of the chart that `read_chart` does not know."""
 
-    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, targets: Targets) -> None:
+    def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, targets: ActionTargets) -> None:
         super().__init__(pou, chart, dialect)
         self._profile, self._targets = profile, targets
         net = self._net = Net.of(chart)
@@ -106,17 +106,17 @@ class _Reader(TextReader):
         names = frozenset(bits_by_number(self._net) if known else ())
         return GrafcetSource(tuple(edges), tuple(delays), stored, continuous, self.hierarchy.charts, names)
 
-    def _edge(self, term: EdgeTerm) -> Edge:
+    def _edge(self, term: EdgeTerm) -> EdgeInCondition:
         operand = self.expression(term.operand, "an edge")
-        return Edge(term.name, operand, term.rising, _words(operand))
+        return EdgeInCondition(term.name, operand, term.rising, _words(operand))
 
-    def _delay(self, term: TimeTerm) -> Delay:
+    def _delay(self, term: TimeTerm) -> DelayInCondition:
         operand, *times = (
             self.expression(text, "a time") if text is not None else None
             for text in (term.operand, term.first, term.last)
         )
         assert operand is not None  # noqa: S101  # terms have one
-        return Delay(term.name, operand, times[0], times[1], _words(operand))
+        return DelayInCondition(term.name, operand, times[0], times[1], _words(operand))
 
     def _termless(self, condition: Condition) -> Condition:
         if not self._profile.grafcet_terms or not isinstance(condition, Expression):
@@ -145,8 +145,8 @@ class _Reader(TextReader):
 
     def _continuous(self) -> Iterator[ActionSource]:
         """Associations with the same target are one action, every body in place is one of its own."""
-        found: list[tuple[ActionSource, list[Use]]] = []
-        by_target: dict[str, list[Use]] = {}
+        found: list[tuple[ActionSource, list[ActionUse]]] = []
+        by_target: dict[str, list[ActionUse]] = {}
         for owner, chart, model in self._owned:
             if model.kind not in CONTINUOUS:
                 continue
@@ -170,7 +170,7 @@ class _Reader(TextReader):
         statements = self.statements(action.body, f"action {target}")
         return ActionSource(target, None, statements, (), comment=action.comment)
 
-    def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> Use:
+    def _use(self, owner: Owner, chart: SfcNetwork, model: ActionAssociation, path: str) -> ActionUse:
         assert model.kind is not None  # noqa: S101  # the caller has looked
         if model.value is not None and model.value.strip().upper() not in ("TRUE", "1"):
             self.refuse(f"a continuous action gives it the value {model.value}: only Booleans have one", path)
@@ -186,7 +186,7 @@ class _Reader(TextReader):
         condition = ConditionText(TRUE, ())
         if model.condition is not None:
             condition = self.condition(chart, self._termless(model.condition), path)
-        return Use(
+        return ActionUse(
             tuple(indexes(owner.steps)),
             inverted,
             qualifier,
@@ -232,7 +232,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
     return replace(source, actions=tuple(in_order), grafcet=None)
 
 
-def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, Use]:
+def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, ActionUse]:
     """The output that a stored action sets or resets, and the association that does so."""
     if stored.kind is not ActionKind.ON_ACTIVATION:
         refuse_classic(source, "stored actions on deactivation or on an event")
@@ -242,4 +242,4 @@ def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, Use]:
     sets, resets = (is_constant(only.value, constant) for constant in (TRUE, FALSE))
     if not sets and not resets:
         refuse_classic(source, f"stored actions that give an output the value {only.value.text}")
-    return only.target, Use(stored.steps, False, Qualifier.S if sets else Qualifier.R, TRUE, None)
+    return only.target, ActionUse(stored.steps, False, Qualifier.S if sets else Qualifier.R, TRUE, None)

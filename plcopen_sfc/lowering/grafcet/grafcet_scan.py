@@ -25,11 +25,11 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.code_bodies import paragraph
 from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork, TextNetwork
-from plcopen_sfc.lowering.encodings.step_flags import StepFlags
+from plcopen_sfc.lowering.encodings.step_flags import StepFlagEncoding
 from plcopen_sfc.lowering.grafcet.grafcet_actions import (
-    ContinuousControl,
-    PassingControl,
-    StepSights,
+    ContinuousActionCode,
+    PassingActionCode,
+    StepViews,
     StoredActions,
     asked_in_between,
     events_asked_early,
@@ -37,19 +37,19 @@ from plcopen_sfc.lowering.grafcet.grafcet_actions import (
     written_if,
 )
 from plcopen_sfc.lowering.grafcet.grafcet_encodings import (
-    Evolving,
-    EvolvingFlags,
-    EvolvingState,
+    EvolvingCaseState,
+    EvolvingEncoding,
+    EvolvingStepFlags,
+    ForcingCode,
     GrafcetCase,
     GrafcetFlipFlops,
-    Ruling,
-    imposed,
+    forced_assignments,
 )
 from plcopen_sfc.lowering.grafcet.grafcet_stability import Concurrency, Stability, leaving_and_entering
 from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
 from plcopen_sfc.lowering.lowering_options import ActionPlace
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, GrafcetSource
-from plcopen_sfc.lowering.schedule.scan_schedule import Chain
+from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule
 from plcopen_sfc.model.actions import ActionKind
 from plcopen_sfc.semantics.net import indexes
 from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets, Evolution, Profile
@@ -60,7 +60,7 @@ _INDENT = "    "
 class GrafcetScan:
     """Lowers the chart of a chain. Makes one scan with one evolution, or up to stability."""
 
-    def __init__(self, chain: StepFlags | GrafcetCase) -> None:
+    def __init__(self, chain: StepFlagEncoding | GrafcetCase) -> None:
         self._chain = chain
         self._code, self._texts, self._net = chain.code, chain.texts, chain.net
         assert chain.source.grafcet is not None  # noqa: S101  # it was read so
@@ -74,18 +74,20 @@ class GrafcetScan:
         self.stability = Stability(chain.source, self._terms, active, own, self._concurrency)
         self._searches = chain.profile.evolution is Evolution.UNTIL_STABLE
         self._stable = self._searches and not self.stability.once
-        self._evolving: Evolving = EvolvingFlags(chain) if isinstance(chain, StepFlags) else EvolvingState(chain)
+        self._evolving: EvolvingEncoding = (
+            EvolvingStepFlags(chain) if isinstance(chain, StepFlagEncoding) else EvolvingCaseState(chain)
+        )
         passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
         self._passed = {i: self._code.declare(self._texts.with_suffix(names[i], "seen")) for i in passed}
         before = self._evolving.before
-        sights = StepSights(chain.active, before, self._fresh)
+        sights = StepViews(chain.active, before, self._fresh)
         bits = _bits(chain.source) if self._code.drawn else ()
         self._first: n.Name | None = None
         self._drive, self._drive_of_stored = self._drive_blocks()
         memory = self._drive_of_stored.memory if self._drive_of_stored is not None else chain.memory
         self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
-        self._ruled = [Ruling(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
+        self._ruled = [ForcingCode(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
 
     def append(self) -> None:
         """Append all networks."""
@@ -93,7 +95,7 @@ class GrafcetScan:
         code.add(texts.logic, chain.source.logic)
         code.add(texts.times, chain.times.calls())  # of steps whose time conditions read
         self._hold()
-        continuous = ContinuousControl(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
+        continuous = ContinuousActionCode(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
         moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
         evolution = self._recorded(lambda: self._evolve(continuous))
         self._start()
@@ -131,7 +133,7 @@ class GrafcetScan:
         source, code, memory = chain.source, self._code, chain.memory
         if self._drive is not None:
             source, code, memory = without_texts(source), self._drive.code, self._drive.memory
-        control = PassingControl(code, memory, chain.active, self._seen, ending)
+        control = PassingActionCode(code, memory, chain.active, self._seen, ending)
         add_actions(source, code, control, memory, chain.rules)
 
     # -- blocks of their own for actions
@@ -225,7 +227,7 @@ class GrafcetScan:
                     preparations[i] = (when(negation(forced), *preparations[i]),) if preparations[i] else ()
         self._chain.source = replace(self._chain.source, conditions=tuple(conditions), preparations=tuple(preparations))
 
-    def _evolve(self, continuous: ContinuousControl) -> None:
+    def _evolve(self, continuous: ContinuousActionCode) -> None:
         """One evolution."""
         chain, code, texts = self._chain, self._code, self._texts
         events = self._stored.events()
@@ -242,8 +244,8 @@ class GrafcetScan:
             chain.ruled, chain.concurrency = self._ruled, self._concurrency
             if self._stable and chain.memory.has_instances:
                 chain.first = self._in_first_evolution()
-        elif isinstance(chain, StepFlags):
-            forcing = [imposed(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
+        elif isinstance(chain, StepFlagEncoding):
+            forcing = [forced_assignments(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
         code.add(texts.events, self._stored.on_events(events) if drive is None else happening)
         place = len(code.networks)
@@ -266,7 +268,7 @@ class GrafcetScan:
             return []
         return self._stored.ended(chain.init, indexes(self._net.initial), _bits(chain.source))
 
-    def _restarts(self, continuous: ContinuousControl) -> list[Statement]:
+    def _restarts(self, continuous: ContinuousActionCode) -> list[Statement]:
         """Let the times of steps begin anew that are left and entered again before the scan ends."""
         chain = self._chain
         found: list[Statement] = []
@@ -370,10 +372,10 @@ def _outputs(profile: Profile) -> Profile:
     return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, action_order=ActionOrder.FIRST_USE)
 
 
-def add_grafcet(chain: Chain) -> None:
+def add_grafcet(chain: ScanSchedule) -> None:
     """Lower a GRAFCET with a construction. Raises `LoweringError` for what cannot be said so."""
     path = Location(path=chain.source.pou.name)
-    if not isinstance(chain, StepFlags | GrafcetCase):
+    if not isinstance(chain, StepFlagEncoding | GrafcetCase):
         raise LoweringError(
             "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
         )

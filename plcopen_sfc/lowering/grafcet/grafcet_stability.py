@@ -13,7 +13,7 @@ from plcopen_sfc.languages.st import print_node, transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, disjunction, is_constant, negation, simplified
 from plcopen_sfc.lowering.grafcet.grafcet_terms import TermCode
-from plcopen_sfc.lowering.reading.chart_source import ChartSource, Delay, Edge
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, DelayInCondition, EdgeInCondition
 from plcopen_sfc.semantics.charts.grafcet.hierarchy import RuledChart
 from plcopen_sfc.semantics.net import Net, NetTransition, Rivals, indexes, mask
 from plcopen_sfc.semantics.profile import Profile
@@ -263,7 +263,7 @@ class Stability:
                     return True
         return False
 
-    def _term(self, node: Node) -> Edge | Delay | None:
+    def _term(self, node: Node) -> EdgeInCondition | DelayInCondition | None:
         if isinstance(node, n.Name):
             return self._edges.get(node)
         return self._delays.get(node) if isinstance(node, n.Member) else None
@@ -289,7 +289,7 @@ class Stability:
         step = self._steps.get(node, self._steps.get(negation(node)))
         return 0 if step is None else 1 << step
 
-    def _only_falls(self, delay: Delay) -> bool:
+    def _only_falls(self, delay: DelayInCondition) -> bool:
         """Whether the term cannot become TRUE between two evolutions: its time has still to pass."""
         return delay.last is None and not self._changes(delay.operand)
 

@@ -17,9 +17,9 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     negation,
     simplified,
 )
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.code_texts import Texts
-from plcopen_sfc.lowering.reading.chart_source import Delay, Edge, GrafcetSource
+from plcopen_sfc.lowering.reading.chart_source import DelayInCondition, EdgeInCondition, GrafcetSource
 from plcopen_sfc.model.types import DerivedType
 
 
@@ -30,7 +30,7 @@ class TermCode:
     variables before the first evolution. `active` tells of each step whether it is.
     """
 
-    def __init__(self, grafcet: GrafcetSource, code: Code, texts: Texts, active: Collection[Expression]) -> None:
+    def __init__(self, grafcet: GrafcetSource, code: LoweredCode, texts: Texts, active: Collection[Expression]) -> None:
         self._code = code
         self._texts = texts
         self._values: dict[str, Expression] = {}
@@ -54,11 +54,11 @@ class TermCode:
         """The variable of a term instead of the name that stands for it."""
         return self._values.get(node.identifier.casefold(), node) if isinstance(node, n.Name) else node
 
-    def value_of(self, term: Edge | Delay) -> Expression:
+    def value_of(self, term: EdgeInCondition | DelayInCondition) -> Expression:
         """The value of a term."""
         return self._values[term.name.casefold()]
 
-    def _declare_delay(self, delay: Delay) -> Expression:
+    def _declare_delay(self, delay: DelayInCondition) -> Expression:
         kinds = [(delay.first, "TON"), (delay.last, "TOF")]
         names = [
             self._code.declare(self._texts.delay_name(delay.words, time.text), DerivedType(name=kind))
@@ -68,14 +68,14 @@ class TermCode:
         self._timers[delay.name] = names
         return n.Member(names[-1], n.Name("Q"))
 
-    def _add_delay(self, delay: Delay) -> None:
+    def _add_delay(self, delay: DelayInCondition) -> None:
         value = transform(delay.operand, self.named)
         times = [time for time in (delay.first, delay.last) if time is not None]
         for timer, time in zip(self._timers[delay.name], times, strict=True):
             self.times.append(call(timer, IN=value, PT=time))
             value = n.Member(timer, n.Name("Q"))
 
-    def _add_edge(self, edge: Edge) -> None:
+    def _add_edge(self, edge: EdgeInCondition) -> None:
         pulse = self._values[edge.name.casefold()]
         assert isinstance(pulse, n.Name)  # noqa: S101  # edges are variables
         operand = transform(edge.operand, self.named)

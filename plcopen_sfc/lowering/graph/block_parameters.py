@@ -19,17 +19,17 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_declarations import INT
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.graph.sequencer_source import GraphSource
 from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
 from plcopen_sfc.lowering.graph.step_supervision import StepChecks
 from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode
 
 
-class Commands:
+class BlockCommands:
     """The commands and the mode of one cycle. Names are those of the parameters."""
 
-    def __init__(self, source: GraphSource, code: Code, memory: Memory, texts: GraphTexts) -> None:
+    def __init__(self, source: GraphSource, code: LoweredCode, memory: Memory, texts: GraphTexts) -> None:
         self._parameters, self._code, self._texts = source.parameters, code, texts
         self._memory = memory
         self._edges: dict[str, Expression] = {}
@@ -94,8 +94,8 @@ _FEW = 6
 
 def add_reports(
     source: GraphSource,
-    code: Code,
-    commands: Commands,
+    code: LoweredCode,
+    commands: BlockCommands,
     steps: Sequence[tuple[Expression, StepChecks]],
     texts: GraphTexts,
     *,
@@ -122,7 +122,7 @@ def add_reports(
         code.add(texts.display, list(_Display(source, code, commands, [flag for flag, _ in steps], texts).statements()))
 
 
-def _one_displayed(commands: Commands, state: n.Name) -> Iterator[Statement]:
+def _one_displayed(commands: BlockCommands, state: n.Name) -> Iterator[Statement]:
     """Of one active step at most: the one selected by hand, else that one."""
     number, more, active = (commands.variable(name) for name in ("S_NO", "S_MORE", "S_ACTIVE"))
     selection, by_hand = commands.variable("S_SEL"), commands.is_on(Mode.MANUAL)
@@ -146,7 +146,12 @@ class _Display:
     """The step displayed: the one selected by hand, else the one shown before while it is active, else the first."""
 
     def __init__(
-        self, source: GraphSource, code: Code, commands: Commands, flags: Sequence[Expression], texts: GraphTexts
+        self,
+        source: GraphSource,
+        code: LoweredCode,
+        commands: BlockCommands,
+        flags: Sequence[Expression],
+        texts: GraphTexts,
     ) -> None:
         self._commands, self._code, self._texts = commands, code, texts
         numbered = [(step.step.number or 0, flags[step.index]) for step in source.net.steps]

@@ -24,9 +24,9 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_declarations import INT, TIME
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Texts
-from plcopen_sfc.lowering.graph.sequencer_source import COUNTERS, TIMERS, GraphSource, Row, texts_of
+from plcopen_sfc.lowering.graph.sequencer_source import COUNTERS, TIMERS, ActionRow, GraphSource, texts_of
 from plcopen_sfc.lowering.graph.sequencer_texts import GraphTexts
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.model.types import DerivedType
@@ -37,10 +37,10 @@ _MODES = {Qualifier.TR: "0", Qualifier.TL: "1", Qualifier.TD: "2", Qualifier.TF:
 _STOPPED, _DELAY = n.Literal(_MODES[Qualifier.TR]), n.Literal(_MODES[Qualifier.TD])
 
 
-class Timer:
+class S5Timer:
     """One timer, whose output is an operand."""
 
-    def __init__(self, name: str, output: Expression, code: Code, texts: GraphTexts) -> None:
+    def __init__(self, name: str, output: Expression, code: LoweredCode, texts: GraphTexts) -> None:
         self._output = output
         called = code.texts.with_suffix
         self._timer = code.declare(called(name, "timer"), DerivedType(name="TON"))
@@ -97,38 +97,38 @@ class StepSignals:
 
 
 @dataclass(frozen=True)
-class StepCode:
+class SequencerStepCode:
     """Statements that belong to a step, each under its own condition."""
 
     step: NetStep
     statements: tuple[Statement, ...]
 
 
-class Actions:
+class SequencerActions:
     """Makes the code of all actions."""
 
     def __init__(
-        self, source: GraphSource, code: Code, texts: Texts, own_texts: GraphTexts, signals: StepSignals
+        self, source: GraphSource, code: LoweredCode, texts: Texts, own_texts: GraphTexts, signals: StepSignals
     ) -> None:
         self._source, self._code, self._signals = source, code, signals
         self._texts, self._own_texts = texts, own_texts
         self._own = _only_written_by_coils(source)
-        self._timers: dict[str, Timer] = {}
+        self._timers: dict[str, S5Timer] = {}
 
-    def leaving(self) -> list[StepCode]:
+    def leaving(self) -> list[SequencerStepCode]:
         """What steps execute that were left."""
-        found: list[StepCode] = []
+        found: list[SequencerStepCode] = []
         for step in self._source.net.steps:
             rows = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
-            found.append(StepCode(step, tuple(self._step(step, rows, left=True))))
+            found.append(SequencerStepCode(step, tuple(self._step(step, rows, left=True))))
         return [each for each in found if each.statements]
 
-    def acting(self) -> list[StepCode]:
+    def acting(self) -> list[SequencerStepCode]:
         """What steps execute that are active."""
-        found: list[StepCode] = []
+        found: list[SequencerStepCode] = []
         for step in self._source.net.steps:
             rows = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
-            found.append(StepCode(step, tuple(self._step(step, rows))))
+            found.append(SequencerStepCode(step, tuple(self._step(step, rows))))
         return [each for each in found if each.statements]
 
     def add_timers(self) -> None:
@@ -147,10 +147,10 @@ class Actions:
             if qualifier is Qualifier.ON or len(row.switched) == 1 or target != step.index
         )
 
-    def _executed(self, step: NetStep) -> list[Row]:
+    def _executed(self, step: NetStep) -> list[ActionRow]:
         return [row for row in self._source.rows[step.index] if not row.is_coil and not row.switched]
 
-    def _condition(self, step: NetStep, row: Row) -> Expression:
+    def _condition(self, step: NetStep, row: ActionRow) -> Expression:
         """When an action acts."""
         what = self._signals.active(step.index) if row.event is None else self._signals.event(step.index, row.event)
         if not row.interlock:
@@ -163,7 +163,7 @@ class Actions:
 
     def add_coils(self) -> None:
         """Append what writes the coils."""
-        coils: dict[str, list[tuple[NetStep, Row]]] = {}
+        coils: dict[str, list[tuple[NetStep, ActionRow]]] = {}
         for step in self._source.net.steps:
             for row in self._source.rows[step.index]:
                 if row.is_coil:
@@ -177,7 +177,7 @@ class Actions:
             else:
                 self._code.add(self._texts.action(row.name), [when(self._written(found), drive)])
 
-    def _wanted(self, step: NetStep, row: Row) -> Expression:
+    def _wanted(self, step: NetStep, row: ActionRow) -> Expression:
         """Whether a coil is to be TRUE."""
         condition = self._condition(step, row)
         if row.value is None or row.event is not None:
@@ -185,7 +185,7 @@ class Actions:
         over = self._signals.over(step.index, row.value)
         return conjunction([condition, over if row.qualifier is Qualifier.D else negation(over)])
 
-    def _written(self, found: Sequence[tuple[NetStep, Row]]) -> Expression:
+    def _written(self, found: Sequence[tuple[NetStep, ActionRow]]) -> Expression:
         """Whether any step drives a coil or was left; what S0 has set is reset a cycle later."""
         steps = list(dict.fromkeys(step.index for step, _ in found))
         leaving = list(dict.fromkeys(step.index for step, row in found if row.event is ActionEvent.S0))
@@ -193,7 +193,7 @@ class Actions:
 
     # -- what is executed
 
-    def _step(self, step: NetStep, rows: Sequence[Row], *, left: bool = False) -> list[Statement]:
+    def _step(self, step: NetStep, rows: Sequence[ActionRow], *, left: bool = False) -> list[Statement]:
         """What a step executes, or when it is left; under one condition what has the same."""
         groups: list[tuple[Expression, list[Statement]]] = []
         for row in rows:
@@ -205,7 +205,7 @@ class Actions:
             groups[-1][1].extend(self._execution(row, left=left))
         return [when(condition, *statements) for condition, statements in groups]
 
-    def _execution(self, row: Row, *, left: bool) -> Iterator[Statement]:
+    def _execution(self, row: ActionRow, *, left: bool) -> Iterator[Statement]:
         if row.target is None:
             yield from row.statements
         elif _falls_off(row) and row.value is not None:
@@ -217,14 +217,14 @@ class Actions:
         else:
             yield assignment(row.target, TRUE if row.qualifier is Qualifier.S else FALSE)
 
-    def _timer(self, row: Row) -> Timer:
+    def _timer(self, row: ActionRow) -> S5Timer:
         key = row.name.casefold()
         if key not in self._timers:
             assert row.target is not None  # noqa: S101  # the caller has looked
-            self._timers[key] = Timer(row.name.strip('#"'), row.target, self._code, self._own_texts)
+            self._timers[key] = S5Timer(row.name.strip('#"'), row.target, self._code, self._own_texts)
         return self._timers[key]
 
-    def _counted(self, row: Row, counter: Expression) -> Statement:
+    def _counted(self, row: ActionRow, counter: Expression) -> Statement:
         one, none, last = n.Literal("1"), n.Literal("0"), n.Literal(_LAST_COUNT)
         match row.qualifier:
             case Qualifier.CU:
@@ -242,7 +242,7 @@ class Actions:
         return assignment(counter, none)
 
 
-def _falls_off(row: Row) -> bool:
+def _falls_off(row: ActionRow) -> bool:
     return row.qualifier is Qualifier.TF and row.target is not None
 
 
@@ -268,7 +268,7 @@ def _only_written_by_coils(source: GraphSource) -> set[str]:
     }
 
 
-def _written_names(source: GraphSource, rows: Sequence[Row]) -> Iterator[str]:
+def _written_names(source: GraphSource, rows: Sequence[ActionRow]) -> Iterator[str]:
     """The names of variables that anything but coils could write."""
     for row in rows:
         if not row.is_coil and isinstance(row.target, n.Name):

@@ -24,9 +24,9 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
-from plcopen_sfc.lowering.graph.sequencer_actions import Actions
+from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions
 from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
-from plcopen_sfc.lowering.graph.sequencer_source import Phase
+from plcopen_sfc.lowering.graph.sequencer_source import CyclePhase
 from plcopen_sfc.model.actions import ActionEvent, Qualifier
 from plcopen_sfc.semantics.charts.graph.parameters import Mode
 from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
@@ -68,12 +68,12 @@ class BitSequencer(Sequencer):
         """The flag of a step."""
         return self.flags[step]
 
-    def add_switched(self, actions: Actions) -> None:
+    def add_switched(self, actions: SequencerActions) -> None:
         """What is to be in the next cycle: a step that is switched on is so in any case."""
         changes = [assignment(wanted, self._next(actions, step)) for step, wanted in self.wanted.items()]
         self.code.add(self.own_texts.switched, changes)
 
-    def _next(self, actions: Actions, step: int) -> Expression:
+    def _next(self, actions: SequencerActions, step: int) -> Expression:
         stays = conjunction([self.flags[step], negation(actions.switched(Qualifier.OFF, step))])
         return disjunction([stays, actions.switched(Qualifier.ON, step)])
 
@@ -130,10 +130,10 @@ class BitSequencer(Sequencer):
             statements = []
             index = transition.index
             enabled = self.enabled(transition)
-            preparation = self.resolved(self.source.preparations[index], Phase.SWITCH)
+            preparation = self.resolved(self.source.preparations[index], CyclePhase.SWITCH)
             if preparation:
                 statements.append(when(conjunction([enabled, self.evolves()]), *preparation))
-            condition = self.resolve(self.source.conditions[index], Phase.SWITCH)
+            condition = self.resolve(self.source.conditions[index], CyclePhase.SWITCH)
             switches = disjunction([conjunction([condition, permitted]), pushed])
             held = [self._held(i) for i in transition.sources]
             rivals = transition.rivals if self.rules.profile.rivals is Rivals.PRIORITY else ()
@@ -248,11 +248,11 @@ def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], aga
     following: list[Statement] = []
     for index in reversed(_onward(sequencer, step)):
         transition = sequencer.net.transitions[index]
-        condition: Expression = sequencer.resolve(source.conditions[index], Phase.SWITCH)
+        condition: Expression = sequencer.resolve(source.conditions[index], CyclePhase.SWITCH)
         goes = [assignment(entered[i], TRUE) for i in transition.targets if i != step]
         if step not in transition.targets:
             goes.insert(0, assignment(entered[step], FALSE))
-        preparation = [sequencer.resolve(each, Phase.SWITCH) for each in source.preparations[index]]
+        preparation = [sequencer.resolve(each, CyclePhase.SWITCH) for each in source.preparations[index]]
         branch = n.Branch(condition, (*goes, assignment(again, TRUE)))
         match following:
             case [n.If(branches, otherwise)]:

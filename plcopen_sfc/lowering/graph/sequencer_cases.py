@@ -27,16 +27,16 @@ from plcopen_sfc.lowering.code.lowered_code import TextNetwork
 from plcopen_sfc.lowering.encodings.case_encodings import one_step_at_a_time
 from plcopen_sfc.lowering.encodings.case_states import (
     INDENT,
-    Machine,
-    StateMachines,
+    RegionState,
     StateNames,
-    Try,
+    StateVariables,
+    TriedTransition,
     one_region,
     regions_of,
 )
-from plcopen_sfc.lowering.graph.sequencer_actions import Actions, StepCode
+from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions, SequencerStepCode
 from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
-from plcopen_sfc.lowering.graph.sequencer_source import GraphSource, Phase
+from plcopen_sfc.lowering.graph.sequencer_source import CyclePhase, GraphSource
 from plcopen_sfc.lowering.lowering_options import States
 from plcopen_sfc.lowering.reading.chart_source import step_numbers
 from plcopen_sfc.lowering.schedule.scan_schedule import firing_together
@@ -131,7 +131,7 @@ class RegionSequencer(Sequencer):
         regions = replace(regions, regions=tuple(self._in_order(region) for region in regions.regions))
         off = replace(regions, regions=tuple(replace(region, initial=None) for region in regions.regions))
         names = StateNames(self.source, off, self.code, self.rules, surroundings)
-        self.states = StateMachines(regions, names, self.texts, self.source.dialect, off=True)
+        self.states = StateVariables(regions, names, self.texts, self.source.dialect, off=True)
         self._old: dict[int, n.Name] = {}
         self._gone: dict[int, n.Name] = {}
         self._bits: dict[int, n.Name] = {}
@@ -154,7 +154,7 @@ class RegionSequencer(Sequencer):
         """A comparison of the state of its region."""
         return self.states.active(step)
 
-    def add_switched(self, actions: Actions) -> None:
+    def add_switched(self, actions: SequencerActions) -> None:
         """Nothing: no action switches steps."""
 
     def only_state(self) -> n.Name | None:
@@ -165,7 +165,7 @@ class RegionSequencer(Sequencer):
         machine = self.states.machines[0]
         return machine.state if self._has_numbers_of_steps(machine) else None
 
-    def _has_numbers_of_steps(self, machine: Machine) -> bool:
+    def _has_numbers_of_steps(self, machine: RegionState) -> bool:
         """Whether the states of a region are the numbers that its steps have for the user."""
         numbers = step_numbers(self.net)
         own = all(self.net.steps[i].step.number == numbers[i] != 0 for i in machine.region.steps)
@@ -206,7 +206,7 @@ class RegionSequencer(Sequencer):
 
     # -- what belongs to one step each: where there is one active step, in the branches of a CASE
 
-    def add_checks(self, cleared: list[Statement], checked: Sequence[StepCode], alarms: str) -> None:
+    def add_checks(self, cleared: list[Statement], checked: Sequence[SequencerStepCode], alarms: str) -> None:
         """As it is, or with a CASE."""
         if self._is_one_of(checked):
             lines = [self.states.text(statement) for statement in cleared]
@@ -215,7 +215,9 @@ class RegionSequencer(Sequencer):
         else:
             super().add_checks(cleared, checked, alarms)
 
-    def add_checks_behind(self, forgotten: Sequence[StepCode], checked: Sequence[StepCode], alarms: str) -> None:
+    def add_checks_behind(
+        self, forgotten: Sequence[SequencerStepCode], checked: Sequence[SequencerStepCode], alarms: str
+    ) -> None:
         """As it is, or with a CASE each for what was left and entered."""
         entered = [part for part in checked if self.checks[part.step.index].early]
         if not self._is_one_of(entered):
@@ -226,7 +228,7 @@ class RegionSequencer(Sequencer):
         lines += [self.states.text(s) for part in checked if part not in entered for s in part.statements]
         self.code.networks.append(TextNetwork(self.own_texts.checks_behind, "\n".join(lines), alarms))
 
-    def add_leaving(self, parts: Sequence[StepCode]) -> None:
+    def add_leaving(self, parts: Sequence[SequencerStepCode]) -> None:
         """As it is, or with a CASE."""
         if self._is_one_of(parts):
             lines = self._when_changed(self._case_of(parts, self._when_left))
@@ -234,7 +236,7 @@ class RegionSequencer(Sequencer):
         else:
             super().add_leaving(parts)
 
-    def add_acting(self, parts: Sequence[StepCode]) -> None:
+    def add_acting(self, parts: Sequence[SequencerStepCode]) -> None:
         """As it is, or with a CASE. No event happens in a step that is not active, but that it was left."""
         if self._is_one_of(parts):
             lines = self._case_of(parts, self._while_active)
@@ -242,7 +244,7 @@ class RegionSequencer(Sequencer):
         else:
             super().add_acting(parts)
 
-    def _is_one_of(self, parts: Sequence[StepCode]) -> bool:
+    def _is_one_of(self, parts: Sequence[SequencerStepCode]) -> bool:
         return len(parts) > 1 and len(self.states.machines) == 1
 
     def _while_active(self, step: int) -> _Selected:
@@ -256,7 +258,7 @@ class RegionSequencer(Sequencer):
         known = [equal(self._state_before(step), self.states.names.step(step)), negation(self.active(step))]
         return _Selected(self._state_before(step), known)
 
-    def _case_of(self, parts: Sequence[StepCode], selected: Callable[[int], _Selected]) -> list[str]:
+    def _case_of(self, parts: Sequence[SequencerStepCode], selected: Callable[[int], _Selected]) -> list[str]:
         """A CASE with what each step has; what its branch says need not be asked in it."""
         if not parts:
             return []
@@ -306,8 +308,8 @@ class RegionSequencer(Sequencer):
     def _prepare(self, transition: NetTransition, permitted: Expression, pushed: Expression) -> None:
         """Find what is executed before the condition of a transition, and when this lets the transition switch."""
         index = transition.index
-        self._before[index] = tuple(self.resolved(self.source.preparations[index], Phase.SWITCH))
-        condition: Expression = self.resolve(self.source.conditions[index], Phase.SWITCH)
+        self._before[index] = tuple(self.resolved(self.source.preparations[index], CyclePhase.SWITCH))
+        condition: Expression = self.resolve(self.source.conditions[index], CyclePhase.SWITCH)
         switches = disjunction([conjunction([condition, permitted]), pushed])
         held = [negation(self.checks[i].held(self.resolve)) for i in transition.sources]
         self._conditions[index] = conjunction([switches, *held])
@@ -355,7 +357,7 @@ class RegionSequencer(Sequencer):
         self.code.add(self.own_texts.off, [when(off, *none)] if not is_constant(off, FALSE) else [])
         self.code.add(self.texts.moves, self.states.moves())
 
-    def _must_wait(self, machine: Machine) -> bool:
+    def _must_wait(self, machine: RegionState) -> bool:
         """Whether anything looks at the state of a region, or writes it, between its CASE and the step change."""
         if machine.blocks or machine.region.block is not None or self.source.skips:
             return True
@@ -374,16 +376,16 @@ class RegionSequencer(Sequencer):
         machine = self.states.machines[block.parent]
         return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
 
-    def _try(self, machine: Machine, transition: NetTransition) -> Try:
+    def _try(self, machine: RegionState, transition: NetTransition) -> TriedTransition:
         effect, remarks = self.states.effect(machine, transition), self.states.remarks(transition.transition)
         if transition.index in self._bits:
-            return Try((), self._bits[transition.index], effect, remarks)
+            return TriedTransition((), self._bits[transition.index], effect, remarks)
         # a step with one source is active where it is tried, a join is tried while its branches are
         enabled = [self.active(i) for i in transition.sources] if len(transition.sources) > 1 else []
         before = self._before[transition.index]
         if before and not is_constant(self.evolves(), TRUE):
             before = (when(self.evolves(), *before),)
-        return Try(before, conjunction([*enabled, self._conditions[transition.index]]), effect, remarks)
+        return TriedTransition(before, conjunction([*enabled, self._conditions[transition.index]]), effect, remarks)
 
     def _off_by_hand(self) -> list[Statement]:
         """S_OFF: the step whose number S_SEL says."""
@@ -399,7 +401,7 @@ class RegionSequencer(Sequencer):
             if not is_constant(one, FALSE)
         ]
 
-    def _selected(self, machine: Machine, selection: n.Name) -> Expression:
+    def _selected(self, machine: RegionState, selection: n.Name) -> Expression:
         """Whether the active step of a region is the one selected."""
         if self._has_numbers_of_steps(machine):
             return equal(machine.state, selection)
@@ -414,7 +416,7 @@ class RegionSequencer(Sequencer):
 
     # -- steps that are skipped
 
-    def _add_skips(self, machine: Machine) -> None:
+    def _add_skips(self, machine: RegionState) -> None:
         """Append a loop that goes on behind a step whose next transition is satisfied; no step is passed twice."""
         steps = [i for i in machine.region.steps if self.net.entering[i] and self.net.leaving[i]]
         if not steps:
@@ -436,10 +438,10 @@ class RegionSequencer(Sequencer):
         lines += [f"WHILE {text(again)} DO", *(INDENT + line for line in [*loop, "END_CASE;"]), "END_WHILE;"]
         self.code.networks.append(TextNetwork(self.own_texts.skips, "\n".join(lines)))
 
-    def _passing(self, machine: Machine, transition: NetTransition, goes_on: str) -> Try:
-        condition: Expression = self.resolve(self.source.conditions[transition.index], Phase.SWITCH)
+    def _passing(self, machine: RegionState, transition: NetTransition, goes_on: str) -> TriedTransition:
+        condition: Expression = self.resolve(self.source.conditions[transition.index], CyclePhase.SWITCH)
         effect = self.states.effect(machine, transition)
-        return Try(self._before[transition.index], condition, [*effect, goes_on], [])
+        return TriedTransition(self._before[transition.index], condition, [*effect, goes_on], [])
 
 
 class CaseSequencer(RegionSequencer):

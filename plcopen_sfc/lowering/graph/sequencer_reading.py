@@ -17,8 +17,16 @@ from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, assignment
 from plcopen_sfc.lowering.code.code_declarations import BOOL
-from plcopen_sfc.lowering.code.lowered_code import Code
-from plcopen_sfc.lowering.graph.sequencer_source import COILS, COUNTERS, QUANTITIES, SWITCHES, TIMERS, GraphSource, Row
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.graph.sequencer_source import (
+    COILS,
+    COUNTERS,
+    QUANTITIES,
+    SWITCHES,
+    TIMERS,
+    ActionRow,
+    GraphSource,
+)
 from plcopen_sfc.lowering.lowering_options import LoweringRules, tool_of
 from plcopen_sfc.lowering.reading.text_reading import ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, Qualifier
@@ -83,7 +91,7 @@ def _outside(names: Names, pou: Pou, steps: Collection[str]) -> Iterator[Occurre
                 yield Occurrence(piece, reference, names.resolver.meaning(reference, piece))
 
 
-def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code: Code) -> list[n.Statement]:
+def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code: LoweredCode) -> list[n.Statement]:
     """Declare structures that are called as the steps are; gives what writes their members."""
     statements: list[n.Statement] = []
     members: dict[int, list[Variable]] = {}
@@ -224,7 +232,7 @@ class _Reader(TextReader):
             if found is not None:
                 yield step.index, found
 
-    def _rows(self, step: NetStep) -> Iterator[Row]:
+    def _rows(self, step: NetStep) -> Iterator[ActionRow]:
         model = step.step
         if model.entry_action or model.main_action or model.exit_action:
             self.refuse("S7-GRAPH has no entry, main and exit actions of steps", f"step {step.path}")
@@ -232,7 +240,7 @@ class _Reader(TextReader):
             if not association.exclude:
                 yield self._row(step, association, f"step {step.path} / action {association.target or number}")
 
-    def _row(self, step: NetStep, model: ActionAssociation, path: str) -> Row:
+    def _row(self, step: NetStep, model: ActionAssociation, path: str) -> ActionRow:
         qualifier = model.qualifier
         event = model.event if model.event is not ActionEvent.C else None
         interlock = model.interlock or model.event is ActionEvent.C
@@ -246,35 +254,35 @@ class _Reader(TextReader):
             self.refuse(f"{qualifier} needs an event", path)
         if qualifier in _WITHOUT_EVENT and event is not None:
             self.refuse(f"{qualifier} has no event", path)
-        row = Row(model.target or step.path, qualifier, event, interlock)
+        row = ActionRow(model.target or step.path, qualifier, event, interlock)
         return self._completed(row, model, path)
 
-    def _completed(self, row: Row, model: ActionAssociation, path: str) -> Row:
+    def _completed(self, row: ActionRow, model: ActionAssociation, path: str) -> ActionRow:
         """The row with what it does."""
         name, qualifier, event, interlock = row.name, row.qualifier, row.event, row.interlock
         if qualifier in SWITCHES:
             switched = self._steps_named(model.target or "", path)
-            return Row(name, qualifier, event, interlock, switched=switched)
+            return ActionRow(name, qualifier, event, interlock, switched=switched)
         value = model.value if qualifier in COUNTERS else model.duration
         read = self.expression(value, path) if value else None
         if model.body is not None:
-            return Row(name, qualifier, event, interlock, statements=self.statements(model.body, path))
+            return ActionRow(name, qualifier, event, interlock, statements=self.statements(model.body, path))
         if model.target is None:
             self.refuse(f"{qualifier} has no operand", path)
         if qualifier in COUNTERS:
-            return Row(name, qualifier, event, interlock, self.expression(model.target, path), value=read)
+            return ActionRow(name, qualifier, event, interlock, self.expression(model.target, path), value=read)
         if model.value is not None:
             target, assigned = self.expression(model.target, path), self.expression(model.value, path)
-            return Row(name, qualifier, event, interlock, statements=(assignment(target, assigned),))
+            return ActionRow(name, qualifier, event, interlock, statements=(assignment(target, assigned),))
         statements = self._called(model.target, qualifier, path)
         if statements:
-            return Row(name, qualifier, event, interlock, statements=statements)
+            return ActionRow(name, qualifier, event, interlock, statements=statements)
         if qualifier in _NEED_TIME and read is None:
             self.refuse(f"{qualifier} needs a time", path)
         target = self.expression(model.target, path)
         if isinstance(target, n.Address) and target.text.lstrip("%")[:1].upper() in "TCZ":
             self.refuse(f"{target.text} is a timer or counter of S5: other code cannot write it", path)
-        return Row(name, qualifier, event, interlock, target, value=read)
+        return ActionRow(name, qualifier, event, interlock, target, value=read)
 
     def _called(self, target: str, qualifier: Qualifier, path: str) -> tuple[n.Statement, ...]:
         """What is executed where the target is no Boolean operand: an action of the POU, or the call of an instance."""

@@ -17,13 +17,20 @@ from plcopen_sfc.languages.st import transform
 from plcopen_sfc.languages.st.nodes import Expression, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, conjunction, disjunction, is_constant, negation
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code
-from plcopen_sfc.lowering.graph.block_parameters import Commands, add_reports
-from plcopen_sfc.lowering.graph.sequencer_actions import Actions, StepCode, StepSignals
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
+from plcopen_sfc.lowering.graph.block_parameters import BlockCommands, add_reports
+from plcopen_sfc.lowering.graph.sequencer_actions import SequencerActions, SequencerStepCode, StepSignals
 from plcopen_sfc.lowering.graph.sequencer_reading import show
-from plcopen_sfc.lowering.graph.sequencer_source import GraphSource, Phase, Questions, Row, StepSign, step_quantity
+from plcopen_sfc.lowering.graph.sequencer_source import (
+    ActionRow,
+    AskedStepData,
+    CyclePhase,
+    GraphSource,
+    StepNames,
+    step_quantity,
+)
 from plcopen_sfc.lowering.graph.sequencer_texts import graph_texts
-from plcopen_sfc.lowering.graph.step_supervision import Asked, StepChecks, StepClock
+from plcopen_sfc.lowering.graph.step_supervision import CheckedStep, StepChecks, StepClock
 from plcopen_sfc.lowering.lowering_options import LoweringRules
 from plcopen_sfc.lowering.schedule.added_inputs import declare_restart
 from plcopen_sfc.model.actions import ActionEvent
@@ -44,7 +51,7 @@ class Sequencer(ABC):
     def __init__(
         self,
         source: GraphSource,
-        code: Code,
+        code: LoweredCode,
         memory: Memory,
         rules: LoweringRules,
         surroundings: Collection[str] = (),
@@ -56,10 +63,10 @@ class Sequencer(ABC):
         self.init = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)
         names = self.declare_states(surroundings)
-        self.signs = [StepSign(self.active(step), name) for step, name in enumerate(names)]
+        self.signs = [StepNames(self.active(step), name) for step, name in enumerate(names)]
         self.first = code.declare(self.texts.pulse, initial="TRUE", comment=self.own_texts.first_cycle)
-        self.questions = Questions(source)
-        self.commands = Commands(source, code, memory, self.own_texts)
+        self.questions = AskedStepData(source)
+        self.commands = BlockCommands(source, code, memory, self.own_texts)
         self.clock = StepClock(source, code, self.signs, self.texts, self.questions)
         self._registered: dict[int, n.Name] = {}
         self.checks = [self._checks_of(step.index) for step in self.net.steps]
@@ -72,7 +79,7 @@ class Sequencer(ABC):
         if "ERR_FLT" in self.source.parameters or "U" in needed:
             needed |= {"LS", "VA"}
         comment = partial(self.own_texts.check, self.net.steps[step].path)
-        return StepChecks(self.source, step, self.code, Asked(self.signs[step], needed, self.questions, comment))
+        return StepChecks(self.source, step, self.code, CheckedStep(self.signs[step], needed, self.questions, comment))
 
     @abstractmethod
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:
@@ -111,7 +118,7 @@ class Sequencer(ABC):
         """Insert at `place`, right behind the step change, what finds out its events, and which steps `registered`."""
 
     @abstractmethod
-    def add_switched(self, actions: Actions) -> None:
+    def add_switched(self, actions: SequencerActions) -> None:
         """Append what actions do that switch steps on and off."""
 
     def tells(self) -> dict[str, Expression]:
@@ -121,8 +128,8 @@ class Sequencer(ABC):
     def exact(self) -> None:
         """One cycle."""
         code, own_texts = self.code, self.own_texts
-        code.add(own_texts.before, [*self.resolved(self.source.before, Phase.BEFORE)])
-        code.add(self.texts.logic, [*self.resolved(self.source.logic, Phase.BEFORE)])
+        code.add(own_texts.before, [*self.resolved(self.source.before, CyclePhase.BEFORE)])
+        code.add(self.texts.logic, [*self.resolved(self.source.logic, CyclePhase.BEFORE)])
         place = len(code.networks)
         self._add_checks()
         self.add_transitions()
@@ -130,8 +137,8 @@ class Sequencer(ABC):
         self._add_actions()
         steps = [(sign.active, check) for sign, check in zip(self.signs, self.checks, strict=True)]
         add_reports(self.source, code, self.commands, steps, own_texts, state=self.only_state())
-        code.add(own_texts.after, [*self.resolved(self.source.after, Phase.ACT)])
-        values = [self._value(*asked, Phase.ACT) for asked in self.source.shown]
+        code.add(own_texts.after, [*self.resolved(self.source.after, CyclePhase.ACT)])
+        values = [self._value(*asked, CyclePhase.ACT) for asked in self.source.shown]
         code.add(own_texts.shown_data, show(self.source.shown, values, self.net, code))
         self._insert_commands(place)
 
@@ -144,11 +151,11 @@ class Sequencer(ABC):
 
     # -- texts
 
-    def resolved(self, statements: tuple[n.Statement, ...], phase: Phase) -> list[Statement]:
+    def resolved(self, statements: tuple[n.Statement, ...], phase: CyclePhase) -> list[Statement]:
         """Texts with what stands for the data of steps."""
         return [self.resolve(statement, phase) for statement in statements]
 
-    def resolve(self, tree: Any, phase: Phase) -> Any:
+    def resolve(self, tree: Any, phase: CyclePhase) -> Any:
         """A text with what stands for the data of steps."""
 
         def change(node: n.Node) -> n.Node:
@@ -157,7 +164,7 @@ class Sequencer(ABC):
 
         return transform(tree, change)
 
-    def _value(self, step: int, quantity: str, phase: Phase) -> Expression:
+    def _value(self, step: int, quantity: str, phase: CyclePhase) -> Expression:
         if quantity == "X":
             return self.active(step)
         if quantity == "SNO":
@@ -167,7 +174,9 @@ class Sequencer(ABC):
         if quantity in ("T", "U"):
             return self.clock.value(step, quantity)
         if quantity in _STEP_EVENTS:
-            happened = phase in (Phase.BEFORE, Phase.ACT) or (phase is Phase.ENTERED and quantity != "R1")
+            happened = phase in (CyclePhase.BEFORE, CyclePhase.ACT) or (
+                phase is CyclePhase.ENTERED and quantity != "R1"
+            )
             return self.event(step, ActionEvent(quantity)) if happened else FALSE
         return self.checks[step].value(quantity)
 
@@ -215,7 +224,7 @@ class Sequencer(ABC):
         self.code.add(self.texts.times, [*self.clock.calls(), *self._restarted()])
         self._add_checks_behind(self._alarms() if self._checked_late else "")
         signals = StepSignals(self.active, self.touched, self.event, self._released, self.clock.over, self.gone)
-        actions = Actions(self._with_resolved_rows(), self.code, self.texts, self.own_texts, signals)
+        actions = SequencerActions(self._with_resolved_rows(), self.code, self.texts, self.own_texts, signals)
         actions.add_coils()
         self.add_leaving(actions.leaving())
         self.add_acting(actions.acting())
@@ -231,11 +240,13 @@ class Sequencer(ABC):
     def _with_resolved_rows(self) -> GraphSource:
         """The sequencer with what stands for the data of steps in its actions."""
 
-        def resolved(row: Row) -> Row:
+        def resolved(row: ActionRow) -> ActionRow:
             target, value = (
-                self.resolve(tree, Phase.ACT) if tree is not None else None for tree in (row.target, row.value)
+                self.resolve(tree, CyclePhase.ACT) if tree is not None else None for tree in (row.target, row.value)
             )
-            return replace(row, target=target, value=value, statements=tuple(self.resolved(row.statements, Phase.ACT)))
+            return replace(
+                row, target=target, value=value, statements=tuple(self.resolved(row.statements, CyclePhase.ACT))
+            )
 
         return replace(self.source, rows=tuple(tuple(map(resolved, rows)) for rows in self.source.rows))
 
@@ -252,27 +263,29 @@ class Sequencer(ABC):
         behind = [each.behind(self.resolve, signal(i, ActionEvent.S1)) for i, each in enumerate(self.checks)]
         self.add_checks_behind(self._of_steps(forgotten), self._of_steps(behind), alarms)
 
-    def _of_steps(self, statements: Iterable[list[Statement]]) -> list[StepCode]:
+    def _of_steps(self, statements: Iterable[list[Statement]]) -> list[SequencerStepCode]:
         """The code of each step that has some."""
         pairs = zip(self.net.steps, statements, strict=True)
-        return [StepCode(step, tuple(own)) for step, own in pairs if own]
+        return [SequencerStepCode(step, tuple(own)) for step, own in pairs if own]
 
     # -- what belongs to one step each
 
-    def add_checks(self, cleared: list[Statement], checked: Sequence[StepCode], alarms: str) -> None:
+    def add_checks(self, cleared: list[Statement], checked: Sequence[SequencerStepCode], alarms: str) -> None:
         """Append the checks of the active steps before the step change."""
         self.code.add(self.own_texts.checks, [*cleared, *_all(checked)], alarms)
 
-    def add_checks_behind(self, forgotten: Sequence[StepCode], checked: Sequence[StepCode], alarms: str) -> None:
+    def add_checks_behind(
+        self, forgotten: Sequence[SequencerStepCode], checked: Sequence[SequencerStepCode], alarms: str
+    ) -> None:
         """Append the checks behind the step change, of steps that were left, then of the active ones."""
         self.code.add(self.own_texts.checks_behind, [*_all(forgotten), *_all(checked)], alarms)
 
-    def add_leaving(self, parts: Sequence[StepCode]) -> None:
+    def add_leaving(self, parts: Sequence[SequencerStepCode]) -> None:
         """Append what steps execute that were left."""
         for part in parts:
             self.code.add(self.own_texts.leaving(part.step.path), part.statements)
 
-    def add_acting(self, parts: Sequence[StepCode]) -> None:
+    def add_acting(self, parts: Sequence[SequencerStepCode]) -> None:
         """Append what steps execute that are active."""
         for part in parts:
             self.code.add(self.own_texts.acting(part.step.path), part.statements)
@@ -297,5 +310,5 @@ class Sequencer(ABC):
         return self.checks[step].value("LS")
 
 
-def _all(parts: Iterable[StepCode]) -> list[Statement]:
+def _all(parts: Iterable[SequencerStepCode]) -> list[Statement]:
     return [statement for part in parts for statement in part.statements]

@@ -26,7 +26,7 @@ TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
 
 
 @dataclass(frozen=True)
-class Row:
+class ActionRow:
     """An action of a step. `event` is None where it acts while the step is active, `interlock`: only if that allows.
 
     `target` is an operand, `statements` what is executed instead. `value` is the time, or the number a counter is set
@@ -61,7 +61,7 @@ class GraphSource(ChartSource):
 
     interlocks: dict[int, ConditionText]
     supervisions: dict[int, ConditionText]
-    rows: tuple[tuple[Row, ...], ...]
+    rows: tuple[tuple[ActionRow, ...], ...]
     before: tuple[n.Statement, ...]
     after: tuple[n.Statement, ...]
     parameters: dict[str, str]
@@ -103,14 +103,14 @@ _COMPARING = frozenset(
 
 
 @dataclass(frozen=True)
-class StepSign:
+class StepNames:
     """How code speaks of a step: what tells that it is `active`, and how the names of its variables begin."""
 
     active: n.Expression
     name: str
 
 
-class Phase(Enum):
+class CyclePhase(Enum):
     """Where in a cycle a text stands.
 
     BEFORE: permanent operations before the sequence. CHECK: interlocks and supervisions. SWITCH: conditions of
@@ -125,16 +125,16 @@ class Phase(Enum):
 
 
 @dataclass(frozen=True)
-class Text:
+class SequencerText:
     """A text of the sequencer, and the steps that are active whenever it is executed."""
 
     tree: n.Node
-    phase: Phase
+    phase: CyclePhase
     active: tuple[int, ...]
     path: str
 
 
-def texts_of(source: GraphSource) -> Iterator[Text]:
+def texts_of(source: GraphSource) -> Iterator[SequencerText]:
     """All texts of a sequencer."""
     tree: n.Node
     # conditions are also evaluated for steps that are not active yet
@@ -142,27 +142,29 @@ def texts_of(source: GraphSource) -> Iterator[Text]:
     if source.skips:
         ahead = {step.index for step in source.net.steps}
     for tree in (*source.before, *source.logic):
-        yield Text(tree, Phase.BEFORE, (), "permanent operations before")
+        yield SequencerText(tree, CyclePhase.BEFORE, (), "permanent operations before")
     for transition, condition, preparation in zip(
         source.net.transitions, source.conditions, source.preparations, strict=True
     ):
         for tree in (condition, *preparation):
             active = tuple(i for i in transition.sources if i not in ahead)
-            yield Text(tree, Phase.SWITCH, active, f"transition {transition.path}")
+            yield SequencerText(tree, CyclePhase.SWITCH, active, f"transition {transition.path}")
     for kind, conditions in (("interlock", source.interlocks), ("supervision", source.supervisions)):
         for step, stated in conditions.items():
             for tree in (stated.value, *stated.preparation):
-                yield Text(tree, Phase.CHECK, (step,), f"{kind} of step {source.net.steps[step].path}")
+                yield SequencerText(tree, CyclePhase.CHECK, (step,), f"{kind} of step {source.net.steps[step].path}")
     for step, rows in enumerate(source.rows):
         for row in rows:
             owner = () if row.event is ActionEvent.S0 else (step,)
             for tree in (*row.statements, *(t for t in (row.target, row.value) if t is not None)):
-                yield Text(tree, Phase.ACT, owner, f"step {source.net.steps[step].path} / action {row.name}")
+                yield SequencerText(
+                    tree, CyclePhase.ACT, owner, f"step {source.net.steps[step].path} / action {row.name}"
+                )
     for tree in source.after:
-        yield Text(tree, Phase.ACT, (), "permanent operations after")
+        yield SequencerText(tree, CyclePhase.ACT, (), "permanent operations after")
     for index, quantity in source.shown:
         step_name = n.Name(source.net.steps[index].step.name, n.Quoting.LOCAL)
-        yield Text(n.Member(step_name, n.Name(quantity)), Phase.ACT, (), "other blocks")
+        yield SequencerText(n.Member(step_name, n.Name(quantity)), CyclePhase.ACT, (), "other blocks")
 
 
 def steps_by_name(source: GraphSource) -> dict[str, int]:
@@ -178,12 +180,12 @@ def step_quantity(node: n.Node, steps: dict[str, int]) -> tuple[int, str] | None
     return None
 
 
-class Questions:
+class AskedStepData:
     """What is asked of steps, and where."""
 
     def __init__(self, source: GraphSource) -> None:
         self.steps = steps_by_name(source)
-        self._asked: dict[tuple[int, str], list[Text]] = defaultdict(list)
+        self._asked: dict[tuple[int, str], list[SequencerText]] = defaultdict(list)
         self._asking: set[int] = set()
         names = {*self.steps, *(t.transition.name.casefold() for t in source.net.transitions if t.transition.name)}
         for text in texts_of(source):
@@ -206,7 +208,7 @@ class Questions:
         """All that is asked of a step."""
         return {quantity for index, quantity in self._asked if index == step}
 
-    def asked(self, step: int, quantities: Collection[str], *phases: Phase) -> bool:
+    def asked(self, step: int, quantities: Collection[str], *phases: CyclePhase) -> bool:
         """Whether one of these is asked for in these phases."""
         return any(
             text.phase in phases
@@ -241,7 +243,7 @@ class Questions:
         return id(tree) in self._asking
 
 
-def _check_names(text: Text, node: n.Node, names: Collection[str], steps: dict[str, int]) -> None:
+def _check_names(text: SequencerText, node: n.Node, names: Collection[str], steps: dict[str, int]) -> None:
     """Refuse what names a step or a transition, but for reading a single quantity of a step."""
     found = step_quantity(node, steps)
     if found is not None:
@@ -260,5 +262,5 @@ def _check_names(text: Text, node: n.Node, names: Collection[str], steps: dict[s
             _check_names(text, child, names, steps)
 
 
-def _refuse(text: Text, message: str) -> NoReturn:
+def _refuse(text: SequencerText, message: str) -> NoReturn:
     raise LoweringError(message, location=Location(path=text.path))

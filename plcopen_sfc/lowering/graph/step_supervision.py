@@ -22,36 +22,36 @@ from plcopen_sfc.lowering.code.boolean_logic import (
     when,
 )
 from plcopen_sfc.lowering.code.code_declarations import TIME
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Suffix, Texts
-from plcopen_sfc.lowering.graph.sequencer_source import GraphSource, Phase, Questions, StepSign
+from plcopen_sfc.lowering.graph.sequencer_source import AskedStepData, CyclePhase, GraphSource, StepNames
 from plcopen_sfc.lowering.reading.step_variables import FOREVER
 from plcopen_sfc.model.types import DerivedType
 
 INTERLOCK = ("LS", "LA", "L1", "L0")
 SUPERVISION = ("VS", "VA", "V1", "V0", "A1")
 
-Resolve = Callable[[Any, Phase], Any]
+Resolve = Callable[[Any, CyclePhase], Any]
 """Makes of a text what stands for it in lowered code: the same, with other names for the data of steps."""
 
 
 @dataclass(frozen=True)
-class Asked:
+class CheckedStep:
     """What is asked of a step, and how code speaks of it; `needed` is what of its checks is wanted anywhere.
 
     `comment` says what a variable of them means.
     """
 
-    sign: StepSign
+    sign: StepNames
     needed: set[str]
-    questions: Questions
+    questions: AskedStepData
     comment: Callable[[str], str]
 
 
 class StepChecks:
     """The checks of one step. `early`: they are evaluated before the step change."""
 
-    def __init__(self, source: GraphSource, step: int, code: Code, asked: Asked) -> None:
+    def __init__(self, source: GraphSource, step: int, code: LoweredCode, asked: CheckedStep) -> None:
         needed, questions = asked.needed, asked.questions
         self._flag = asked.sign.active
         self._interlock = source.interlocks.get(step)
@@ -60,7 +60,7 @@ class StepChecks:
         remembers = self._supervision is not None and (source.acknowledged or "A1" in needed)
         stated = [c for c in (self._interlock, self._supervision) if c is not None]
         asked_early = (step, "U") in questions or questions.asked(
-            step, {*INTERLOCK, *SUPERVISION}, Phase.CHECK, Phase.SWITCH
+            step, {*INTERLOCK, *SUPERVISION}, CyclePhase.CHECK, CyclePhase.SWITCH
         )
         self.early = (
             remembers
@@ -86,7 +86,7 @@ class StepChecks:
             if self.early:
                 wanted |= {"VS"}
         self._remembers = remembers
-        self._asked_between = questions.asked(step, _EVENTS, Phase.CHECK)
+        self._asked_between = questions.asked(step, _EVENTS, CyclePhase.CHECK)
         self._variables = {
             name: code.declare(_called(name, asked.sign.name, code.texts), comment=asked.comment(name))
             for name in _ORDER
@@ -109,7 +109,7 @@ class StepChecks:
             return FALSE
         if self.early:
             return self.value("VA")
-        fault: Expression = resolve(self._supervision.value, Phase.SWITCH)
+        fault: Expression = resolve(self._supervision.value, CyclePhase.SWITCH)
         return fault
 
     def disturbed(self) -> Expression:
@@ -127,7 +127,7 @@ class StepChecks:
         """The checks of the active step before the step change."""
         if not self.early:
             return []
-        return [when(self._flag, *self._evaluated(resolve, Phase.CHECK, acknowledge))]
+        return [when(self._flag, *self._evaluated(resolve, CyclePhase.CHECK, acknowledge))]
 
     def forgotten(self, left: Callable[[], Expression]) -> list[Statement]:
         """What ends when the step is left."""
@@ -141,9 +141,9 @@ class StepChecks:
             return []
         if not self.early:
             return self._late(resolve)
-        return [when(entered(), *self._evaluated(resolve, Phase.ENTERED, FALSE))]
+        return [when(entered(), *self._evaluated(resolve, CyclePhase.ENTERED, FALSE))]
 
-    def _evaluated(self, resolve: Resolve, phase: Phase, acknowledge: Expression) -> list[Statement]:
+    def _evaluated(self, resolve: Resolve, phase: CyclePhase, acknowledge: Expression) -> list[Statement]:
         v = self._variables
         into: list[Statement] = []
         if self._interlock is not None and "LS" in v:
@@ -161,11 +161,11 @@ class StepChecks:
         v = self._variables
         into: list[Statement] = []
         if self._interlock is not None and "LS" in v:
-            satisfied = resolve(self._interlock.value, Phase.ACT)
+            satisfied = resolve(self._interlock.value, CyclePhase.ACT)
             into.append(assignment(v["LS"], conjunction([self._flag, satisfied])))
             self._interlock_events(into)
         if self._supervision is not None and "VS" in v:
-            fault = resolve(self._supervision.value, Phase.ACT)
+            fault = resolve(self._supervision.value, CyclePhase.ACT)
             self._supervision_events(conjunction([self._flag, fault]), into)
         return into
 
@@ -230,7 +230,7 @@ class StepClock:
     """The times of the steps of one sequencer."""
 
     def __init__(
-        self, source: GraphSource, code: Code, signs: Sequence[StepSign], texts: Texts, questions: Questions
+        self, source: GraphSource, code: LoweredCode, signs: Sequence[StepNames], texts: Texts, questions: AskedStepData
     ) -> None:
         self._source, self._signs, self._questions = source, signs, questions
         self._timers: dict[int, n.Name] = {}

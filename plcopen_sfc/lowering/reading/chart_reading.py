@@ -10,8 +10,15 @@ from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, walk
 from plcopen_sfc.lowering.code.boolean_logic import TRUE, conjunction, negation
-from plcopen_sfc.lowering.reading.chart_source import ActionSource, ChartSource, Reason, StepCode, Use, Watch
-from plcopen_sfc.lowering.reading.text_reading import ConditionText, Targets, TextReader
+from plcopen_sfc.lowering.reading.chart_source import (
+    ActionSource,
+    ActionUse,
+    ChartSource,
+    HoldingOperand,
+    StepStatements,
+    StepTimeLimit,
+)
+from plcopen_sfc.lowering.reading.text_reading import ActionTargets, ConditionText, TextReader
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.conditions import Condition
@@ -66,7 +73,7 @@ class _Reader(TextReader):
         grafcet: TextReader | None,
     ) -> None:
         super().__init__(pou, chart, dialect, grafcet.helpers if grafcet is not None else ())
-        self._targets = Targets(pou, project, dialect)
+        self._targets = ActionTargets(pou, project, dialect)
         self._grafcet = grafcet
         self._profile = profile
         self._types = {variable.name.casefold(): variable.type for variable in pou.variables()}
@@ -155,7 +162,7 @@ class _Reader(TextReader):
 
     def _actions(self) -> Iterator[ActionSource]:
         """Associations with the same target are one action, every body in place is one of its own; as in the chart."""
-        targets: dict[str, tuple[str, str, str, list[Use]]] = {}
+        targets: dict[str, tuple[str, str, str, list[ActionUse]]] = {}
         found: list[str | ActionSource] = []
         for owner in self._owners():
             for number, association in enumerate(owner.step.actions, 1):
@@ -213,7 +220,7 @@ class _Reader(TextReader):
         asks = any(isinstance(node, n.Name) and node.identifier.casefold() in steps for node in parts)
         return not asks and any(isinstance(node, n.Return) for node in parts)
 
-    def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> Use:
+    def _use(self, owner: _Owner, association: ActionAssociation, path: str) -> ActionUse:
         if association.event is not None or association.interlock or association.forcing is not None:
             self.refuse("events, interlocks and forcing orders are not lowered yet", path)
         if association.kind not in (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL):
@@ -226,7 +233,7 @@ class _Reader(TextReader):
             self.refuse(f"{qualifier} needs a time", path)
         condition, before = self._guard(owner.chart, association.condition, path)
         inverted = owner.step.negated is not association.negated
-        return Use(owner.steps, inverted, qualifier, condition, duration, association.comment, before)
+        return ActionUse(owner.steps, inverted, qualifier, condition, duration, association.comment, before)
 
     def _guard(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
         if condition is None:
@@ -236,7 +243,7 @@ class _Reader(TextReader):
 
     # -- what steps execute
 
-    def _step_code(self) -> Iterator[StepCode]:
+    def _step_code(self) -> Iterator[StepStatements]:
         for step in self._net.steps:
             model = step.step
             if model.interlock is not None or model.supervision is not None:
@@ -246,7 +253,7 @@ class _Reader(TextReader):
                 for action in (model.entry_action, model.main_action, model.exit_action)
             ]
             if any(codes):
-                yield StepCode(step.index, *codes)
+                yield StepStatements(step.index, *codes)
 
     def _step_action(self, action: str | Body | None, path: str) -> tuple[n.Statement, ...]:
         if not isinstance(action, str):
@@ -262,15 +269,15 @@ class _Reader(TextReader):
                 if step.step.min_time:
                     yield step.index, self.expression(step.step.min_time, f"step {step.path}")
 
-    def _watches(self) -> Iterator[Watch]:
+    def _watches(self) -> Iterator[StepTimeLimit]:
         if self._profile.maximum_times and SfcFlag.ERROR in self._flags:
             for step in self._net.steps:
                 if step.step.max_time:
                     time = self.expression(step.step.max_time, f"step {step.path}")
                     reasons = tuple(self._reasons(step.index)) if _ANALYSES & self._flags else ()
-                    yield Watch(step.index, time, reasons)
+                    yield StepTimeLimit(step.index, time, reasons)
 
-    def _reasons(self, step: int) -> Iterator[Reason]:
+    def _reasons(self, step: int) -> Iterator[HoldingOperand]:
         """The operands that can keep the transitions behind a step from being TRUE."""
         for index in self._net.leaving[step]:
             condition = self._net.transitions[index].transition.condition
@@ -294,7 +301,7 @@ def _logical(node: n.Expression) -> Iterator[n.Name]:
 _LOGICAL = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Operator.OR_ELSE, n.Operator.XOR})
 
 
-def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[Reason]:
+def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[HoldingOperand]:
     """What can keep `node` from being `wanted`, if all that is `given` is TRUE."""
     match node:
         case n.Parenthesized():
@@ -310,7 +317,7 @@ def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Express
                 yield from _reasons(operand, text, wanted, given)
             return
     start, end = node.span or (0, len(text))
-    yield Reason(text[start:end], conjunction([*given, negation(node) if wanted else node]), not wanted)
+    yield HoldingOperand(text[start:end], conjunction([*given, negation(node) if wanted else node]), not wanted)
 
 
 _ANALYSES = {SfcFlag.ERROR_ANALYZATION, SfcFlag.ERROR_ANALYZATION_TABLE}

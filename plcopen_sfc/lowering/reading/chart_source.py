@@ -21,7 +21,7 @@ from plcopen_sfc.semantics.net import Net
 
 
 @dataclass(frozen=True)
-class Edge:
+class EdgeInCondition:
     """``↑operand``, or ``↓operand`` where it is not `rising`. In conditions `name` stands for it.
 
     `words` are the names in it, as people wrote them.
@@ -34,7 +34,7 @@ class Edge:
 
 
 @dataclass(frozen=True)
-class Delay:
+class DelayInCondition:
     """``first/operand/last``: TRUE `first` after the operand became TRUE, until `last` after it became FALSE.
 
     In conditions `name` stands for it. None: no delay at this end. `words` are the names in it, as people wrote them.
@@ -65,8 +65,8 @@ class GrafcetSource:
     ruled only by those before it. `step_variables` are the names that mean steps (``X5``), in lower case.
     """
 
-    edges: tuple[Edge, ...]
-    delays: tuple[Delay, ...]
+    edges: tuple[EdgeInCondition, ...]
+    delays: tuple[DelayInCondition, ...]
     stored: tuple[StoredAction, ...]
     continuous: tuple[ActionSource, ...]
     ruled: tuple[RuledChart, ...]
@@ -111,7 +111,7 @@ Change: TypeAlias = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
-class Use:
+class ActionUse:
     """One association of an action: `steps` (indexes of the net; several in a macro-step) drive it by `qualifier`.
 
     `inverted`: they do while none of them is active. `condition` is TRUE where there is none, `duration` None.
@@ -138,7 +138,7 @@ class ActionSource:
     name: str
     target: n.Expression | None
     statements: tuple[n.Statement, ...]
-    uses: tuple[Use, ...]
+    uses: tuple[ActionUse, ...]
     in_place: bool = False
     text: str = ""
     comment: Text | None = None
@@ -146,7 +146,7 @@ class ActionSource:
     def changed(self, change: Change) -> ActionSource:
         """The same action with `change` applied to every text but its target."""
 
-        def used(use: Use) -> Use:
+        def used(use: ActionUse) -> ActionUse:
             duration = change(use.duration) if use.duration is not None else None
             preparation = tuple(change(statement) for statement in use.preparation)
             return replace(use, condition=change(use.condition), duration=duration, preparation=preparation)
@@ -168,7 +168,7 @@ class ActionSource:
 
 
 @dataclass(frozen=True)
-class StepCode:
+class StepStatements:
     """What a step executes when it becomes active, while it is, and when it no longer is."""
 
     step: int
@@ -178,7 +178,7 @@ class StepCode:
 
 
 @dataclass(frozen=True)
-class Reason:
+class HoldingOperand:
     """An operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does.
 
     `value` is that of the operand meanwhile.
@@ -190,12 +190,12 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Watch:
+class StepTimeLimit:
     """The longest time that a step may be active, and why it still is."""
 
     step: int
     time: n.Expression
-    reasons: tuple[Reason, ...] = ()
+    reasons: tuple[HoldingOperand, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -218,9 +218,9 @@ class ChartSource:
     logic: tuple[n.Statement, ...]
     helpers: tuple[Helper, ...]
     actions: tuple[ActionSource, ...]
-    step_code: tuple[StepCode, ...]
+    step_code: tuple[StepStatements, ...]
     minimum_times: dict[int, n.Expression]
-    watches: tuple[Watch, ...] = ()
+    watches: tuple[StepTimeLimit, ...] = ()
     flags: frozenset[SfcFlag] = frozenset()
     undeclared_flags: frozenset[SfcFlag] = frozenset()
     grafcet: GrafcetSource | None = None
@@ -232,7 +232,7 @@ class ChartSource:
         def each(nodes: tuple[Any, ...]) -> tuple[Any, ...]:
             return tuple(change(node) for node in nodes)
 
-        def watched(watch: Watch) -> Watch:
+        def watched(watch: StepTimeLimit) -> StepTimeLimit:
             reasons = tuple(replace(reason, stands=change(reason.stands)) for reason in watch.reasons)
             return replace(watch, time=change(watch.time), reasons=reasons)
 

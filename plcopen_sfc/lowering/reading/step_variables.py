@@ -11,7 +11,7 @@ from plcopen_sfc.languages.st import transform, walk
 from plcopen_sfc.languages.st.nodes import Expression, Node, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, assignment, call, conjunction, disjunction, negation, when
 from plcopen_sfc.lowering.code.code_declarations import TIME
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
 from plcopen_sfc.model.types import DerivedType
 from plcopen_sfc.semantics.net import Net, indexes
@@ -21,14 +21,14 @@ FOREVER = n.Literal("T#24d")
 """Longer than any step time: TIME of 32 bits ends at 24 days 20 hours."""
 
 
-class StepTimes:
+class StepTimers:
     """The timers of one chart. `active` gives the flag of a step by its index in the net.
 
     A step has a timer for each time that its output ``Q`` is to tell of; one of them has no end, where anything asks
     how long the step has been active.
     """
 
-    def __init__(self, code: Code, active: StepValue, name: Callable[[int], str]) -> None:
+    def __init__(self, code: LoweredCode, active: StepValue, name: Callable[[int], str]) -> None:
         self._code, self._active, self._name = code, active, name
         self._timers: dict[int, dict[Expression, n.Name]] = {}
         self._kept: dict[int, n.Name] = {}
@@ -87,7 +87,7 @@ MayFire = Callable[[Expression, Expression], Expression]
 
 
 def resolve_steps(
-    source: ChartSource, active: StepValue, times: StepTimes, profile: Profile, may_fire: MayFire
+    source: ChartSource, active: StepValue, times: StepTimers, profile: Profile, may_fire: MayFire
 ) -> ChartSource:
     """The same chart, its texts with `active` and `times` for what asks whether and how long a step is active.
 

@@ -40,7 +40,7 @@ from plcopen_sfc.model.types import (
 )
 
 
-class Targets:
+class ActionTargets:
     """Tells of the targets of a POU's actions what they are; see `plcopen_sfc.semantics.charts.targets`."""
 
     def __init__(self, pou: Pou, project: Project | None, dialect: Dialect) -> None:
@@ -109,7 +109,7 @@ class TextReader:
         place = f"{self.pou.name} / {path}" if path else self.pou.name
         raise LoweringError(message, location=Location(path=place))
 
-    def variable(self, name: str, targets: Targets, path: str) -> n.Expression:
+    def variable(self, name: str, targets: ActionTargets, path: str) -> n.Expression:
         """The variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
         variable = self.expression(name, path)
         other = targets.other_type(variable)

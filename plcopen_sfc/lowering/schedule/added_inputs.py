@@ -14,7 +14,7 @@ from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, assignment, conjunction, disjunction, equal, negation
 from plcopen_sfc.lowering.code.code_declarations import BOOL, free_name, integer
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.lowering_options import LoweringRules, OperatingMode, Style
 from plcopen_sfc.lowering.reading.chart_source import ChartSource, step_numbers
 from plcopen_sfc.model.variables import SectionKind
@@ -48,7 +48,7 @@ def with_usual_input(
 
 
 def declare_restart(
-    source: ChartSource, code: Code, rules: LoweringRules, surroundings: Collection[str]
+    source: ChartSource, code: LoweredCode, rules: LoweringRules, surroundings: Collection[str]
 ) -> n.Name | None:
     """What is TRUE while the chain is to stand at its initial steps; None where nobody asked for it.
 
@@ -72,7 +72,7 @@ def declare_restart(
 class _Conditions:
     """Reads conditions and declares the inputs that they need."""
 
-    def __init__(self, source: ChartSource, code: Code, known: Collection[str]) -> None:
+    def __init__(self, source: ChartSource, code: LoweredCode, known: Collection[str]) -> None:
         self._source, self._code, self._known = source, code, known
         self._inputs: dict[str, n.Name] = {}
 
@@ -136,7 +136,7 @@ class _Conditions:
         raise LoweringError(message, location=Location(path=self._source.pou.name), hint=hint)
 
 
-class Modes:
+class ModeInputs:
     """The operating modes of one chain. Their inputs, and the network that evaluates them, come first in its code.
 
     `init`: what starts the chain anew, which is stronger than all of them. `selecting`: a pulse in the scan in which
@@ -144,7 +144,7 @@ class Modes:
     """
 
     def __init__(
-        self, source: ChartSource, code: Code, memory: Memory, rules: LoweringRules, init: Expression | None
+        self, source: ChartSource, code: LoweredCode, memory: Memory, rules: LoweringRules, init: Expression | None
     ) -> None:
         self._code, self._memory, self._texts, self._modes = code, memory, rules.texts, rules.modes
         self._numbers = step_numbers(source.net)

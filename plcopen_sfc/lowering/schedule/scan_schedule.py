@@ -9,17 +9,17 @@ from typing import NoReturn
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Expression, Statement
-from plcopen_sfc.lowering.actions.action_control import ActionControl, SequentialControl, stepwise_timed
+from plcopen_sfc.lowering.actions.action_control import ActionControlCode, SequentialControlCode, stepwise_timed
 from plcopen_sfc.lowering.actions.action_execution import add_actions, add_changes, add_conditions, add_main_actions
-from plcopen_sfc.lowering.actions.drive_block import DriveBlock, Signal, without_texts
+from plcopen_sfc.lowering.actions.drive_block import DriveBlock, DriveSignal, without_texts
 from plcopen_sfc.lowering.code.boolean_logic import FALSE, TRUE, conjunction, is_constant, when
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode
 from plcopen_sfc.lowering.lowering_options import ActionPlace, LoweringRules
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.lowering.reading.step_variables import StepTimes, resolve_steps
-from plcopen_sfc.lowering.schedule.added_inputs import Modes, declare_restart
-from plcopen_sfc.lowering.schedule.sfc_flag_code import FlagCode
+from plcopen_sfc.lowering.reading.step_variables import StepTimers, resolve_steps
+from plcopen_sfc.lowering.schedule.added_inputs import ModeInputs, declare_restart
+from plcopen_sfc.lowering.schedule.sfc_flag_code import SfcFlagCode
 from plcopen_sfc.semantics.charts.moves import testing_order
 from plcopen_sfc.semantics.net import Net, NetTransition, Rivals
 from plcopen_sfc.semantics.profile import ActionControl as Control
@@ -50,7 +50,7 @@ def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
     raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
 
 
-class Chain(ABC):
+class ScanSchedule(ABC):
     """Lowers one chart into `code`.
 
     A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`). `init`:
@@ -60,7 +60,7 @@ class Chain(ABC):
     def __init__(
         self,
         source: ChartSource,
-        code: Code,
+        code: LoweredCode,
         memory: Memory,
         rules: LoweringRules,
         surroundings: Collection[str] = (),
@@ -70,19 +70,19 @@ class Chain(ABC):
         self.surroundings = surroundings
         init = declare_restart(source, code, rules, surroundings)
         code.declare_helpers(source.helpers)
-        self.sfc_flags = FlagCode(source, code, memory, rules.texts, init)
+        self.sfc_flags = SfcFlagCode(source, code, memory, rules.texts, init)
         self.init: Expression | None = self.sfc_flags.restart
         self.blocking = self.sfc_flags.blocking
-        self.modes = Modes(source, code, memory, rules, self.init)
+        self.modes = ModeInputs(source, code, memory, rules, self.init)
         self.forgets = False
         self.drives: list[DriveBlock] = []
         self.declare_states(source)
         self.signals = {
-            self.active(s.index): Signal(self.texts.flag_name(s.step), self.texts.flag_of(s.path))
+            self.active(s.index): DriveSignal(self.texts.flag_name(s.step), self.texts.flag_of(s.path))
             for s in self.net.steps
         }
         names = {step.index: self.texts.time_name(step.step) for step in self.net.steps}
-        self.times = StepTimes(code, self.active, names.__getitem__)
+        self.times = StepTimers(code, self.active, names.__getitem__)
         for watch in source.watches:
             self.times.elapsed(watch.step)
         if self.profile.action_control is Control.SEQUENTIAL:
@@ -175,14 +175,16 @@ class Chain(ABC):
             return
         add_actions(self.source, self.code, self._control(self.code, self.memory, ending), self.memory, self.rules)
 
-    def _control(self, code: Code, memory: Memory, ending: Expression) -> ActionControl | SequentialControl:
+    def _control(
+        self, code: LoweredCode, memory: Memory, ending: Expression
+    ) -> ActionControlCode | SequentialControlCode:
         """What drives actions that stand in `code`."""
         if self.profile.action_control is Control.SEQUENTIAL:
             entered = self.profile.initial_steps_entered
-            return SequentialControl(
+            return SequentialControlCode(
                 self.net, code, memory, self.times, active=self.active, ending=ending, entered=entered
             )
-        return ActionControl(memory, self.active, ending)
+        return ActionControlCode(memory, self.active, ending)
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
         """A block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""

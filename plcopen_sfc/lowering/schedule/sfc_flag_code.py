@@ -23,10 +23,10 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 )
 from plcopen_sfc.lowering.code.code_declarations import BOOL, INT
 from plcopen_sfc.lowering.code.code_memory import Memory
-from plcopen_sfc.lowering.code.lowered_code import Code, StepValue
+from plcopen_sfc.lowering.code.lowered_code import LoweredCode, StepValue
 from plcopen_sfc.lowering.code_texts import Texts
-from plcopen_sfc.lowering.reading.chart_source import ChartSource, Reason, Watch
-from plcopen_sfc.lowering.reading.step_variables import StepTimes
+from plcopen_sfc.lowering.reading.chart_source import ChartSource, HoldingOperand, StepTimeLimit
+from plcopen_sfc.lowering.reading.step_variables import StepTimers
 from plcopen_sfc.model.sfc import SfcFlag
 from plcopen_sfc.model.types import (
     ArrayType,
@@ -51,7 +51,7 @@ class ErrorTable:
     stay empty, as in the simulator. Raises `LoweringError` where the POU declares the flag otherwise.
     """
 
-    def __init__(self, source: ChartSource, code: Code, texts: Texts) -> None:
+    def __init__(self, source: ChartSource, code: LoweredCode, texts: Texts) -> None:
         self._dialect = source.dialect
         declared = next((v for v in source.pou.variables() if v.name.casefold() == _VARIABLE.casefold()), None)
         kind = ArrayType(dimensions=[Dimension(lower="0", upper="15")], base=DerivedType(name=_TYPE))
@@ -73,7 +73,7 @@ class ErrorTable:
         self._table = code.naming.local(_VARIABLE)
         self._row = code.declare(texts.table_row, INT)
 
-    def filled(self, reasons: Iterable[Reason]) -> list[Statement]:
+    def filled(self, reasons: Iterable[HoldingOperand]) -> list[Statement]:
         """A row for each reason that stands, as far as there is place; all rows behind them are empty."""
         found: list[Statement] = [assignment(self._row, n.Literal("0"))]
         free = n.Operation(Operator.LESS_OR_EQUAL, (self._row, _LAST))
@@ -111,14 +111,16 @@ _TEXTS = (SfcFlag.ERROR_STEP, SfcFlag.ERROR_POU, SfcFlag.ERROR_ANALYZATION, SfcF
 _EMPTY = n.Literal("''")
 
 
-class FlagCode:
+class SfcFlagCode:
     """The flags of one chart, which has none of this code where it uses none of them.
 
     `init`: what starts the chain anew besides. A flag that nobody has declared becomes a local variable, as the tool
     declares it.
     """
 
-    def __init__(self, source: ChartSource, code: Code, memory: Memory, texts: Texts, init: Expression | None) -> None:
+    def __init__(
+        self, source: ChartSource, code: LoweredCode, memory: Memory, texts: Texts, init: Expression | None
+    ) -> None:
         self._source, self._code, self._memory, self._texts = source, code, memory, texts
         self._init = init
         self._table: ErrorTable | None = None
@@ -158,7 +160,7 @@ class FlagCode:
 
     # -- before anything else in a scan
 
-    def begin(self, times: StepTimes) -> None:
+    def begin(self, times: StepTimers) -> None:
         """Append what tells whether the chart goes back, and what stops it."""
         self._code.add(self._texts.init, self._edges)
         init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
@@ -182,7 +184,7 @@ class FlagCode:
         self._conditional(self._texts.init, restart, forgotten)
         return True
 
-    def end(self, place: int, times: StepTimes, calls: Sequence[Statement]) -> None:
+    def end(self, place: int, times: StepTimers, calls: Sequence[Statement]) -> None:
         """Put in what ends all that times and actions remember, and what ends the scan of SFCInit.
 
         To be called when all actions have been lowered; `place` is the one before them. `calls` are those of blocks
@@ -200,7 +202,7 @@ class FlagCode:
             statements += self._memory.conditional("", init, [*calls, n.Return()])
         self._code.add(self._texts.actions_end, statements, place=place)
 
-    def end_in_block(self, code: Code, memory: Memory) -> None:
+    def end_in_block(self, code: LoweredCode, memory: Memory) -> None:
         """Put in, before anything else in a block with actions, what ends them, and the scan of SFCInit."""
         if self._back == FALSE:
             return
@@ -257,7 +259,7 @@ class FlagCode:
         if SfcFlag.TRANS in self._flags:
             self._code.add(self._texts.transitions, self._assigned(SfcFlag.TRANS, fired()))
 
-    def watch(self, watches: Iterable[Watch], active: StepValue, times: StepTimes) -> None:
+    def watch(self, watches: Iterable[StepTimeLimit], active: StepValue, times: StepTimers) -> None:
         """Append what reports the first step that is active longer than it may."""
         error, limit = (self._flags.get(flag) for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT))
         if error is None:
@@ -279,7 +281,7 @@ class FlagCode:
             )
             self._code.add(self._texts.maximum_time(step.path), statements)
 
-    def _analysis(self, watch: Watch) -> list[Statement]:
+    def _analysis(self, watch: StepTimeLimit) -> list[Statement]:
         """The operands that keep the step active, divided by vertical bars."""
         analyzation = self._flags.get(SfcFlag.ERROR_ANALYZATION)
         if analyzation is None:

@@ -10,7 +10,7 @@ import pytest
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.lowering.lower import lower
+from plcopen_sfc.lowering import lower
 from plcopen_sfc.semantics.drawn import as_executed
 from plcopen_sfc.semantics.profile import PROFILES, DrawnBlocks
 from plcopen_sfc.semantics.simulation import simulate

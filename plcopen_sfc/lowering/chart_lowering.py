@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
-from typing import Any, TypeVar, Unpack
+from typing import Any, NamedTuple, TypeVar, Unpack
 
 from plcopen_sfc.analysis.equivalence import Searching
 from plcopen_sfc.analysis.verdict import Verdict, VerdictKind
@@ -163,13 +163,13 @@ def lower(
     found to be different; `UntestedError` where it is equal, but steps or transitions were not reached that may be
     reachable; `ModelError` for an unknown name.
     """
-    chosen = _chosen(Construction, _ALIASES.get(str(construction), str(construction)))
-    wanted_style = _chosen(Style, str(style))
-    spoken = _chosen(Language, str(language).upper()) if language is not None else None
+    wanted = _Wanted(
+        _chosen(Construction, _ALIASES.get(str(construction), str(construction))),
+        _chosen(Style, str(style)),
+        _chosen(Language, str(language).upper()) if language is not None else None,
+    )
     found = resolve(subject, pou)
-    chart = found.pou.chart
-    if chart is None:
-        raise LoweringError("there is no chart to be lowered", location=Location(path=found.name))
+    _chart_of(found)
     _refuse_what_was_not_read(found)
     texts = TEXTS.get(lang)
     if texts is None:
@@ -190,35 +190,12 @@ def lower(
     )
     meant = as_executed(found, semantics)
     with collector_paused(), errors_of(found.project, found.pou, found.name):
-
-        def code_of(construction: Construction) -> Constructed:
-            made = construct(
-                meant.pou,
-                meant.pou.chart or chart,
-                found.project.dialect,
-                rules,
-                construction=construction,
-                style=wanted_style,
-                language=spoken,
-                project=meant.project,
-            )
-            return with_actions(made, found.project.dialect, rules, spoken, found.project)
-
-        try:
-            made = code_of(chosen)
-        except ContactError:
-            if chosen is not Construction.AUTO:
-                raise
-            made = code_of(Construction.BITS)
-        if rules.target is not None and tool_of(rules.target, found.project.dialect) is Tool.S7:
-            made = replace(made, pou=with_actions_inside(made.pou, found.project.dialect))
-    if found.name == found.pou.name:
-        made = replace(made, pou=without_leftovers(meant.pou, made.pou, found.project.dialect))
+        made = _constructed(found, meant, wanted, rules)
     project, lowered_pou = _with(found, made.pou, made.blocks, made.data_types)
     if made.flags is not None:
         made.flags.put_into(project)
     code = Subject(project, made.pou, found.name)
-    proof = _proof(found, code, made, semantics, wanted_style, **searching) if verify else None
+    proof = _proof(found, code, made, semantics, wanted.style, **searching) if verify else None
     if proof is not None:
         with errors_of(found.project, found.pou, found.name):
             refuse_untested(found.name, proof, accepted=accept_untested)
@@ -226,7 +203,7 @@ def lower(
         project,
         lowered_pou,
         made.construction,
-        wanted_style,
+        wanted.style,
         made.rules,
         made.why,
         proof,
@@ -243,6 +220,50 @@ def lower(
         proof_options=ProofOptions(accept_untested, searching) if verify else None,
     )
     return replace(lowered, faults=faults_of(meant, lowered)) if verify else lowered
+
+
+class _Wanted(NamedTuple):
+    """The code that a user wants."""
+
+    construction: Construction
+    style: Style
+    language: Language | None
+
+
+def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: LoweringRules) -> Constructed:
+    """Return the code of `chart` and of the charts that it brings along, made from what is executed (`meant`)."""
+    dialect = chart.project.dialect
+
+    def code_as(construction: Construction) -> Constructed:
+        made = construct(
+            meant.pou,
+            _chart_of(meant),
+            dialect,
+            rules,
+            construction=construction,
+            style=wanted.style,
+            language=wanted.language,
+            project=meant.project,
+        )
+        return with_actions(made, dialect, rules, wanted.language, chart.project)
+
+    try:
+        made = code_as(wanted.construction)
+    except ContactError:
+        if wanted.construction is not Construction.AUTO:
+            raise
+        made = code_as(Construction.BITS)  # a contact can ask for a bit, but not for a comparison
+    if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
+        made = replace(made, pou=with_actions_inside(made.pou, dialect))
+    if chart.name == chart.pou.name:
+        made = replace(made, pou=without_leftovers(meant.pou, made.pou, dialect))
+    return made
+
+
+def _chart_of(subject: Subject) -> SfcNetwork:
+    if subject.pou.chart is None:
+        raise LoweringError("there is no chart to be lowered", location=Location(path=subject.name))
+    return subject.pou.chart
 
 
 def _proof(

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TypedDict, Unpack
 
 from plcopen_sfc.errors import LoweringError
+from plcopen_sfc.lowering.chart_lowering import LoweredPou, lower
 from plcopen_sfc.lowering.code.code_declarations import flags_of_several
-from plcopen_sfc.lowering.lower import LoweredPou, lower
 from plcopen_sfc.lowering.lowering_options import ActionPlace, Construction, Language, OperatingMode, States, Style
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.semantics.profile import Profile
