@@ -77,10 +77,10 @@ from plcopen_sfc.errors import (
 from plcopen_sfc.errors import (
     UntestedError as UntestedError,
 )
-from plcopen_sfc.lowering.lower import (
+from plcopen_sfc.lowering import (
     LoweredPou as LoweredPou,
 )
-from plcopen_sfc.lowering.lower import (
+from plcopen_sfc.lowering import (
     lower as lower,
 )
 from plcopen_sfc.model import (

@@ -90,7 +90,7 @@ def save(
     }
     if not isinstance(project, Project):
         from plcopen_sfc.documents.lowered import save_lowered  # noqa: PLC0415  # brings the interpreter
-        from plcopen_sfc.lowering.lower import LoweredPou  # noqa: PLC0415
+        from plcopen_sfc.lowering import LoweredPou  # noqa: PLC0415
 
         hint = "Put it into a project, as `project.pous` and `pou.bodies`." if isinstance(project, Model) else ""
         check_argument(project, LoweredPou, "save needs a project, or what lower returned", hint)
