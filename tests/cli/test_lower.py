@@ -11,8 +11,8 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.simaticml import networks
-from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError
+from plcopen_sfc.formats.simaticml import lad_fbd_networks
+from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from tests.cli.conftest import Outcome
 from tests.lowering.charts import training_chain
 
@@ -207,7 +207,7 @@ def test_code_in_a_comment_is_no_code(cli: Cli, plant: Path, monkeypatch: pytest
     def nothing(*_: object) -> None:
         raise NotUnderstoodError("an output variable")
 
-    monkeypatch.setattr(networks, "write_flgnet", nothing)
+    monkeypatch.setattr(lad_fbd_networks, "write_flgnet", nothing)
     done = cli("lower", "plant.xml", "out.xml", "--to", "simaticml", "--as", "fup")
     assert done.code == 2
     assert "would stand in a comment only: TIA Portal has no such element: an output variable" in done.err

@@ -118,4 +118,4 @@ def test_a_name_that_stands_for_what_no_text_says_is_part_of_the_reason() -> Non
     )
     told = losses(project, "iec-text")
     assert [item.what for item in told] == ["body"]
-    assert "the undeclared name NOT_EXECUTED_Main stands in its place" in told[0].why
+    assert "the undeclared name NOT_EXECUTED_Main is in its place" in told[0].why

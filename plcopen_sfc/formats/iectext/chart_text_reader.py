@@ -228,7 +228,7 @@ class _Header:
     def _skip_to_condition(self) -> None:
         if self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
             token = self.tokens[self.at]
-            message = f"{token.value[:30]!r} cannot stand here: TRANSITION name (PRIORITY := n) FROM steps TO steps"
+            message = f"{token.value[:30]!r} is not allowed here: TRANSITION name (PRIORITY := n) FROM steps TO steps"
             self.src.note("IEC103", message, token.span[0], self.path)
             while self.at < len(self.tokens) and self._type() not in ("ASSIGN", "COLON"):
                 self.at += 1
@@ -256,7 +256,7 @@ def body_fields(text: str, tokens: list[Token]) -> Fields:
 
 
 def is_il(tokens: list[Token]) -> bool:
-    """Whether these are instructions: no semicolon, and an operator at the start, perhaps behind a label."""
+    """True if these are instructions: no semicolon, and an operator at the start, perhaps behind a label."""
     first = 2 if len(tokens) > 2 and tokens[0].type == "NAME" and tokens[1].type == "COLON" else 0
     if first >= len(tokens) or tokens[first].value.upper() not in OPERATORS:
         return False

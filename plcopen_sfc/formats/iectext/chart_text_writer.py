@@ -385,7 +385,7 @@ class ChartTextWriter:
 
 
 def _is_drawn(condition: Condition | None) -> bool:
-    """Whether a condition is a drawing, which stands at the end of the unit."""
+    """True if a condition is a drawing, which stands at the end of the unit."""
     if isinstance(condition, BodyCondition):
         return condition.body.language not in ("ST", "IL")
     return isinstance(condition, WiredCondition)

@@ -75,7 +75,7 @@ class _Finder:
         self.found.setdefault(path, self._lines.place(part.start)[0])
 
     def _leads(self, part: TextPart) -> bool:
-        """Whether a transition is one of the chart, rather than a transition object of the POU."""
+        """True if a transition is one of the chart, rather than a transition object of the POU."""
         return any(token.value.upper() in ("FROM", "TO") for token in self._src.outline.tokens(part.tokens))
 
 
@@ -137,7 +137,7 @@ def _above(src: TextSource, position: int, start: int) -> int:
 
 
 def _own_run(src: TextSource, start: int, end: int) -> tuple[int, int]:
-    """The pragmas of ours at the end of a place, without the blanks around them."""
+    """The pragmas of this package at the end of a place, without the blanks around them."""
     begin = src.core(start, end)[1]
     own = [c.span for c in src.outline.comments(begin, end) if is_own(c)]
     return (own[0][0], own[-1][1]) if own else (begin, begin)
@@ -280,7 +280,7 @@ class IecTextCodec(TextCodec):
         return ReadResult(project, src.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """The file without pragmas of ours."""
+        """The file without pragmas of this package."""
         return without_own_pragmas(data)
 
     def lines(self, content: bytes, project: Project) -> dict[str, int]:

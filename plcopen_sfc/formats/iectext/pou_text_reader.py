@@ -102,7 +102,9 @@ def _leave_out(src: TextSource, part: TextPart, gap: tuple[int, int], error: Val
         return True
     src.ignored = before | set(offsets)
     for offset in offsets[:1]:
-        src.note("IEC212", f"{message}; all pragmas of ours in this unit are left out", offset, f"POU {part.name}")
+        src.note(
+            "IEC212", f"{message}; all pragmas of this package in this unit are left out", offset, f"POU {part.name}"
+        )
     return src.ignored != before
 
 
@@ -190,7 +192,7 @@ def _carry(fields: Fields, place: str, text: str) -> None:
 
 
 def _leads(src: TextSource, part: TextPart) -> bool:
-    """Whether a transition is one of a chart; a transition object of the POU has no FROM and no TO."""
+    """True if a transition is one of a chart; a transition object of the POU has no FROM and no TO."""
     depth = 0
     for token in src.outline.tokens(part.tokens):
         depth += (token.type == "LPAR") - (token.type == "RPAR")
@@ -235,7 +237,7 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
     if part.kind is PartKind.VAR:
         sections = read_section(src, part, gap, place)
         if not sections:
-            src.note("IEC108", f"{part.keyword} cannot stand in a POU", part.start, place)
+            src.note("IEC108", f"{part.keyword} is not allowed in a POU", part.start, place)
             _carry(container.fields, "section", newlines(src.text[part.start : part.end]))
         container.sections += sections
     elif part.kind is PartKind.STEP:

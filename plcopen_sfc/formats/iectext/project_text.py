@@ -144,7 +144,9 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     foreign = _foreign_units(meant, said)
     found = [Change(("project", *c.path), c.value, c.instead) for c in changes(said, meant)]
     for change in found:
-        printer.note(Outcome.EXTENSION_DATA, str(change.path[1]).replace("_", " "), "project", "IEC text cannot say it")
+        printer.note(
+            Outcome.EXTENSION_DATA, str(change.path[1]).replace("_", " "), "project", "IEC text has no place for it"
+        )
     near, late = split(found)
     late += [change for change in near if Append() in change.path]
     near = [change for change in near if Append() not in change.path]

@@ -298,7 +298,7 @@ class _ConfigurationWriter:
                     said.setdefault("carried", {}).setdefault("data", []).append(data)
         near, late = split([*(extra or []), *changes(said, meant)])
         for change in (*near, *late):
-            self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text cannot say it")
+            self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text has no place for it")
         if place is None:
             near += late
         else:

@@ -158,7 +158,7 @@ class _Scan:
         return "\n" in self.text[self.behind() : self.offset()] or "\r" in self.text[self.behind() : self.offset()]
 
     def may_open(self) -> bool:
-        """Whether a part may begin here: at the start of a line, or where a header or a statement ends."""
+        """True if a part may begin here: at the start of a line, or where a header or a statement ends."""
         if self.at in (0, self.inner) or self.starts_line():
             return True
         before = self.tokens[self.at - 1].type
@@ -240,7 +240,7 @@ class _Scan:
         return self.unclosed(part, begin, first)
 
     def shows_missing_end(self, within: PartKind, found: str) -> bool:
-        """Whether the token here cannot stand within a part of this kind."""
+        """True if the token here cannot stand within a part of this kind."""
         if within in _FOREIGN_UNITS or within is PartKind.PROPERTY:
             return found in _CLOSERS and found in {f"END_{unit}" for unit in POUS} and within is PartKind.PROPERTY
         if found in _CLOSERS:
@@ -320,7 +320,7 @@ class _Scan:
         return self.unclosed(part, begin, inner)
 
     def ends_container(self, kind: PartKind, found: str) -> bool:
-        """Whether the token here closes or opens something around a container of this kind."""
+        """True if the token here closes or opens something around a container of this kind."""
         if self.unit_opener() is not None:
             return True
         if found not in _CLOSERS:

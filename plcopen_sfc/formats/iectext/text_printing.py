@@ -58,7 +58,7 @@ class TextPrinter:
         self.report.add(outcome, what, path, why)
 
     def is_name(self, name: str) -> bool:
-        """Whether `name` can stand as a name of ours: one word that is no keyword."""
+        """True if `name` can stand as a name of ours: one word that is no keyword."""
         tokens = tokenize(name, self.dialect, KEYWORDS).tokens
         return (
             len(tokens) == 1
@@ -81,7 +81,7 @@ class TextPrinter:
         return name
 
     def is_expression(self, text: str) -> bool:
-        """Whether `text` comes back as it is from between ``:=`` and ``;``."""
+        """True if `text` comes back as it is from between ``:=`` and ``;``."""
         if not text or text != text.strip() or "\r" in text or "\x00" in text:
             return False
         found = tokenize(text, self.dialect, KEYWORDS)
@@ -123,7 +123,7 @@ def missing(printer: TextPrinter, what: str) -> str:
 
 def nothing_right(name: str) -> str:
     """Why something is not executed that the undeclared `name` stands for."""
-    return f"no text says it; the undeclared name {name} stands in its place, so that the text does not compile"
+    return f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
 
 
 EXECUTED = frozenset(
@@ -181,7 +181,7 @@ def note_changes(printer: TextPrinter, found: Iterable[Change], path: str, *, le
     """Report once each what only pragmas say of the object at `path`, but for the fields `leave`."""
     said = dict.fromkeys((outcome_of(change), label(change)) for change in found if str(change.path[0]) not in leave)
     for outcome, what in said:
-        printer.note(outcome, what, path, "IEC text cannot say it")
+        printer.note(outcome, what, path, "IEC text has no place for it")
 
 
 def comment_lines(fields: Fields, said: Fields, indent: str) -> str:
@@ -207,5 +207,5 @@ def foreign_pragmas(fields: Fields, said: Fields, indent: str) -> str:
 
 
 def is_text_body(thing: BaseModel) -> bool:
-    """Whether `thing` is a body that can stand in an action."""
+    """True if `thing` is a body that can stand in an action."""
     return isinstance(thing, StBody | IlBody | SfcBody | FbdBody | LdBody)

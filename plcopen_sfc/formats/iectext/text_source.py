@@ -239,7 +239,7 @@ class TextSource:
             into.comments.append(taken_comment(comment.text))
 
     def core(self, start: int, end: int) -> tuple[int, int]:
-        """The place between two offsets without the pragmas of ours that begin and end it."""
+        """The place between two offsets without the pragmas of this package that begin and end it."""
         own = [c.span for c in self.outline.comments(start, end) if is_own(c)]
         for span in own:
             if self.text[start : span[0]].strip():
@@ -265,5 +265,5 @@ class TextSource:
 
 
 def is_own(comment: Comment) -> bool:
-    """Whether a comment is a pragma of ours."""
+    """True if a comment is a pragma of this package."""
     return comment.kind is CommentKind.PRAGMA and OWN_PRAGMA.match(comment.text) is not None

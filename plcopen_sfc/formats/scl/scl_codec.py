@@ -22,14 +22,14 @@ class SclCodec(TextCodec):
         return ReadResult(found.project, found.diagnostics)
 
     def as_tool_sees(self, data: bytes, *, file: str | None = None) -> bytes:
-        """The source without comments of ours."""
+        """The source without comments of this package."""
         source = decode(data)
         comments = split_units(source.text, Dialect.SCL).comments
         own = [comment.span for comment in comments if OWN_COMMENT.match(comment.text)]
         return source.encode(without(source.text, own))[0] if own else data
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a source anew: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
+        """Write a whole source: in UTF-8 with a byte order mark and CRLF, as TIA Portal does."""
         text = self.to_blocks(project, options, report).whole() + "\n"
         return text.replace("\n", "\r\n").encode("utf-8-sig", errors="replace")
 
@@ -38,7 +38,7 @@ class SclCodec(TextCodec):
         return write_pieces(project, report)
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Where the objects of a source stand in its text."""
+        """The text of a source, and the place of each object in it."""
         source = decode(content)
         return source, read_source(source).spans
 

@@ -59,19 +59,19 @@ KEYWORDS = {
 KINDS = {word: kind for kind, word in KEYWORDS.items()}
 
 OWN_COMMENT = re.compile(r"//\s*(\{plcopen_sfc\b.*)")
-"""A comment of ours: what SCL has no words for, as in the pragmas of textual IEC 61131-3."""
+"""A comment of this package: content that SCL cannot express, as in the pragmas of textual IEC 61131-3."""
 
 BODY_START = re.compile(r"[ \t]*(?:\r\n|\r|\n)?")
 BODY_END = re.compile(r"(?:\r\n|\r|\n)?[ \t]*\Z")
 
 
 _Place: TypeAlias = tuple[Key, tuple[int, int], tuple[BlockSpan, ...]]
-"""What stands where, and what stands in it."""
+"""Places in the text, each with the object in it."""
 
 
 @dataclass
 class SclFile:
-    """A source that was read: the project, where its objects stand, and what there is to say."""
+    """A source that was read: the project, the places of its objects, and the findings."""
 
     project: Project
     spans: BlockSpan
@@ -134,7 +134,7 @@ class _Reader:
         slices.sort(key=lambda each: each.span)
         return BlockSpan((("file", ""),), (0, len(self._text)), tuple(slices))
 
-    # -- what SCL has no words for
+    # -- content that SCL cannot express
 
     def _own_changes(self, comments: Sequence[Comment]) -> list[tuple[Change, Comment]]:
         changes = []
@@ -145,7 +145,9 @@ class _Reader:
             try:
                 changes.append((parse_change(found[1].strip()[1:-1].strip().removeprefix("plcopen_sfc")), comment))
             except NotationError as error:
-                self._note("SCL202", Severity.WARNING, f"this comment of ours is damaged: {error}", comment.span[0])
+                self._note(
+                    "SCL202", Severity.WARNING, f"this comment of this package is damaged: {error}", comment.span[0]
+                )
         return changes
 
     def _changed(self, project: Project, changes: Sequence[tuple[Change, Comment]]) -> Project:
@@ -167,15 +169,17 @@ class _Reader:
                     outdated.append(tuple(around))
                 elif last == "type":  # a start value is one of the type
                     outdated.append((*around, "initial"))
-                message = f"this comment of ours is for another text and left out: {error}"
+                message = f"this comment of this package is for another text and left out: {error}"
                 self._note("SCL203", Severity.WARNING, message, comment.span[0])
             except PathError as error:
-                self._note("SCL202", Severity.WARNING, f"this comment of ours does not fit: {error}", comment.span[0])
+                self._note(
+                    "SCL202", Severity.WARNING, f"this comment of this package does not fit: {error}", comment.span[0]
+                )
         try:
             return Project.model_validate(fields)
         except ValidationError as error:
             first = error.errors()[0]
-            message = f"the comments of ours are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
+            message = f"the comments of this package are left out: {'.'.join(map(str, first['loc']))}: {first['msg']}"
             self._note("SCL202", Severity.WARNING, message, changes[0][1].span[0])
             return project
 
@@ -295,7 +299,7 @@ class _Reader:
     def _carried(self, declared: Declared, head: Head, texts: dict[str, str] | None = None) -> Carried | None:
         properties = [self._property(each) for each in head.properties if each.name != "TITLE"]
         unreadable = [item.node.text for item in declared.items if isinstance(item.node, n.Unreadable)]
-        # the name of a block stands in quotes
+        # the name of a block is in quotes
         named = next(item.node.name for item in declared.items if isinstance(item.node, d.PouHead))
         quoted = not isinstance(named, n.Name) or named.quoting is n.Quoting.GLOBAL
         return keep(
@@ -387,7 +391,7 @@ def _is_taken_out(text: Fields, change: Change) -> bool:
 
 
 def _check_text(text: Fields, change: Change) -> None:
-    """Raise `StaleError` where `text` says by now what it left to a comment when that was written."""
+    """Raise `StaleError` if `text` itself has by now what it left to a comment when that was written."""
     *around, last = change.path
     holder = value_at(text, tuple(around))
     if not isinstance(holder, dict):
@@ -396,11 +400,11 @@ def _check_text(text: Fields, change: Change) -> None:
         raise StaleError("the block has statements now")
     said = holder.get(last) if isinstance(last, str) else None
     if change.instead is None and said is not None and said != change.value:
-        raise StaleError(f"the text says {format_value(said)} now")
+        raise StaleError(f"the text has {format_value(said)} now")
 
 
 def _says_all(text: str, variables: Sequence[Variable], types: Types) -> bool:
-    """True if a text says nothing but the initial values of variables: no comments, in any order."""
+    """True if a text holds nothing but the initial values of variables: no comments, in any order."""
     return not parse_statements(text, Dialect.SCL).comments and all(can_be_assigned(each, types) for each in variables)
 
 

@@ -14,11 +14,11 @@ from plcopen_sfc.languages.start_values import Path, PathError, Types, apart, as
 from plcopen_sfc.model.types import SimpleValue, Value, Variable
 
 DECLARED = "declared"
-"""What is kept of a variable whose declaration says a value, but assignments say another: that of the declaration."""
+"""Extension data of a variable whose declaration has another value than its assignment: that of the declaration."""
 
 
 def start_values(text: str, variables: list[Variable], types: Types) -> dict[str, Value] | None:
-    """The initial values that assignments give to `variables`, by name in lower case; None: they say more than that.
+    """The initial values that assignments give to `variables`, by name in lower case; None if they hold more.
 
     They count instead of those of the declarations, element by element.
     """
@@ -84,7 +84,7 @@ def _index(node: n.Expression) -> int | None:
 
 
 def can_be_assigned(variable: Variable, types: Types) -> bool:
-    """Whether assignments can say the initial value of a variable."""
+    """True if assignments can give a variable its initial value."""
     if variable.initial is None:
         return True
     try:

@@ -1,7 +1,7 @@
 """Writes SCL sources. `reader` is the way back.
 
-What SCL has no words for (charts, actions, tasks ..) is written in comments that the reader takes back, so that nothing
-is lost: the text is read as it stands, and what it does not say of the model is put behind it.
+Content that SCL cannot express (charts, actions, tasks ..) is written in comments that the reader takes back, so that
+nothing is lost: the text is read as it is, and the rest of the model is put behind it.
 """
 
 from __future__ import annotations
@@ -86,17 +86,17 @@ def write_pieces(project: Project, report: ConversionReport) -> WrittenBlock:
 
 _EXECUTED = {
     "type": "SCL has no such type: what it declares instead does not compile, or is another type",
-    "initial": "SCL does not say this start value: it starts with the usual value of its type",
+    "initial": "SCL has no place for this start value: it starts with the usual value of its type",
     "interface": "SCL has no such declaration",
     "tag_tables": "a source declares no tags and user constants: they must be in the project already",
 }
-"""Fields that a controller executes, and what it does without them."""
+"""Fields that a controller executes, and its behaviour without them."""
 _REMARKS = frozenset({"comment", "carried", "global_id", "object_id", "title", "attributes", "declaration"})
-"""Fields that change nothing of that, wherever they stand."""
+"""Fields that change nothing of that, wherever they are."""
 _REPORTED = frozenset(
     """global_variables configurations applications bodies actions methods transitions kind address""".split()
 )
-"""Fields of which the report tells otherwise what becomes of what is executed."""
+"""Fields whose effect on the execution the report lists elsewhere."""
 
 
 def _report(project: Project, change: Change, report: ConversionReport, *, says_the_same: bool) -> None:
@@ -106,7 +106,7 @@ def _report(project: Project, change: Change, report: ConversionReport, *, says_
     if says_the_same:
         report.add(Outcome.TRANSLATED, fields[-1], path, "in the types of S7")
     elif why is None or not (_REMARKS | _REPORTED).isdisjoint(fields) or _is_empty(change) or _is_copy(project, change):
-        report.add(Outcome.EXTENSION_DATA, fields[-1], path, "SCL has no words for it; it stands in a comment")
+        report.add(Outcome.EXTENSION_DATA, fields[-1], path, "SCL cannot express it; it is in a comment")
     else:
         report.add(Outcome.NOT_EXECUTED, fields[-1], path, why)
 
@@ -211,7 +211,7 @@ def _units(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]
 
 
 def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, str]]:
-    """What a block does in other tools, and an SCL source does not say: kind, name, and what that means.
+    """Behaviour of a block in other tools that an SCL source does not have: kind, name, and the consequence.
 
     `called`: the ids of the actions that a step has or a program calls.
     """
@@ -221,7 +221,7 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
     for number, body in enumerate(pou.bodies):
         if not isinstance(body, StBody) or number:
             what = "chart" if isinstance(body, SfcBody) else "body"
-            yield what, "", "the block is empty and does nothing: SCL says programs in structured text only"
+            yield what, "", "the block is empty and does nothing: SCL has programs in structured text only"
         elif not _stays_inside(body.text, keyword):
             yield "body", "", "the block is empty and does nothing: its text would end the block before its end"
     for action in pou.actions:
@@ -233,7 +233,7 @@ def _not_executed(pou: Pou, called: frozenset[int]) -> Iterator[tuple[str, str, 
 
 
 def _note_foreign(pou: Pou, types: S7Types, report: ConversionReport) -> None:
-    """Say which declarations of a block are written although TIA Portal does not know them."""
+    """Report the declarations of a block that are written although TIA Portal does not know them."""
     sections = pou.interface.sections if pou.interface is not None else []
     for section in (section for section in sections if section.kind is not SectionKind.EXTERNAL):
         words = section_head(section, _SCL)[-1]
@@ -276,12 +276,12 @@ def _in_s7(variable: Variable, types: S7Types) -> Variable:
     type_ = types.type(variable.type)
     if isinstance(type_, StructType):
         type_ = type_.model_copy(update={"members": [_in_s7(member, types) for member in type_.members]})
-    address = None if (variable.address or "").startswith("%") else variable.address  # AT says another variable in SCL
+    address = None if (variable.address or "").startswith("%") else variable.address  # AT names another variable in SCL
     return variable.model_copy(update={"type": type_, "initial": types.start(variable), "address": address})
 
 
 def _in_block(variable: Variable, types: S7Types) -> Variable:
-    """A variable of a data block in S7: assignments say the values of members that no declaration can say."""
+    """A variable of a data block in S7: assignments give the values of members that no declaration can have."""
     found = _in_s7(variable, types)
     if not isinstance(found.type, StructType) or found.initial is not None:
         return found
@@ -312,7 +312,7 @@ def _has_start_values(section: VariableSection, pou: Pou) -> bool:
 
 
 def _in_scl(section: VariableSection, pou: Pou, types: S7Types) -> VariableSection:
-    """A section in the words of SCL: functions have no static variables and no start values."""
+    """A section as SCL has it: functions have no static variables and no start values."""
     texts = dict(kept(section.carried))
     if texts.get("keyword", "VAR") not in SECTION_KEYWORDS.values() and texts.get("keyword") != "STRUCT":
         section = section.model_copy(update={"carried": None})
@@ -347,7 +347,9 @@ def _pou(pou: Pou, types: S7Types) -> Iterator[WrittenBlock]:
     yield from _head(keyword, pou.name, written if keyword == "FUNCTION" else "", pou.title, pou.carried)
     yield from _comment(pou.comment)
     for section in pou.interface.sections if pou.interface is not None else []:
-        if section.kind is not SectionKind.EXTERNAL and not is_void(section):  # S7 declares in no block what is global
+        if section.kind is not SectionKind.EXTERNAL and not is_void(
+            section
+        ):  # S7 has no declarations of global variables in blocks
             yield _section(_in_scl(section, pou, types), types)
     yield WrittenBlock(("begin", ""), "BEGIN")
     text = _without_constants(pou.body.text, types) if isinstance(pou.body, StBody) else ""
@@ -356,7 +358,7 @@ def _pou(pou: Pou, types: S7Types) -> Iterator[WrittenBlock]:
 
 
 def _stays_inside(body: str, keyword: str) -> bool:
-    """Whether a block ends behind `body`: no comment in it is left open, no end of a block stands in it."""
+    """True if a block ends behind `body`: no comment in it is left open, no end of a block is in it."""
     end = f"END_{keyword}"
     text = f'{keyword} "x"\nBEGIN\n{body}\n{end}'
     units = split_units(f"{text}\n{keyword} y\n{end}", _SCL).units
@@ -466,7 +468,7 @@ def _without_value(variable: Variable) -> Variable:
 
 
 def _retained(block: DataBlock) -> Carried | None:
-    """What is kept of a data block, whose head says RETAIN where all variables of its structure are retained."""
+    """Extension data of a data block. Its head has RETAIN where all variables of its structure are retained."""
     texts = kept(block.carried)
     sections = block.interface.sections if block.interface is not None else []
     words = texts.get("properties", "").splitlines()
@@ -483,7 +485,7 @@ def _is_struct(section: VariableSection) -> bool:
 
 
 def _of_block(section: VariableSection) -> list[VariableSection]:
-    """A section of a data block: the head of the block says that a structure is retained."""
+    """A section of a data block: the head of the block tells that a structure is retained."""
     return [section.model_copy(update={"retain": False})] if _is_struct(section) else _by_retention(section)
 
 

@@ -6,15 +6,13 @@ import copy
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.actions_reader import read_action
-from plcopen_sfc.formats.simaticml.added import is_added
-from plcopen_sfc.formats.simaticml.networks import read_flgnet_body
-from plcopen_sfc.formats.simaticml.reading import (
+from plcopen_sfc.formats.simaticml.added_elements import is_added
+from plcopen_sfc.formats.simaticml.element_reader import (
     ASSOCIATION,
     TRUTHS,
+    DocumentReading,
     Fields,
     NotUnderstoodError,
-    ReadContext,
     attributes,
     carry_attribute,
     carry_element,
@@ -26,7 +24,8 @@ from plcopen_sfc.formats.simaticml.reading import (
     read_languages,
     whole_number,
 )
-from plcopen_sfc.formats.simaticml.rewritten import (
+from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_flgnet_body
+from plcopen_sfc.formats.simaticml.replaced_elements import (
     WRITTEN,
     edited_fields,
     forget_edited_exclusions,
@@ -34,8 +33,9 @@ from plcopen_sfc.formats.simaticml.rewritten import (
     of_condition,
     warn_of_edit,
 )
-from plcopen_sfc.formats.simaticml.topology import Ref
-from plcopen_sfc.formats.simaticml.topology_reader import TopologyReader, added_in, usual_order
+from plcopen_sfc.formats.simaticml.row_tokens import read_action
+from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef
+from plcopen_sfc.formats.simaticml.sequence_topology import TopologyReader, added_in, usual_order
 from plcopen_sfc.model.drawing import SymbolKind
 
 _SUPERVISIONS = [("AlarmSupervisionCategory", number, 0, None) for number in range(1, 9)]
@@ -59,16 +59,16 @@ USUAL_CATEGORIES = (
 ALL_CATEGORIES = 4
 """The number of the schema of GRAPH that has all of them."""
 CONNECTIONS = "Connections"
-"""Carried attribute of a sequence: the order of its connections, where it is not the one that we write."""
+"""Carried attribute of a sequence: the order of its connections, where it is not the one that our writer gives."""
 
 
-def read_graph(ctx: ReadContext, element: etree._Element, late: Fields) -> Fields:
-    """Read ``Graph``. `late` is what the block says of its chart."""
+def read_graph(ctx: DocumentReading, element: etree._Element, late: Fields) -> Fields:
+    """Read ``Graph``. `late`: what the attributes of the block tell about its chart."""
     return _ChartReader(ctx).read(element, late)
 
 
 class _ChartReader:
-    def __init__(self, ctx: ReadContext) -> None:
+    def __init__(self, ctx: DocumentReading) -> None:
         self.ctx = ctx
         self._last = 0
         self.chart: Fields = {"steps": [], "transitions": [], "sequences": [], "permanent_pre": []}
@@ -77,13 +77,13 @@ class _ChartReader:
         self._connections: list[tuple[Fields, etree._Element]] = []
         self._named: list[tuple[str, str, etree._Element]] = []
         self._networks: dict[int, Fields] = {}
-        """The conditions as their networks say them, of the transitions whose source is kept instead."""
+        """The conditions of the networks, for the transitions whose source is kept instead."""
         self._told: set[int] = set()
-        """The transitions of which a comment of ours keeps the condition, whether it counts or not."""
+        """The transitions of which a comment of this package keeps the condition, whether it counts or not."""
         self._excluded: dict[int, Fields] = {}
-        """The steps that a comment of ours excludes, as the file has them."""
+        """The steps that a comment of this package excludes, as the file has them."""
         self._unwritten: set[int] = set()
-        """The actions that only comments of ours say."""
+        """The actions that only comments of this package hold."""
         self._edited: list[int] = []
         """The steps whose rows were edited."""
         self._elements: dict[int, etree._Element] = {}
@@ -121,7 +121,7 @@ class _ChartReader:
         return {**chart, **late, "graph_settings": settings or None}
 
     def _forget_edited(self) -> None:
-        """Forget what comments keep of steps that were edited, or whose transitions were."""
+        """Forget the fields that comments keep of steps that were edited, or whose transitions were."""
         found = forget_edited_exclusions(self.chart, self._excluded, self._networks, self._told, self._edited)
         kept = [("exclusion of the step", number) for number in found]
         there = {row["id"] for step in self.chart["steps"] for row in step["actions"]}
@@ -148,7 +148,7 @@ class _ChartReader:
             taken.setdefault(key, kind)
 
     def _structure(self) -> None:
-        """Read what connects steps and transitions, when all of them are known."""
+        """Read the connections of steps and transitions, when all of these are known."""
         try:
             for sequence, element in self._connections:
                 refs = list(self.topology.found.symbols)
@@ -208,7 +208,7 @@ class _ChartReader:
         read_comments(self.ctx, element, sequence)
 
     def _known(self, sequence: Fields, element: etree._Element, name: str) -> list[etree._Element]:
-        """The children `name`, but for those that our writer put in; whatever else stands there is kept."""
+        """The children `name` without those that our writer added; any other child is kept."""
         shell = _shell(element)
         found: list[etree._Element] = []
         for child in children(element):
@@ -221,7 +221,7 @@ class _ChartReader:
 
     def _is_added(self, kind: str, element: etree._Element) -> bool:
         number = whole_number(element.get("Number"))
-        return number is not None and Ref(kind, number) in self.topology.added
+        return number is not None and ElementRef(kind, number) in self.topology.added
 
     def _branches(self, sequence: Fields, element: etree._Element) -> None:
         for child in children(element):
@@ -268,13 +268,13 @@ class _ChartReader:
         if number is None:
             self.ctx.error("SFC107", "a step has no usable number", element)
         else:
-            self.topology.add(Ref("S", number), SymbolKind.STEP, fields["id"], element)
+            self.topology.add(ElementRef("S", number), SymbolKind.STEP, fields["id"], element)
         if fields["actions"]:
             self.topology.add_actions(fields["id"], [action["id"] for action in fields["actions"]])
         self.ctx.place.pop()
 
     def _keep(self, fields: Fields, kept: Fields, element: etree._Element, edited: list[str]) -> None:
-        """Put back what a comment keeps of a step, but for the `edited` fields."""
+        """Put back the fields of a step that a comment keeps, but for the `edited` ones."""
         if not kept:
             return
         number = fields["id"]
@@ -293,7 +293,7 @@ class _ChartReader:
         edited = [name for note in notes.values() for name in edited_fields(note, element)]
         for row in element:
             if not isinstance(row.tag, str):
-                said = notes.get(row, {}).get(ASSOCIATION)  # one that no row says
+                said = notes.get(row, {}).get(ASSOCIATION)  # one without a row
                 if said is not None:
                     step["actions"].append({**said, "id": self.new_id()})
                     self._unwritten.add(self._last)
@@ -378,14 +378,14 @@ class _ChartReader:
         if number is None:
             self.ctx.error("SFC107", "a transition has no usable number", element)
         else:
-            self.topology.add(Ref("T", number), SymbolKind.TRANSITION, fields["id"], element)
+            self.topology.add(ElementRef("T", number), SymbolKind.TRANSITION, fields["id"], element)
         self.ctx.place.pop()
 
 
 RESULT_OF = {"Transition": "TrCoil", "Interlock": "IlCoil", "Supervision": "SvCoil"}
 """The coil in which the network of each of them ends."""
 _OWN_TYPES = ("G7_StepPlus", "G7_TransitionPlus")
-"""How the types of the members begin that TIA Portal declares for steps and transitions."""
+"""Prefixes of the types of the members that TIA Portal declares for steps and transitions."""
 _EMPTY = 2
 """The elements of an empty network of LAD: the power rail and the coil."""
 
@@ -401,7 +401,7 @@ def _keep_attributes(owner: Fields, element: etree._Element, *known: str) -> Non
 
 
 def _is_network(owner: etree._Element, element: etree._Element) -> bool:
-    """Whether `element` is the network that is read; a second one is kept."""
+    """True if `element` is the network that is read; a second one is kept."""
     return local(element) == "FlgNet" and element is child_named(owner, "FlgNet")
 
 
@@ -416,10 +416,10 @@ def _text(fields: Fields, element: etree._Element, name: str, field: str) -> boo
     return True
 
 
-def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields) -> bool:
-    """Put back what we keep in comments; a condition that is kept stands instead of the network drawn for it.
+def _replace_condition(ctx: DocumentReading, element: etree._Element, fields: Fields) -> bool:
+    """Put back the fields that comments keep; a kept condition replaces the network drawn for it.
 
-    True if a comment of ours keeps one, whether it counts or not.
+    True if a comment of this package keeps one, whether it counts or not.
     """
     kept: Fields = {}
     read_comments(ctx, element, kept)
@@ -430,19 +430,19 @@ def _replace_condition(ctx: ReadContext, element: etree._Element, fields: Fields
         if digest is None or digest == of_condition(element, RESULT_OF[local(element)]):
             fields["condition"] = said
         else:
-            kept.pop("exclude", None)  # somebody has programmed what was excluded
+            kept.pop("exclude", None)  # the excluded condition has been programmed since
             warn_of_edit(ctx, f"the condition of the {local(element).lower()}", element)
     merge(fields, kept)
     return is_kept
 
 
 def _shell(element: etree._Element) -> etree._Element:
-    """An empty element for what is not understood of `element`."""
+    """An empty element for the parts of `element` that are not understood."""
     return etree.Element(element.tag, nsmap=element.nsmap)  # type: ignore[arg-type]  # lxml-stubs: str keys only
 
 
 def _keep_shell(owner: Fields, shell: etree._Element) -> None:
-    """Keep what is in a shell with the object that the element belongs to."""
+    """Keep the content of a shell with the object that the element belongs to."""
     if len(shell):
         carry_element(owner, shell)
 

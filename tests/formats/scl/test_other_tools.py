@@ -135,7 +135,7 @@ def test_blocks_that_do_nothing_and_programs_are_told() -> None:
     chart.add_step("S1", initial=True)
     project.pous.append(m.Pou(name="Chart", kind=m.PouKind.PROGRAM, bodies=[m.SfcBody(chart=chart)]))
     _, _, report = written(project)
-    assert told(report, "chart") == ["the block is empty and does nothing: SCL says programs in structured text only"]
+    assert told(report, "chart") == ["the block is empty and does nothing: SCL has programs in structured text only"]
     assert "no organization block calls it" in told(report, "program")[0]
     assert {item.path for item in report.with_outcome(Outcome.NOT_EXECUTED)} == {"POU Chart"}
 

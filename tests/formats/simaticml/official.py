@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.versions import schema_of
+from plcopen_sfc.formats.simaticml.tia_versions import schema_of
 from tests.corpus import XSD
 
 SCHEMAS = XSD / "simaticml"

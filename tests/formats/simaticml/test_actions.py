@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.simaticml.actions_reader import read_action
-from plcopen_sfc.formats.simaticml.actions_writer import SAYABLE, write_row
-from plcopen_sfc.formats.simaticml.reading import VERBATIM
+from plcopen_sfc.formats.simaticml.element_reader import VERBATIM
+from plcopen_sfc.formats.simaticml.row_tokens import SAYABLE, read_action, write_row
 from plcopen_sfc.model import ActionAssociation, ActionEvent, Qualifier, StBody
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
 

@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.simaticml.schema import validate
+from plcopen_sfc.formats.simaticml.openness_schemas import validate
 from plcopen_sfc.model.body import StBody
 from tests.corpus import ROOT
 from tests.formats.simaticml import drilling_plc

@@ -12,7 +12,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.model import Project
 from tests.corpus import corpus_files
 from tests.formats.simaticml.documents import parsed
-from tests.formats.simaticml.test_topology import assert_legal, links, refused
+from tests.formats.simaticml.test_sequence_topology import assert_legal, links, refused
 from tests.samples import accepting
 
 SAMPLE = 8

@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.simaticml.parts import INVERTED
+from plcopen_sfc.formats.simaticml.network_boxes import INVERTED
 from plcopen_sfc.model import Block, FbdBody, Label, LdBody, LeftPowerRail, LogicNetwork, Project
 from plcopen_sfc.model.types import SimpleValue
 from tests.formats.simaticml.documents import CORPUS_PARAMS, FIXTURE_PARAMS, parsed

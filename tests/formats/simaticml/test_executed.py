@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.simaticml.conditions import NOT_TRANSLATED
+from plcopen_sfc.formats.simaticml.graph_conditions import NOT_TRANSLATED
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.network import Connection as Wire
 from plcopen_sfc.report import ConversionReport, Outcome

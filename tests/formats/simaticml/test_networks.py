@@ -13,15 +13,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.conditions import condition_body
-from plcopen_sfc.formats.simaticml.likeness import numbers_like
-from plcopen_sfc.formats.simaticml.networks import read_network
-from plcopen_sfc.formats.simaticml.networks_reader import read_flgnet
-from plcopen_sfc.formats.simaticml.networks_writer import write_flgnet
-from plcopen_sfc.formats.simaticml.operands import parse_operand, read_operand, write_operand
-from plcopen_sfc.formats.simaticml.reading import VERBATIM, NotUnderstoodError, ReadContext, same
-from plcopen_sfc.formats.simaticml.uids import lengthened, shortened
-from plcopen_sfc.formats.simaticml.versions import DEFAULT
+from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, DocumentReading, NotUnderstoodError, same
+from plcopen_sfc.formats.simaticml.flgnet_reader import read_flgnet
+from plcopen_sfc.formats.simaticml.flgnet_writer import write_flgnet
+from plcopen_sfc.formats.simaticml.graph_conditions import condition_body
+from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network
+from plcopen_sfc.formats.simaticml.network_operands import parse_operand, read_operand, write_operand
+from plcopen_sfc.formats.simaticml.program_comparison import lengthened, numbers_like, shortened
+from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT
 from plcopen_sfc.languages.networks.conditions import condition_expression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.parsing import parse_expression
@@ -49,7 +48,7 @@ def test_networks_of_the_corpus_are_in_the_model() -> None:
     """All but a few made by hand, and written from the model they say the same, to the last number."""
     outcomes: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
-    ctx = ReadContext(DEFAULT)
+    ctx = DocumentReading(DEFAULT)
     for net in networks():
         try:
             fields = read_network(ctx, net)
@@ -211,7 +210,7 @@ def test_damaged_networks_are_not_understood(wires: str) -> None:
 def through_model(content: str) -> tuple[LogicNetwork, etree._Element, etree._Element]:
     """A network, as it is read, and as it is written from that."""
     net = etree.fromstring(f"<FlgNet>{content}</FlgNet>")
-    network = LogicNetwork.model_validate(read_network(ReadContext(DEFAULT), net))
+    network = LogicNetwork.model_validate(read_network(DocumentReading(DEFAULT), net))
     copy = etree.Element("FlgNet")
     write_flgnet(copy, network)
     return network, net, copy

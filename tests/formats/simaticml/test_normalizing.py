@@ -13,7 +13,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc.cli import main
 from plcopen_sfc.documents.file import normalized
 from plcopen_sfc.errors import StructureError, UnknownFormatError
-from plcopen_sfc.formats.simaticml.schema import validate
+from plcopen_sfc.formats.simaticml.openness_schemas import validate
 from plcopen_sfc.model.compare import differences
 from tests.formats.simaticml.documents import ALL_PARAMS, FIXTURES, parsed, real_documents
 from tests.formats.simaticml.drilling_plc import FOLDER

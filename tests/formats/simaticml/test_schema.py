@@ -11,8 +11,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.documents.file import normalized
 from plcopen_sfc.errors import SfcError, XmlSyntaxError
-from plcopen_sfc.formats.simaticml.schema import validate
-from plcopen_sfc.formats.simaticml.versions import LANGUAGES, SCHEMAS, VERSIONS
+from plcopen_sfc.formats.simaticml.openness_schemas import validate
+from plcopen_sfc.formats.simaticml.tia_versions import LANGUAGES, SCHEMAS, VERSIONS
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, is_valid
 from tests.corpus import ROOT
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.versions import namespace
+from plcopen_sfc.formats.simaticml.tia_versions import namespace
 from plcopen_sfc.formats.xml.schema_validation import is_valid
 from tests.corpus import ROOT, require_corpus
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents

@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.simaticml.interface_reader import read_member
-from plcopen_sfc.formats.simaticml.interface_writer import write_member
-from plcopen_sfc.formats.simaticml.reading import ReadContext
-from plcopen_sfc.formats.simaticml.start_values import write_elements
-from plcopen_sfc.formats.simaticml.versions import DEFAULT
-from plcopen_sfc.formats.simaticml.writing import WriteContext
+from plcopen_sfc.formats.simaticml.block_interfaces import read_member, write_member
+from plcopen_sfc.formats.simaticml.element_reader import DocumentReading
+from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting
+from plcopen_sfc.formats.simaticml.member_start_values import write_elements
+from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT
 from plcopen_sfc.model import Project, Variable
 from plcopen_sfc.model.types import ArrayType, ArrayValue
 from plcopen_sfc.report import ConversionReport
@@ -34,13 +33,13 @@ def member(type: str, values: Values) -> etree._Element:
 
 def written(variable: Variable) -> etree._Element:
     holder = etree.Element("Section")
-    ctx = WriteContext(Project(), DEFAULT, {}, ConversionReport(), WriteOptions())
+    ctx = DocumentWriting(Project(), DEFAULT, {}, ConversionReport(), WriteOptions())
     write_member(ctx, holder, variable)
     return holder[0]
 
 
 def read(element: etree._Element) -> Variable:
-    return Variable.model_validate(read_member(ReadContext(DEFAULT), element))
+    return Variable.model_validate(read_member(DocumentReading(DEFAULT), element))
 
 
 @st.composite

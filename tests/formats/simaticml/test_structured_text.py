@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.simaticml.reading import NotUnderstoodError, same
-from plcopen_sfc.formats.simaticml.structured_text import scl_text
-from plcopen_sfc.formats.simaticml.structured_text_writer import Names, read_code, write_text
-from plcopen_sfc.formats.simaticml.uids import renumber
+from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, same
+from plcopen_sfc.formats.simaticml.program_comparison import renumber
+from plcopen_sfc.formats.simaticml.scl_token_reader import scl_text
+from plcopen_sfc.formats.simaticml.scl_token_writer import InterfaceNames, read_code, write_text
 from plcopen_sfc.model import StBody
 from tests.formats.simaticml.documents import FIXTURES, parsed, real_documents
 from tests.languages import st_simaticml
@@ -39,7 +39,7 @@ TEXTS = (
 
 def through_tokens(text: str) -> str:
     root = etree.Element("StructuredText")
-    write_text(root, text, Names({}), "de-DE")
+    write_text(root, text, InterfaceNames({}), "de-DE")
     return scl_text(root)
 
 
@@ -55,7 +55,7 @@ def test_any_text_comes_back(text: str) -> None:
 
 def test_ids_count_on() -> None:
     root = etree.Element("StructuredText")
-    write_text(root, "#a := 1;", Names({}), "")
+    write_text(root, "#a := 1;", InterfaceNames({}), "")
     ids = [int(element.get("UId", "")) for element in root.iterdescendants()]
     # that of the type of the constant is left out
     assert ids == [21, 22, 23, 24, 25, 26, 27, 28, 30, 31]
@@ -64,7 +64,10 @@ def test_ids_count_on() -> None:
 def test_instances_of_user_blocks_are_called_by_their_block() -> None:
     root = etree.Element("StructuredText")
     write_text(
-        root, "#motor(go := TRUE);#timer(IN := TRUE);", Names({"#motor": '"FB_Motor"', "#timer": "TON_TIME"}), ""
+        root,
+        "#motor(go := TRUE);#timer(IN := TRUE);",
+        InterfaceNames({"#motor": '"FB_Motor"', "#timer": "TON_TIME"}),
+        "",
     )
     assert [element.tag for element in root.iter("CallInfo", "Instruction")] == ["CallInfo", "Instruction"]
     assert scl_text(root) == "#motor(go := TRUE);#timer(IN := TRUE);"
@@ -82,7 +85,7 @@ def test_texts_of_the_corpus() -> None:
                 outcomes["opaque"] += 1
                 continue
             outcomes["read"] += 1
-            fields = read_code(element, Names({}))
+            fields = read_code(element, InterfaceNames({}))
             outcomes["kept beside"] += "markup" in fields
             if not any(local.get("Scope") == "GlobalConstant" for local in element.iter("{*}Access")):
                 assert text == st_simaticml.scl_text(element)
@@ -99,10 +102,10 @@ def test_texts_of_the_corpus() -> None:
 def read_and_written(content: str) -> tuple[dict[str, Any], etree._Element, etree._Element]:
     """A program as it is read, the element, and what is written from that."""
     element = etree.fromstring(f"<StructuredText>{content}</StructuredText>")
-    fields = read_code(element, Names({}))
+    fields = read_code(element, InterfaceNames({}))
     copy = etree.Element("StructuredText")
     hints = fields.get("carried", {}).get("attributes", {})
-    write_text(copy, fields["text"], Names({}), "de-DE", hints)
+    write_text(copy, fields["text"], InterfaceNames({}), "de-DE", hints)
     return fields, element, copy
 
 
@@ -158,7 +161,7 @@ def test_an_edit_of_a_text() -> None:
 def test_constants_of_the_block_are_known_by_its_interface() -> None:
     """Where the scope says what the interface does, nothing is kept of it."""
     root = etree.Element("StructuredText")
-    write_text(root, "#Speed := #LIMIT; #other := #LIMITS;", Names({}, frozenset({"#limit"})), "")
+    write_text(root, "#Speed := #LIMIT; #other := #LIMITS;", InterfaceNames({}, frozenset({"#limit"})), "")
     found = [(access.get("Scope"), [part.get("Name") for part in access.iter()][-1]) for access in root.iter("Access")]
     assert found == [
         ("LocalVariable", "Speed"),
@@ -166,5 +169,5 @@ def test_constants_of_the_block_are_known_by_its_interface() -> None:
         ("LocalVariable", "other"),
         ("LocalVariable", "LIMITS"),
     ]
-    assert "carried" not in read_code(root, Names({}, frozenset({"#limit"})))
-    assert read_code(root, Names({}))["carried"]["attributes"]["operand #LIMIT"] == "LocalConstant"
+    assert "carried" not in read_code(root, InterfaceNames({}, frozenset({"#limit"})))
+    assert read_code(root, InterfaceNames({}))["carried"]["attributes"]["operand #LIMIT"] == "LocalConstant"

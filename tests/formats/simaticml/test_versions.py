@@ -13,8 +13,8 @@ import plcopen_sfc as sfc
 from plcopen_sfc.errors import OldVersionError, StructureError, UnknownFormatError, UnknownVersionError
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.formats.simaticml.graph_reader import USUAL_CATEGORIES
-from plcopen_sfc.formats.simaticml.schema import validate
-from plcopen_sfc.formats.simaticml.versions import (
+from plcopen_sfc.formats.simaticml.openness_schemas import validate
+from plcopen_sfc.formats.simaticml.tia_versions import (
     VERSIONS,
     TiaVersion,
     concrete,

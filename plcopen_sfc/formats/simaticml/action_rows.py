@@ -1,0 +1,391 @@
+"""Rows of GRAPH steps for the actions of other tools: the exact ones, and the reasons where there is none.
+
+A row is an operand, an assignment of one operand, or a call (TIA Portal rejects expressions at the right when it
+compiles; seen with V20). An action of a POU has no counterpart: its statements become rows where each is such an
+assignment. Other actions are not written: a row with an undeclared operand would not compile.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.added_elements import keep_added
+from plcopen_sfc.formats.simaticml.element_reader import ASSOCIATION
+from plcopen_sfc.formats.simaticml.element_writer import (
+    DocumentWriting,
+    add_element,
+    finish,
+    keep_fields,
+    sub,
+    verbatim,
+)
+from plcopen_sfc.formats.simaticml.network_operands import parse_operand
+from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, SAYABLE, row_fields, write_row
+from plcopen_sfc.formats.xml.extension_data import fields_left
+from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node
+from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody, StBody
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.sfc import Step
+from plcopen_sfc.model.types import DerivedType, StructType, Variable
+from plcopen_sfc.report import Outcome
+
+_ONCE = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})
+_WHILE_ACTIVE = frozenset({Qualifier.NONE, Qualifier.N})
+_NATIVE_KINDS = frozenset({None, ActionKind.CONTINUOUS})
+_STORED = {ActionKind.ON_ACTIVATION: ActionEvent.S1, ActionKind.ON_DEACTIVATION: ActionEvent.S0}
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedRows:
+    """The rows that an action becomes, the outcome, and its reason. No rows: it is not written."""
+
+    rows: tuple[ActionAssociation, ...] = ()
+    outcome: Outcome = Outcome.NOT_EXECUTED
+    why: str = ""
+
+
+class RowPlanner:
+    """Decides for each action of the chart of a block which rows express it.
+
+    `of_tia`: the block is one of TIA Portal; a row that no rule fits is written as it was read.
+    """
+
+    def __init__(self, project: Project, pou: Pou | None, *, of_tia: bool) -> None:
+        self._project = project
+        self._pou = pou
+        self._of_tia = of_tia
+
+    def association(self, action: ActionAssociation, *, inverted: bool = False) -> PlannedRows:
+        """The rows of an association. `inverted`: those of its step act while the step is not active."""
+        if action.exclude:
+            return PlannedRows((), Outcome.TRANSLATED, "it is excluded from the build; it is not written")
+        reason = _unsayable(action, inverted=inverted)
+        if reason:
+            return PlannedRows(why=reason)
+        if self._is_row(action):
+            return PlannedRows((action,), Outcome.KEPT)
+        code = self._code(action)
+        if isinstance(code, PlannedRows):
+            return code
+        if code is None:
+            return self._operand(action)
+        return _timed(_assignments(code), action)
+
+    def step_action(self, code: str | Body, event: ActionEvent | None) -> PlannedRows:
+        """The rows of an entry action (event S1), an exit action (S0) or a main action (none) of CODESYS."""
+        body: Body | None
+        if isinstance(code, str):
+            found = self._action_named(code)
+            if isinstance(found, PlannedRows):
+                return found
+            if found is None:
+                return PlannedRows(why=f"the project has no action {code}")
+            body = found
+        else:
+            body = code
+        rows = _assignments(body)
+        row = {"event": event}
+        return PlannedRows(tuple(each.model_copy(update=row) for each in rows.rows), rows.outcome, rows.why)
+
+    def _is_row(self, action: ActionAssociation) -> bool:
+        """True for a call, and for a row of TIA Portal that no rule fits."""
+        if action.body is None or action.target is not None:
+            return False
+        if isinstance(action.body, OpaqueBody):
+            return action.body.source == "simaticml"
+        if not isinstance(action.body, StBody):
+            return False
+        if action.qualifier is Qualifier.CALL:
+            return True
+        return self._of_tia and bool(parse_statements(action.body.text, Dialect.SCL).problems)
+
+    def _code(self, action: ActionAssociation) -> Body | PlannedRows | None:
+        """The code that an association executes; None for one that drives a variable."""
+        if action.target is None:
+            return action.body if action.body is not None else None
+        return self._action_named(action.target)
+
+    def _action_named(self, name: str) -> Body | PlannedRows | None:
+        """The body of an action of the POU; for an action of an instance, planned rows with the reason why not."""
+        parsed = parse_expression(name, Dialect.SCL)
+        path = _path(parsed.tree) if parsed.tree is not None and not parsed.problems else None
+        if path is None or self._pou is None:
+            return None
+        if len(path) == 1:
+            if not _is_action(self._pou, path[0]):
+                return None
+            own = self._pou.action(path[0])
+            assert own is not None  # noqa: S101  # as was asked
+            return own.body if own.body is not None else StBody(text="")
+        block = self._instance(path)
+        if block is None:
+            return None
+        return PlannedRows(why=f"S7 calls blocks, not their actions: {path[-1]} of {block} is not called")
+
+    def _instance(self, path: list[str]) -> str | None:
+        """The instance whose action the last name of `path` is; None where it is no action of an instance."""
+        variables, names = self._first(path)
+        for number, name in enumerate(names[:-1], 2):
+            found = next((v for v in variables if v.name.casefold() == name.casefold()), None)
+            if found is None:
+                return None
+            block = self._block(found)
+            if block is not None and number == len(names) and _is_action(block, names[-1]):
+                return found.name
+            variables = block.variables() if block is not None else self._members(found)
+        return None
+
+    def _first(self, path: list[str]) -> tuple[list[Variable], list[str]]:
+        """The variables among which the first name of a path is looked for, and the path from there on."""
+        lists = [*self._project.global_variables, *(s for a in self._project.applications for s in a.global_variables)]
+        named: dict[str, list[Variable]] = {}
+        for section in lists:
+            if section.name:
+                named.setdefault(section.name.casefold(), []).extend(section.variables)
+        named |= {b.name.casefold(): b.interface.variables() for b in self._project.data_blocks if b.interface}
+        own = self._pou.variables() if self._pou is not None else []
+        if path[0].casefold() in named and not any(v.name.casefold() == path[0].casefold() for v in own):
+            return named[path[0].casefold()], path[1:]
+        return own, path
+
+    def _block(self, variable: Variable) -> Pou | None:
+        """The function block of which a variable is an instance."""
+        name = variable.type.name.casefold() if isinstance(variable.type, DerivedType) else None
+        return next((pou for pou in self._project.pous if pou.name.casefold() == name), None)
+
+    def _members(self, variable: Variable) -> list[Variable]:
+        """The members of a structure."""
+        type_ = variable.type
+        if isinstance(type_, DerivedType):
+            name = type_.name.casefold()
+            type_ = next((d.type for d in self._project.data_types if d.name.casefold() == name), type_)
+        return type_.members if isinstance(type_, StructType) else []
+
+    def _operand(self, action: ActionAssociation) -> PlannedRows:
+        """The row of an association that drives a variable, assigns to it, or counts with it."""
+        if action.target is None:
+            return PlannedRows((action,), Outcome.KEPT)
+        if not self._of_tia:
+            if parse_operand(action.target) is None:
+                return PlannedRows(why=f"{action.target} is no operand of S7-GRAPH")
+            if action.value is not None and not _assigns_operand(action.value):
+                return PlannedRows(why=f"a row of S7-GRAPH assigns one operand; {action.value} is an expression")
+        if action.kind in _STORED and action.event is None:
+            row = action.model_copy(update={"event": _STORED[action.kind], "qualifier": Qualifier.N})
+            return PlannedRows((row,), Outcome.TRANSLATED, f"the event {_STORED[action.kind]} stores it")
+        if action.qualifier in AS_EVENTS and action.event is None:
+            event = AS_EVENTS[action.qualifier]
+            row = action.model_copy(update={"event": event, "qualifier": Qualifier.N})
+            return PlannedRows((row,), Outcome.TRANSLATED, f"{action.qualifier} is expressed with the event {event}")
+        if action.qualifier is Qualifier.R0:
+            row = action.model_copy(update={"qualifier": Qualifier.R})
+            return PlannedRows((row,), Outcome.TRANSLATED, "R0 is R")
+        return PlannedRows((action,), Outcome.KEPT)
+
+
+def _is_action(pou: Pou, name: str) -> bool:
+    """True if a name is that of an action of `pou`, and not of one of its variables."""
+    return pou.action(name) is not None and not any(v.name.casefold() == name.casefold() for v in pou.variables())
+
+
+def _unsayable(action: ActionAssociation, *, inverted: bool) -> str:
+    """The reason why no row expresses an association, whatever it executes; empty if there is none."""
+    if inverted or action.negated:
+        return "it acts while the step is not active, which S7-GRAPH cannot express"
+    if action.condition is not None:
+        return "it has a condition of its own; in S7-GRAPH only the interlock of the step is one"
+    if action.forcing is not None:
+        return "S7-GRAPH has no forcing orders"
+    if action.kind not in _NATIVE_KINDS and action.kind not in _STORED:
+        return f"S7-GRAPH has no {action.kind} actions of GRAFCET"
+    if action.qualifier not in SAYABLE and action.qualifier not in AS_EVENTS and action.qualifier is not Qualifier.R0:
+        return f"S7-GRAPH has no qualifier {action.qualifier}"
+    return ""
+
+
+def _timed(found: PlannedRows, action: ActionAssociation) -> PlannedRows:
+    """The rows of the statements of an association, at the time that its qualifier means."""
+    qualifier = action.qualifier
+    if not found.rows:
+        return found
+    if qualifier not in _WHILE_ACTIVE and qualifier not in _ONCE:
+        return PlannedRows(why=f"S7-GRAPH has {qualifier} for Boolean operands only, not for statements")
+    event = action.event or AS_EVENTS.get(qualifier)
+    rows = tuple(row.model_copy(update={"event": event, "interlock": action.interlock}) for row in found.rows)
+    if qualifier in (Qualifier.P1, Qualifier.P0) or action.event is not None:
+        return PlannedRows(rows, found.outcome, found.why)
+    why = "S7-GRAPH does not execute an action once more after it has ended, as the final scan of IEC 61131-3 does"
+    return PlannedRows(rows, Outcome.APPROXIMATED, why)
+
+
+def _assignments(body: Body) -> PlannedRows:
+    """The statements of a body as rows without a time; no rows where one of them is none."""
+    if isinstance(body, StBody):
+        parsed = parse_statements(body.text, Dialect.SCL)
+        if parsed.problems:
+            return PlannedRows(why="its text cannot be read")
+        tree = parsed.tree
+    elif isinstance(body, FbdBody | LdBody):
+        drawn = body_statements(body, Dialect.SCL)
+        if drawn.obstacles or drawn.helpers:
+            return PlannedRows(why="it is a network, and S7-GRAPH has no row for that")
+        tree = drawn.tree
+    else:
+        return PlannedRows(why=f"a row of S7-GRAPH is an operand, an assignment or a call, no body in {body.language}")
+    rows: list[ActionAssociation] = []
+    for statement in tree.statements:
+        row = _row(statement)
+        if row is None:
+            return PlannedRows(why="a row of S7-GRAPH assigns one operand; its statements are more than that")
+        rows.append(row)
+    if not rows:
+        return PlannedRows((), Outcome.TRANSLATED, "it does nothing")
+    return PlannedRows(tuple(rows), Outcome.TRANSLATED, "its assignments are rows of their own")
+
+
+def _row(statement: n.Statement) -> ActionAssociation | None:
+    if not isinstance(statement, n.Assignment) or statement.kind is not n.AssignmentKind.ASSIGN:
+        return None
+    value = n.bare(statement.value)
+    if not _is_variable(statement.target) or not _is_operand(value):
+        return None
+    target, text = print_node(statement.target, Dialect.SCL), print_node(value, Dialect.SCL)
+    return ActionAssociation(id=0, target=target, value=text)
+
+
+def _is_operand(tree: n.Expression) -> bool:
+    """True for a variable, a literal or an address: the operands that a row takes at the right of ``:=``."""
+    tree = n.bare(tree)
+    if isinstance(tree, n.Unary):
+        return tree.operator is n.Operator.NEGATE and isinstance(tree.operand, n.Literal)
+    return isinstance(tree, n.Literal | n.Address) or _is_variable(tree)
+
+
+def _is_variable(tree: n.Expression) -> bool:
+    while isinstance(tree, n.Member | n.Index):
+        if isinstance(tree, n.Index) and not all(map(_is_operand, tree.indices)):
+            return False
+        tree = tree.base
+    return isinstance(tree, n.Name)
+
+
+def _assigns_operand(value: str) -> bool:
+    parsed = parse_expression(value, Dialect.SCL)
+    return parsed.tree is not None and not parsed.problems and _is_operand(parsed.tree)
+
+
+def _path(tree: n.Expression) -> list[str] | None:
+    """The names of ``#a.b.c``; None for anything else."""
+    names: list[str] = []
+    while isinstance(tree, n.Member):
+        names.append(tree.name.identifier)
+        tree = tree.base
+    if not isinstance(tree, n.Name):
+        return None
+    return [tree.identifier, *reversed(names)]
+
+
+class RowsWriter:
+    """Writes the rows of the steps of a chart, and reports the outcome of their actions."""
+
+    def __init__(self, ctx: DocumentWriting, planner: RowPlanner) -> None:
+        self.ctx = ctx
+        self.planner = planner
+        self.blocks = {
+            block.name.casefold(): f'"{block.type_name}"' for block in ctx.project.data_blocks if block.type_name
+        }
+
+    def write(self, parent: etree._Element, step: Step) -> list[str]:
+        """Write the rows of a step: for its entry action, for its actions while it is active, and for its exit action.
+
+        Returns the fields of the step which rows express in another way.
+        """
+        instead: list[str] = []
+        if not step.exclude and self._step_action(parent, "entry action", step.entry_action, ActionEvent.S1):
+            instead.append("entry_action")
+        if not step.exclude and self._step_action(parent, "main action", step.main_action, None):
+            instead.append("main_action")
+        for action in step.actions:
+            if self._action(parent, action, step) and "actions" not in instead:
+                instead.append("actions")
+        if not step.exclude and self._step_action(parent, "exit action", step.exit_action, ActionEvent.S0):
+            instead.append("exit_action")
+        return instead
+
+    def _step_action(
+        self, parent: etree._Element, what: str, code: str | Body | None, event: ActionEvent | None
+    ) -> bool:
+        """Write the rows of an entry, main or exit action. Returns True if there are any."""
+        if code is None:
+            return False
+        planned = self.planner.step_action(code, event)
+        for row in planned.rows:
+            element = sub(parent, "Action")
+            write_row(element, row, self.blocks)
+            keep_added(element)
+        self._note_rows(planned, what, what, f"`{_bare(code)}`" if isinstance(code, str) else "it")
+        return bool(planned.rows)
+
+    def _note_rows(self, planned: PlannedRows, what: str, name: str, shown: str) -> None:
+        if shown.startswith("`"):
+            self.ctx.actions_told.add(shown.strip("`").casefold())
+        lost = planned.outcome is Outcome.NOT_EXECUTED
+        why = f"{shown} is not executed: {planned.why}" if lost else planned.why
+        self.ctx.note(planned.outcome, what, name, why)
+
+    def _action(self, parent: etree._Element, action: ActionAssociation, step: Step) -> bool:
+        """Write the rows of an association. Returns True if they express it in another way."""
+        kept = verbatim(self.ctx, action.carried)
+        target = action.target or (action.body.text if isinstance(action.body, StBody) else "")
+        if kept is not None and _still_means(kept, action):
+            parent.append(kept)
+            self.ctx.keep("action", target)
+            return False
+        if isinstance(action.body, OpaqueBody) and action.body.source == "simaticml":
+            add_element(self.ctx, parent, action.body.content)
+            self.ctx.keep("action")
+            return False
+        planned = self.planner.association(action, inverted=step.negated)
+        if step.exclude:
+            planned = PlannedRows((), Outcome.TRANSLATED, "its step is excluded from the build")
+        if planned.rows == (action,):
+            element = sub(parent, "Action")
+            write_row(element, action, self.blocks)
+            native = {"id", "qualifier", "target", "value", "duration", "event", "interlock", "body"}
+            self.ctx.keep("action", target)
+            finish(self.ctx, element, action, frozenset(native))
+            return False
+        said = {ASSOCIATION: fields_left(action, frozenset({"id"}))}
+        if not planned.rows:
+            keep_fields(parent, said)
+        for number, row in enumerate(planned.rows):
+            element = sub(parent, "Action")
+            write_row(element, row, self.blocks)
+            if number:
+                keep_added(element)
+            else:
+                keep_fields(element, said)
+        shown = _bare(action.target) if action.target is not None else "in place"
+        qualifier = f" with the qualifier {action.qualifier}" if action.target is None else ""
+        self._note_rows(
+            planned, "action", f"action {shown}", f"`{shown}`" if not qualifier else f"what it does{qualifier}"
+        )
+        return bool(planned.rows)
+
+
+def _bare(name: str) -> str:
+    """A name as other tools write it."""
+    return name.replace("#", "").replace('"', "")
+
+
+def _still_means(kept: etree._Element, action: ActionAssociation) -> bool:
+    """True if a row of the file still means the same as the association."""
+    same = ActionAssociation.model_validate({"id": action.id, **row_fields(kept), "carried": None})
+    return same == action.model_copy(update={"carried": None})

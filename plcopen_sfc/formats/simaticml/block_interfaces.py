@@ -1,0 +1,421 @@
+"""Interfaces of blocks and data types: sections and members, read and written."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.added_elements import add_system_parts, is_added, write_result
+from plcopen_sfc.formats.simaticml.declaration_spelling import (
+    LAYOUT,
+    SECTIONS,
+    is_sayable,
+    is_usual,
+    merged,
+    read_type,
+    restored,
+    section_name,
+    struct_of,
+    write_type,
+)
+from plcopen_sfc.formats.simaticml.element_reader import (
+    DocumentReading,
+    Fields,
+    attributes,
+    carried,
+    carry_attribute,
+    carry_element,
+    children,
+    local,
+    merge,
+    read_comments,
+    read_languages,
+)
+from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, finish, sub, write_languages
+from plcopen_sfc.formats.simaticml.member_start_values import (
+    has_nested,
+    read_elements,
+    read_nested,
+    write_elements,
+    write_nested,
+)
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting, of_member, warn_of_edit
+from plcopen_sfc.formats.xml.extension_data import legal_text
+from plcopen_sfc.languages.s7_types import NO_START
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DerivedType,
+    ElementaryType,
+    SimpleValue,
+    StringType,
+    StructType,
+    StructValue,
+    Variable,
+)
+from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
+from plcopen_sfc.report import Outcome
+
+MEMBER_ATTRIBUTES = ("Version", "Remanence", "Accessibility", "Informative")
+"""Attributes of ``Member`` itself; all others in `Variable.attributes` are in its ``AttributeList``."""
+_INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offset", "PaddedSize"})
+_SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
+"""The kinds of types that TIA Portal spells; others are carried."""
+_INTEGERS = frozenset({"Offset", "PaddedSize"})
+
+
+def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
+    """The element that gives a member the attribute `name`, and its marks, where nothing else is known."""
+    kind = "IntegerAttribute" if name in _INTEGERS else "BooleanAttribute"
+    if kind == "BooleanAttribute" and value not in ("true", "false"):
+        kind = "StringAttribute"
+    marks = {"Informative": "true"} if name in _INFORMATIVE else {}
+    return kind, {**marks, "SystemDefined": "true"}
+
+
+_ADDABLE = frozenset({"Base", "Input", "Output", "Return"})
+
+
+def read_interface(ctx: DocumentReading, element: etree._Element) -> Fields:
+    """Read ``Interface``, with its ``Sections``."""
+    fields: Fields = {"sections": []}
+    for name, value in attributes(element).items():
+        carry_attribute(fields, name, value)
+    for number, sections in enumerate(children(element)):
+        if number or local(sections) != "Sections" or sections.attrib:
+            carry_element(fields, sections)
+            continue
+        ctx.note_schema(sections)
+        for section in children(sections):
+            if section.get("Name") in _ADDABLE and is_added(section) and _is_all_added(section):
+                continue
+            kind = SECTIONS.get(section.get("Name", ""))
+            if local(section) != "Section" or kind is None or len(section.attrib) > 1:
+                carry_element(fields, section)
+                continue
+            fields["sections"].append(_read_section(ctx, section, kind))
+        kept: Fields = {}
+        read_comments(ctx, sections, kept)
+        if kept.get("return_type") is not None and any(s["kind"] is SectionKind.RETURN for s in fields["sections"]):
+            warn_of_edit(ctx, "the result of the function", sections)
+            del kept["return_type"]
+        merge(fields, kept)
+    layout = fields.pop(LAYOUT, None)
+    if layout is not None:
+        fields["sections"] = restored(fields["sections"], layout)
+    return fields
+
+
+def _read_section(ctx: DocumentReading, element: etree._Element, kind: SectionKind) -> Fields:
+    fields: Fields = {"kind": kind, "variables": []}
+    for child in children(element):
+        if local(child) == "Member":
+            if not is_added(child):
+                fields["variables"].append(read_member(ctx, child))
+        else:
+            carry_element(fields, child)
+    read_comments(ctx, element, fields)
+    return fields
+
+
+def _is_all_added(section: etree._Element) -> bool:
+    """True if a section has nothing but the members that our writer added."""
+    return section.get("Name") == "Base" or all(is_added(child) for child in children(section))
+
+
+def read_members(ctx: DocumentReading, element: etree._Element) -> Fields | None:
+    """The members of a data type, which are in the one section ``None``; None for any other structure."""
+    for sections in children(element) if len(children(element)) == 1 and not element.attrib else ():
+        ctx.note_schema(sections)
+        found = children(sections)
+        if len(found) == 1 and attributes(found[0]) == {"Name": "None"} and not sections.attrib:
+            if local(found[0]) != "Section" or local(sections) != "Sections":
+                return None
+            if any(local(child) != "Member" for child in children(found[0])):
+                return None
+            return {"kind": "struct", "members": [read_member(ctx, child) for child in children(found[0])]}
+    return None
+
+
+def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
+    """Read ``Member``."""
+    left = attributes(element)
+    spelled = left.pop("Datatype", "")
+    fields: Fields = {"name": left.pop("Name", "")}
+    members: list[Fields] = []
+    elements: list[etree._Element] = []
+    listed: dict[str, str] = {name: left.pop(name) for name in MEMBER_ATTRIBUTES if name in left}
+    for child in element:
+        kind = local(child)
+        if kind == "AttributeList":
+            _attribute_list(child, fields, listed)
+        elif kind == "Member":
+            members.append(read_member(ctx, child))
+        elif kind == "Comment" and "comment" not in fields and (text := read_languages(child)) is not None:
+            fields["comment"] = text
+            _keep_marks(fields, child, kind)
+        elif kind == "StartValue" and "initial" not in fields:
+            fields["initial"] = {"kind": "simple", "text": child.text}
+            _keep_marks(fields, child, kind)
+        elif kind == "Subelement":
+            elements.append(child)
+        else:
+            carry_element(fields, child)
+    if listed:
+        fields["attributes"] = listed
+    if left:
+        carried(fields)["attributes"].update(left)
+    fields["type"] = read_type(spelled, members)
+    nested = read_nested(element) if "initial" not in fields and has_nested(element) else None
+    if nested is not None:
+        fields["initial"] = nested
+    initial = read_elements(fields["type"], elements) if elements and "initial" not in fields else None
+    if initial is not None:
+        fields["initial"] = initial
+    for child in elements if initial is None else ():
+        carry_element(fields, child)
+    if members and spelled.rpartition(" ")[2] != "Struct":
+        for child in children(element):
+            if local(child) == "Member":
+                carry_element(fields, child)
+    if fields["type"]["kind"] in _SPELLED and spelled_as(fields["type"]) != spelled:
+        carried(fields)["attributes"]["Datatype"] = spelled
+    kept: Fields = {}
+    read_comments(ctx, element, kept)
+    if kept:
+        merge(fields, counting(ctx, kept, of_member(element), element))
+    return fields
+
+
+def _keep_marks(fields: Fields, element: etree._Element, name: str) -> None:
+    """Keep the attributes of a part of a member, such as ``Informative``."""
+    for key, value in attributes(element).items():
+        carried(fields)["attributes"][f"{name}/{key}"] = value
+
+
+def _attribute_list(element: etree._Element, fields: Fields, listed: dict[str, str]) -> None:
+    for child in children(element):
+        marks = attributes(child)
+        name = marks.pop("Name", "")
+        if not name or name in listed or name in MEMBER_ATTRIBUTES or len(child):
+            carry_element(fields, element)
+            listed.clear()
+            return
+        value = child.text or ""
+        listed[name] = value
+        kind, usual = usual_form(name, value)
+        if (local(child), marks) != (kind, usual):
+            form = " ".join([local(child), *(f"{key}={mark}" for key, mark in sorted(marks.items()))])
+            carried(fields)["attributes"][f"{name}/form"] = form
+
+
+def spelled_as(fields: Fields) -> str:
+    """The spelling that `write_type` gives to a type that was just read."""
+    return write_type(_light(fields))
+
+
+def _light(fields: Fields) -> DataType:
+    kind = fields["kind"]
+    if kind == "elementary":
+        return _ELEMENTARY_TYPES.setdefault(fields["name"], ElementaryType(name=fields["name"]))
+    if kind == "string":
+        return StringType(wide=fields["wide"], length=fields["length"])
+    if kind == "struct":
+        return StructType()
+    if kind == "array":
+        return ArrayType.model_validate({**fields, "base": _light(fields["base"])})
+    return DerivedType(name=fields["name"])
+
+
+_ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
+
+
+_NAMES = {kind: name for name, kind in SECTIONS.items()}
+
+
+def write_interface(
+    ctx: DocumentWriting,
+    parent: etree._Element,
+    interface: Interface,
+    renamed: dict[str, str] | None = None,
+    *,
+    graph: bool = False,
+    static: bool = True,
+) -> etree._Element:
+    """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
+
+    `graph`: the block has a chart, and needs the system parts of every sequencer. `static`: it has static variables,
+    which functions have not.
+    """
+    element = sub(parent, "Interface")
+    for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
+        element.set(key, value)
+    sections = ctx.root("Interface", "Sections", element)
+    for content in interface.carried.elements if interface.carried is not None else ():
+        add_element(ctx, sections, content)
+    left: dict[str, Any] = {}
+    given = interface.sections
+    if not ctx.keeps_sections and not is_usual(given, static=static):
+        given, left[LAYOUT] = merged(given, static=static)
+    for section in given:
+        _write_section(ctx, sections, section, renamed or {}, static=static)
+    for section in interface.sections:
+        if section.persistent:
+            why = "its variables are kept when the power fails, and not when the block is loaded again"
+            ctx.note(Outcome.APPROXIMATED, "section", f"{section.kind.value} persistent", why)
+        if section_name(section) is None:
+            external = section.kind is SectionKind.EXTERNAL  # names of global variables, which texts name as such
+            outcome = Outcome.EXTENSION_DATA if external else Outcome.NOT_EXECUTED
+            ctx.note(outcome, "section", section.kind.value, "TIA Portal has no such section")
+    if graph:
+        add_system_parts(ctx, sections)
+    if interface.return_type is not None:
+        write_result(sections, ctx.s7_types.type(interface.return_type))
+        left["return_type"] = interface.return_type.model_dump(mode="json", exclude_none=True)
+    finish(ctx, sections, interface, frozenset({"sections", "return_type"}), also=left)
+    return element
+
+
+def _write_section(
+    ctx: DocumentWriting, parent: etree._Element, section: VariableSection, renamed: dict[str, str], *, static: bool
+) -> None:
+    name = section_name(section) or ""
+    element = sub(parent, "Section", {"Name": name})
+    for content in section.carried.elements if section.carried is not None else ():
+        add_element(ctx, element, content)
+    for variable in section.variables:
+        write_member(
+            ctx, element, variable, renamed.get(variable.name), starts=name == "Constant" or (static and name != "Temp")
+        )
+    if _NAMES.get(section.kind) == name:
+        finish(ctx, element, section, frozenset({"kind", "variables"}))
+    else:
+        also = {"kind": section.kind.value, "constant": True}
+        finish(ctx, element, section, frozenset({"kind", "variables", "constant"}), also=also)
+
+
+def write_members(ctx: DocumentWriting, parent: etree._Element, struct: StructType) -> None:
+    """Write the ``Interface`` of a data type."""
+    sections = ctx.root("Interface", "Sections", sub(parent, "Interface"))
+    section = sub(sections, "Section", {"Name": "None"})
+    for member in struct.members:
+        write_member(ctx, section, member)
+
+
+def write_member(
+    ctx: DocumentWriting, parent: etree._Element, variable: Variable, name: str | None = None, *, starts: bool = True
+) -> None:
+    """Write ``Member``. `starts`: it can have a start value: it is not temporary, and of no function."""
+    kept = variable.carried.attributes if variable.carried is not None else {}
+    own = {key: variable.attributes[key] for key in MEMBER_ATTRIBUTES if key in variable.attributes}
+    type_ = ctx.s7_types.type(variable.type)
+    spelled = spelling(type_, kept if type_ is variable.type else {})
+    element = sub(parent, "Member", {"Name": name or variable.name, "Datatype": spelled, **own})
+    for key, value in kept.items():
+        if "/" not in key and key != "Datatype":
+            element.set(key, value)
+    listed = {key: value for key, value in variable.attributes.items() if key not in own}
+    if listed:
+        holder = sub(element, "AttributeList")
+        for key, value in listed.items():
+            kind, marks = _form(key, value, kept)
+            sub(holder, kind, {"Name": key, **marks}).text = value or None
+    unknown = list(variable.carried.elements) if variable.carried is not None else []
+    for content in [content for content in unknown if content.startswith("<AttributeList")]:
+        add_element(ctx, element, content)
+        unknown.remove(content)
+    write_languages(ctx, element, "Comment", variable.comment, _marks(kept, "Comment"))
+    struct = struct_of(type_)
+    for member in struct.members if struct is not None else ():
+        write_member(ctx, element, member)
+    for content in unknown:
+        add_element(ctx, element, content)
+    native = {"name", "type", "comment", "attributes"}
+    told: set[str] = set()
+    also: dict[str, Any] = {}
+    start = ctx.s7_types.start(variable) if starts or ctx.options.same else None
+    if not starts and not ctx.options.same and ctx.s7_types.start(variable) is not None:
+        told.add("initial")
+        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
+    if isinstance(start, StructValue) and isinstance(type_, StructType):
+        if write_nested(element, type_, start, ctx.s7_types.declared):
+            native.discard("type")  # read, the values are those of its members
+            told |= {"type", "initial"}
+    elif has_nested(element) or (start is not None and _is_nested(type_)):
+        if write_nested(element, type_, start, ctx.s7_types.declared):
+            native.add("initial")
+    elif isinstance(start, SimpleValue):
+        sub(element, "StartValue", _marks(kept, "StartValue")).text = legal_text(start.text or "") or None
+        (native if start == variable.initial else told).add("initial")
+    elif start is not None and write_elements(element, type_, start):
+        (native if start == variable.initial else told).add("initial")
+    elif start is not None and variable.initial is None:
+        why = "its elements do not start with the initial value of their type, which TIA Portal cannot express here"
+        ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
+    if start is not None and variable.initial is None:
+        also = {"initial": None}
+    if type_ is not variable.type:
+        native.discard("type")
+        told.add("type")
+        ctx.note(Outcome.TRANSLATED, "data type", variable.name, f"it is a variable of the type {spelled}")
+    if not is_sayable(type_):
+        native.discard("type")
+        told.add("type")
+        why = f"TIA Portal has no type like this one; written as {spelled}, which does not compile"
+        ctx.note(Outcome.NOT_EXECUTED, "data type", variable.name, why)
+    if "type" not in native or also or (variable.initial is not None and "initial" not in native):
+        also[WRITTEN] = of_member(element)
+    finish(ctx, element, variable, frozenset(native), also=also, told=frozenset(told))
+
+
+def _is_nested(type_: DataType) -> bool:
+    """True if members have the start values of a type: it is a PLC data type, or an array of structures."""
+    base = type_
+    while isinstance(base, ArrayType):
+        base = base.base
+    return isinstance(base, DerivedType) or (isinstance(base, StructType) and base is not type_)
+
+
+def spelling(type: DataType, kept: dict[str, str]) -> str:
+    """The spelling of the file as long as it is the same type, else that of TIA Portal."""
+    spelled = kept.get("Datatype")
+    if spelled is not None and _without_members(type) == read_type(spelled):
+        return spelled
+    return write_type(type)
+
+
+def _without_members(type: DataType) -> object:
+    if isinstance(type, ArrayType):
+        return {"kind": "array", "dimensions": [d.model_dump() for d in type.dimensions]} | {
+            "base": _without_members(type.base)
+        }
+    if isinstance(type, StructType):
+        return {"kind": "struct", "members": []}
+    if isinstance(type, DerivedType):
+        return {"kind": "derived", "name": type.name}
+    return type.model_dump()
+
+
+def _form(name: str, value: str, kept: dict[str, str]) -> tuple[str, dict[str, str]]:
+    form = kept.get(f"{name}/form")
+    if form is None:
+        return usual_form(name, value)
+    kind, *marks = form.split(" ")
+    return kind, dict(mark.split("=", 1) for mark in marks)
+
+
+def _marks(kept: dict[str, str], part: str) -> dict[str, str]:
+    start = f"{part}/"
+    return {key.removeprefix(start): value for key, value in kept.items() if key.startswith(start)}
+
+
+def section_kinds(interface: Interface | None) -> set[SectionKind]:
+    """The kinds of sections that an interface has."""
+    return {section.kind for section in interface.sections} if interface is not None else set()
+
+
+def usable(carried: Carried | None) -> dict[str, str]:
+    """The carried attributes of an object."""
+    return carried.attributes if carried is not None else {}

@@ -1,0 +1,275 @@
+"""Coils, contacts and boxes where TIA Portal wants them.
+
+Other tools, and code that was drawn here, have output variables; TIA Portal has coils for bits, ``Move`` for the rest.
+In LAD of TIA Portal comparisons are contacts, and AND is a series of contacts; ladders of other tools have boxes for
+both, as FBD has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from plcopen_sfc.formats.simaticml.conditional_bits import BOOLEAN, keep_bits_by_contacts, keep_bits_by_logic
+from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
+from plcopen_sfc.formats.simaticml.network_boxes import RESULTS
+from plcopen_sfc.formats.simaticml.network_operands import literal_type, parse_operand
+from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.s7_types import s7_types
+from plcopen_sfc.model.body import Body, FbdBody, LdBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition
+from plcopen_sfc.model.network import (
+    Block,
+    BlockCall,
+    BlockParameters,
+    BlockVariable,
+    Coil,
+    Connection,
+    Contact,
+    Edge,
+    InputPin,
+    InputVariable,
+    LeftPowerRail,
+    LogicNetwork,
+    Node,
+    OutputPin,
+    OutputVariable,
+    Storage,
+)
+from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
+
+_OPPOSITE = {"EQ": "NE", "NE": "EQ", "GT": "LE", "LE": "GT", "LT": "GE", "GE": "LT"}
+_POWER = "pre"
+"""The pin of a comparison at which power comes in."""
+
+
+def lacks_power(network: LogicNetwork) -> bool:
+    """True if a ladder has comparisons without power, or AND boxes: TIA Portal draws none."""
+    boxes = [node for node in network.nodes if isinstance(node, Block)]
+    return any(box.type_name == "AND" or _is_at_no_power(box) for box in boxes)
+
+
+def _is_at_no_power(box: Block) -> bool:
+    return box.type_name in _OPPOSITE and not any(pin.name in (_POWER, "EN") for pin in box.parameters.inputs)
+
+
+def put_in_series(network: LogicNetwork) -> None:
+    """Give comparisons their power, and make series of AND boxes, as far as contacts and comparisons go."""
+    rail = next((node for node in network.nodes if isinstance(node, LeftPowerRail)), None)
+    if rail is None:
+        return
+    boxes = [node for node in network.nodes if isinstance(node, Block)]
+    for box in boxes:
+        if _is_at_no_power(box):
+            power = InputPin(connections=[Connection(source=rail.id)])
+            box.parameters.inputs.insert(0, BlockVariable(name=_POWER, input=power))
+    for box in boxes:
+        pins = box.parameters.inputs
+        if box.type_name != "AND" or len(pins) < 2 or any(not _is_plain(pin) for pin in pins):
+            continue
+        parts = [_in_series(network, rail, pin) for pin in pins]
+        first, *others = parts
+        if all(part is not None for part in others) and (first is not None or _carries_power(network, pins[0])):
+            _unfold(network, rail, box, parts)
+
+
+def _is_plain(pin: BlockVariable) -> bool:
+    is_wired = pin.input is not None and bool(pin.input.connections)
+    return is_wired and pin.name != "EN" and pin.edge is Edge.NONE and pin.storage is Storage.NONE
+
+
+def _carries_power(network: LogicNetwork, pin: BlockVariable) -> bool:
+    """True if a pin gets its value from contacts and boxes only."""
+    wires = pin.input.connections if pin.input is not None else []
+    sources = {wire.source for wire in wires}
+    return not pin.negated and not any(isinstance(n, InputVariable) for n in network.nodes if n.id in sources)
+
+
+def _in_series(network: LogicNetwork, rail: LeftPowerRail, pin: BlockVariable) -> InputVariable | Block | None:
+    """The element at a pin that can be in a series: a variable, or a comparison at the rail without other consumers."""
+    wires = pin.input.connections if pin.input is not None else []
+    node = next((node for node in network.nodes if len(wires) == 1 and node.id == wires[0].source), None)
+    readers = sum(wire.source == node.id for other in network.nodes for wire in wires_of(other)) if node else 0
+    if isinstance(node, InputVariable) and not node.negated and readers == 1:
+        return node
+    if not isinstance(node, Block) or node.type_name not in _OPPOSITE or readers != 1:
+        return None
+    power = node.parameters.inputs[0]
+    at_rail = power.input is not None and [wire.source for wire in power.input.connections] == [rail.id]
+    return node if power.name == _POWER and at_rail else None
+
+
+def _unfold(network: LogicNetwork, rail: LeftPowerRail, box: Block, parts: list[InputVariable | Block | None]) -> None:
+    """A series instead of an AND box."""
+    power = [Connection(source=rail.id)]
+    for pin, part in zip(box.parameters.inputs, parts, strict=True):
+        wires = pin.input.connections if pin.input is not None else []
+        if isinstance(part, InputVariable):
+            index = network.nodes.index(part)
+            place = {"id": part.id, "position": part.position, "width": part.width, "height": part.height}
+            marks = {"variable": part.expression, "negated": pin.negated, "input": InputPin(connections=power)}
+            network.nodes[index] = Contact.model_validate({**place, **marks, "kind": "contact"})
+            power = [Connection(source=part.id)]
+        elif part is not None:
+            part.parameters.inputs[0].input = InputPin(connections=power)
+            part.type_name = _OPPOSITE[part.type_name] if pin.negated else part.type_name
+            power = wires
+        else:
+            power = wires
+    for node in network.nodes:
+        for holder in _pins(node):
+            if any(wire.source == box.id for wire in holder.connections):
+                kept = [wire for wire in holder.connections if wire.source != box.id]
+                holder.connections = [*kept, *(wire.model_copy(deep=True) for wire in power)]
+    network.nodes.remove(box)
+
+
+def _pins(node: object) -> list[InputPin]:
+    if isinstance(node, Block):
+        pins = [variable.input for variable in (*node.parameters.inputs, *node.parameters.in_outs)]
+        return [pin for pin in pins if pin is not None]
+    pin = getattr(node, "input", None)
+    return [pin] if isinstance(pin, InputPin) else []
+
+
+_BITS = BOOLEAN | {"R_TRIG", "F_TRIG"}
+"""Boxes whose result is a bit. Edges with an instance of their own are others."""
+_CALLS = (BlockCall.FUNCTION, BlockCall.FUNCTION_BLOCK)
+
+
+def types_of(project: Project, pou: Pou) -> dict[str, str]:
+    """The types of the variables of a block (``#name``) and of the tags (``"name"``), as TIA Portal spells them.
+
+    Names are in lower case.
+    """
+    tags = {f'"{tag.name.lower()}"': tag.type for table in project.tag_tables for tag in table.tags}
+    types = s7_types(project)
+    return tags | {f"#{variable.name.lower()}": write_type(types.type(variable.type)) for variable in pou.variables()}
+
+
+def put_coils(project: Project) -> None:
+    """Make coils of the output variables that other tools write instead.
+
+    The results of conditions (``TrCoil``, ``IlCoil``, ``SvCoil``) are no variables, whatever a translation of names has
+    made of them.
+    """
+    for chart in project.charts():
+        conditions: list[Condition | None] = [t.condition for t in chart.chart.transitions]
+        for step in chart.chart.steps:
+            conditions += [each.condition for each in (step.interlock, step.supervision) if each is not None]
+        for condition in conditions:
+            if isinstance(condition, BodyCondition):
+                for network in _networks(condition.body):
+                    network.nodes = [_result(node) for node in network.nodes]
+    blocks = {pou.name.casefold() for pou in project.pous}
+    for _, pou, body in project.bodies():
+        if isinstance(body, FbdBody | LdBody):
+            types = types_of(project, pou)
+            bits = {_plain(name) for name, kind in types.items() if name.startswith("#") and kind == "Bool"}
+            keep_bits = keep_bits_by_logic if isinstance(body, FbdBody) else keep_bits_by_contacts
+            for network in body.networks:
+                keep_bits(network, bits)
+                put_assignments(network, types, blocks)
+                if isinstance(body, LdBody):
+                    put_in_series(network)
+
+
+def _networks(body: Body) -> Iterator[LogicNetwork]:
+    if isinstance(body, FbdBody | LdBody):
+        yield from body.networks
+
+
+def _result(node: Node) -> Node:
+    name = _target(node).removeprefix("#").strip('"')
+    return _coil(node, name) if name in RESULTS else node
+
+
+def put_assignments(network: LogicNetwork, types: Mapping[str, str], blocks: Iterable[str] = ()) -> None:
+    """Make coils and ``Move`` boxes of the output variables of a network; `types` are those of `types_of`.
+
+    The output of a box that calls one of the `blocks` of the project (lower case), or from any other box that does
+    not give a bit, stays at its pin.
+    """
+    if not any(isinstance(node, OutputVariable) for node in network.nodes):
+        return
+    own = frozenset(blocks)
+    sources = {node.id: node for node in network.nodes}
+    for index, node in enumerate(network.nodes):
+        if not isinstance(node, OutputVariable) or node.input is None or not node.input.connections:
+            continue
+        givers = [sources.get(connection.source) for connection in node.input.connections]
+        if _takes_bit(node, givers, types, own):
+            network.nodes[index] = _coil(node, node.expression)
+        elif len(givers) == 1 and isinstance(givers[0], InputVariable) and _is_value(node, givers[0], types):
+            network.nodes[index] = _move(node)
+    _put_contacts(network)
+
+
+def _put_contacts(network: LogicNetwork) -> None:
+    """Contacts of variables at coils, in a network with a power rail: LAD has no operands there."""
+    rail = next((node for node in network.nodes if isinstance(node, LeftPowerRail)), None)
+    coils = [node.input for node in network.nodes if isinstance(node, Coil) and node.input is not None]
+    fed = {connection.source for pin in coils for connection in pin.connections}
+    for index, node in enumerate(network.nodes):
+        if rail is not None and isinstance(node, InputVariable) and node.id in fed:
+            shared = {
+                field: getattr(node, field) for field in InputVariable.model_fields if field in Contact.model_fields
+            }
+            power = InputPin(connections=[Connection(source=rail.id)])
+            marks = {"kind": "contact", "variable": node.expression, "input": power}
+            network.nodes[index] = Contact.model_validate(shared | marks)
+
+
+def _takes_bit(
+    node: OutputVariable, givers: list[Node | None], types: Mapping[str, str], blocks: frozenset[str]
+) -> bool:
+    if node.storage is not Storage.NONE:
+        return True  # only bits are set and reset
+    if all(_gives_bit(giver, types) for giver in givers):
+        return True
+    called = any(isinstance(g, Block) and (g.call in _CALLS or g.type_name.casefold() in blocks) for g in givers)
+    return _type(node.expression, types) == "Bool" and not called
+
+
+def _gives_bit(giver: Node | None, types: Mapping[str, str]) -> bool:
+    if isinstance(giver, Block):
+        return giver.type_name.upper() in _BITS
+    return isinstance(giver, InputVariable) and _type(giver.expression, types) == "Bool"
+
+
+def _is_value(node: OutputVariable, giver: InputVariable, types: Mapping[str, str]) -> bool:
+    """True if something else than a bit is assigned; False if the type is not known."""
+    return bool(_type(node.expression, types) or _type(giver.expression, types))
+
+
+def _type(text: str, types: Mapping[str, str]) -> str:
+    """The type of an operand; empty where it is not known."""
+    name = f"#{_plain(text)}" if text.startswith("#") else text.lower()
+    known = types.get(name) or types.get(f"#{name}", "")
+    if known or text.startswith(("#", '"', "%")) or parse_operand(text) is None:
+        return known
+    return "Bool" if text.upper() in ("TRUE", "FALSE") else literal_type(text, "")
+
+
+def _plain(text: str) -> str:
+    return text.removeprefix("#").strip('"').lower()
+
+
+def _target(node: Node) -> str:
+    if isinstance(node, Coil):
+        return node.variable
+    return node.expression if isinstance(node, OutputVariable) else ""
+
+
+def _coil(node: Node, variable: str) -> Node:
+    shared = {field: getattr(node, field) for field in OutputVariable.model_fields if field in Coil.model_fields}
+    return Coil.model_validate({**shared, "kind": "coil", "variable": variable})
+
+
+def _move(node: OutputVariable) -> Node:
+    shared = {field: getattr(node, field) for field in OutputVariable.model_fields if field in Block.model_fields}
+    parameters = BlockParameters(
+        inputs=[BlockVariable(name="IN", input=node.input)],
+        outputs=[BlockVariable(name="OUT", output=OutputPin(expression=node.expression))],
+    )
+    return Block.model_validate({**shared, "kind": "block", "type_name": "MOVE", "parameters": parameters})

@@ -1,0 +1,292 @@
+"""Compile units, the networks of a code block: read and written.
+
+TIA Portal divides every block into networks, each in a language of its own. Networks of LAD or FBD that follow each
+other are one body.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.errors import Location, StructureError
+from plcopen_sfc.formats.provenance import read_later
+from plcopen_sfc.formats.simaticml.coils_and_contacts import lacks_power, put_assignments, put_in_series
+from plcopen_sfc.formats.simaticml.element_reader import (
+    DocumentReading,
+    Fields,
+    NotUnderstoodError,
+    attributes,
+    carry_attribute,
+    carry_element,
+    carry_rest,
+    child_named,
+    children,
+    local,
+    opaque,
+    read_comments,
+    read_model,
+    read_object_text,
+)
+from plcopen_sfc.formats.simaticml.element_writer import (
+    ID,
+    DocumentWriting,
+    add_element,
+    finish,
+    keep_fields,
+    sub,
+    write_object_text,
+)
+from plcopen_sfc.formats.simaticml.graph_reader import read_graph
+from plcopen_sfc.formats.simaticml.graph_writer import write_graph
+from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_network, report_network, write_network
+from plcopen_sfc.formats.simaticml.replaced_elements import warn_of_edit
+from plcopen_sfc.formats.simaticml.scl_token_writer import InterfaceNames, read_code, write_code
+from plcopen_sfc.formats.xml.extension_data import Markup, exchange
+from plcopen_sfc.model.base import Carried, Element
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.network import LogicNetwork, OutputVariable
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.report import Outcome
+
+LANGUAGES = {"LAD": "LD", "FBD": "FBD", "SCL": "ST", "GRAPH": "SFC"}
+NAMES = {language: name for name, language in LANGUAGES.items()}
+
+
+def read_units(ctx: DocumentReading, units: list[etree._Element], late: Fields) -> tuple[list[Fields | SfcBody], str]:
+    """The bodies of a block, and its language by them. `late`: what its attributes tell about its chart."""
+    bodies: list[Fields | SfcBody] = []
+    languages: list[str] = []
+    for unit in units:
+        name, body = _read_unit(ctx, unit, late)
+        languages.append(name)
+        last = bodies[-1] if bodies else None
+        if isinstance(last, dict) and isinstance(body, dict) and _continues(last, body):
+            last["networks"].extend(body["networks"])
+        else:
+            bodies.append(body)
+    return bodies, block_language(languages)
+
+
+def block_language(languages: list[str]) -> str:
+    """The language of a block with networks in these: LAD and FBD blocks may have networks in SCL, not the reverse."""
+    graphical = (name for name in languages if name.removeprefix("F_") in ("LAD", "FBD"))
+    return next(graphical, languages[0] if languages else "")
+
+
+def _continues(last: Fields, body: Fields) -> bool:
+    """True if the networks of `body` belong to the body before it: both are LAD, or both FBD."""
+    if "networks" not in last or last.keys() != body.keys():
+        return False
+    return all(last[key] == body[key] for key in last if key != "networks")
+
+
+def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tuple[str, Fields | SfcBody]:
+    """Read ``SW.Blocks.CompileUnit``: its language and its body."""
+    own: Fields = {}
+    source: etree._Element | None = None
+    name = ""
+    holder = child_named(unit, "AttributeList")
+    for child in children(holder) if holder is not None else ():
+        if local(child) == "NetworkSource" and source is None:
+            source = child
+            for key, value in attributes(child).items():
+                carry_attribute(own, f"@NetworkSource@{key}", value)
+        elif local(child) == "ProgrammingLanguage" and not child.attrib and not name:
+            name = child.text or ""
+        elif local(child) == "ProgrammingLanguage":
+            carry_element(own, child)
+        elif not child.attrib and not len(child) and local(child) not in own.get("carried", {}).get("attributes", {}):
+            carry_attribute(own, local(child), child.text or "")
+        else:
+            carry_element(own, child)
+    holder = child_named(unit, "ObjectList")
+    for child in children(holder) if holder is not None else ():
+        field = {"Title": "title", "Comment": "comment"}.get(child.get("CompositionName", ""), "")
+        text = read_object_text(child) if local(child) == "MultilingualText" and field and field not in own else None
+        if text is not None:
+            own[field] = text
+        else:
+            carry_element(own, child)
+    carry_rest(own, unit)
+    for key, value in attributes(unit).items():
+        if key not in ("ID", "CompositionName"):
+            carry_attribute(own, f"@{key}", value)
+    read_comments(ctx, unit, own)
+    parts = children(source) if source is not None else []
+    instead = own.pop("body", None)
+    if instead is not None and _is_empty(parts):
+        return name, instead
+    if instead is not None:
+        warn_of_edit(ctx, "the body", unit)
+    if parts:
+        ctx.note_schema(parts[0])
+    if source is None:
+        carry_attribute(own, "NetworkSource", "")
+    return name, _body(ctx, name, parts, own, late)
+
+
+def _is_empty(parts: list[etree._Element]) -> bool:
+    """True if nothing is programmed in a compile unit."""
+    return all(local(each) in _SHELLS for part in parts for each in part.iter(etree.Element))
+
+
+_SHELLS = ("FlgNet", "Parts", "Wires", "StructuredText")
+
+
+def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fields, late: Fields) -> Fields | SfcBody:
+    kind = [local(part) for part in parts]
+    plain = name.removeprefix("F_")
+    marks: Fields = {} if plain == name else {"carried": {"attributes": {"ProgrammingLanguage": name}}}
+    if name == "GRAPH" and kind == ["Graph"]:
+        return _chart(ctx, parts[0], own, late)
+    if plain in ("LAD", "FBD") and kind in ([], ["FlgNet"]):
+        try:
+            network = read_network(ctx, parts[0]) if parts else {"nodes": []}
+        except NotUnderstoodError as error:
+            report_network(ctx, error, parts[0])
+        else:
+            return {"language": LANGUAGES[plain], "networks": [_merged(network, own)], **marks}
+    elif name == "SCL" and kind in ([], ["StructuredText"]):
+        try:
+            names = InterfaceNames(ctx.types, ctx.constants)
+            return {"language": "ST", **_merged(read_code(parts[0], names) if parts else {}, own)}
+        except NotUnderstoodError:
+            pass
+    carry_attribute(own, "ProgrammingLanguage", name)
+    return {**opaque(*parts), **own}
+
+
+def _merged(fields: Fields, own: Fields) -> Fields:
+    """The fields of a program, with the texts of its compile unit."""
+    merged = {**fields, **own}
+    if "carried" in fields and "carried" in own:
+        one, other = fields["carried"], own["carried"]
+        merged["carried"] = {
+            "data": [*one.get("data", []), *other.get("data", [])],
+            "attributes": {**one.get("attributes", {}), **other.get("attributes", {})},
+            "elements": [*one.get("elements", []), *other.get("elements", [])],
+        }
+    return merged
+
+
+def _chart(ctx: DocumentReading, element: etree._Element, own: Fields, late: Fields) -> SfcBody:
+    place, types, constants = list(ctx.place), ctx.types, ctx.constants
+
+    def read() -> SfcNetwork:
+        outer, ctx.place = ctx.place, place
+        others = ctx.types, ctx.constants
+        ctx.types, ctx.constants = types, constants
+        try:
+            chart = read_model(ctx, element, SfcNetwork, lambda ctx, element: read_graph(ctx, element, late))
+        finally:
+            ctx.place, (ctx.types, ctx.constants) = outer, others
+        if not ctx.of_tia:
+            exchange(chart, Markup.SIMATICML, Markup.TC6)
+        return chart
+
+    return SfcBody.model_validate({**own, "chart": read_later(SfcNetwork, {}, read)})
+
+
+def misfit(error: ValidationError, file: str | None) -> StructureError:
+    """The warning for carried data that does not fit the model, as it may have been edited."""
+    first = error.errors()[0]
+    path = ".".join(map(str, first["loc"]))
+    return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))
+
+
+UNIT = "SW.Blocks.CompileUnit"
+
+
+def language_of(body: Body | None) -> str:
+    """The language of a body as TIA Portal calls it."""
+    if body is None:
+        return ""
+    kept = body.carried.attributes.get("ProgrammingLanguage") if body.carried is not None else None
+    return kept or NAMES.get(body.language, "")
+
+
+def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> None:
+    """Write a body as one compile unit, or as one for each of its networks."""
+    if isinstance(body, FbdBody | LdBody):
+        for network in body.networks:
+            _network(ctx, parent, body, network)
+        ctx.keep(f"{body.language} body")
+        return
+    source, unit = _add_unit(ctx, parent, body, language_of(body) or ("" if isinstance(body, OpaqueBody) else "LAD"))
+    native = {"language", "title", "comment"}
+    also: dict[str, Any] = {}
+    if isinstance(body, StBody):
+        write_code(ctx, source, body)
+        native |= {"text", "markup"}
+        ctx.keep("ST body")
+    elif isinstance(body, SfcBody):
+        native.add("chart")
+        if ctx.body_name not in ctx.options.untouched:
+            write_graph(ctx, ctx.root("Graph", "Graph", source), body.chart)
+        ctx.keep("chart")
+    elif isinstance(body, OpaqueBody) and body.source == "simaticml":
+        for content in [body.content] if body.content else []:
+            add_element(ctx, source, content)
+        native |= {"source", "content"}
+    else:
+        what = "IL body" if isinstance(body, IlBody) else "body"
+        why = "the block is empty and does nothing: it is in no language that is written for TIA Portal"
+        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+        keep_fields(unit, {"body": body.model_dump(mode="json", exclude_none=True)})
+        return
+    finish(ctx, unit, body, frozenset(native), also=also)
+
+
+def _add_unit(
+    ctx: DocumentWriting, parent: etree._Element, thing: Element, language: str
+) -> tuple[etree._Element, etree._Element]:
+    """A new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
+    unit = sub(parent, UNIT, {ID: "", "CompositionName": "CompileUnits"})
+    values = sub(unit, "AttributeList")
+    kept = dict(thing.carried.attributes) if thing.carried is not None else {}
+    source = sub(values, "NetworkSource")
+    if kept.pop("NetworkSource", None) is not None:
+        values.remove(source)
+    objects = sub(unit, "ObjectList")
+    for name, value in kept.items():
+        if name.startswith("@"):
+            owner, _, mark = name[1:].rpartition("@")
+            {"AttributeList": values, "ObjectList": objects, "NetworkSource": source}.get(owner, unit).set(mark, value)
+        elif " " not in name and name != "ProgrammingLanguage":
+            sub(values, name).text = value or None
+    _unknown(ctx, values, objects, thing.carried)
+    if language:
+        sub(values, "ProgrammingLanguage").text = language
+    write_object_text(ctx, objects, "Comment", thing.comment)
+    write_object_text(ctx, objects, "Title", getattr(thing, "title", None))
+    if not len(objects):
+        unit.remove(objects)
+    return source, unit
+
+
+def _unknown(ctx: DocumentWriting, values: etree._Element, objects: etree._Element, carried: Carried | None) -> None:
+    for content in carried.elements if carried is not None else ():
+        holder = etree.Element("holder")
+        add_element(ctx, holder, content)
+        for element in list(holder):
+            (objects if element.get(ID) is not None else values).append(element)
+
+
+def _network(ctx: DocumentWriting, parent: etree._Element, body: FbdBody | LdBody, network: LogicNetwork) -> None:
+    source, unit = _add_unit(ctx, parent, network, language_of(body))
+    if network.nodes or (network.carried is not None and network.carried.data):
+        root = ctx.root("FlgNet", "FlgNet", source)
+        if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
+            network = network.model_copy(deep=True)
+            put_assignments(network, ctx.types, {pou.name.casefold() for pou in ctx.project.pous})
+        if isinstance(body, LdBody) and lacks_power(network):
+            network = network.model_copy(deep=True)
+            put_in_series(network)
+        instead = write_network(ctx, root, network)
+        if instead is not None:
+            source.replace(root, instead)
+    left = LogicNetwork(global_id=network.global_id)
+    finish(ctx, unit, left, frozenset())

@@ -1,0 +1,217 @@
+"""Data types and sections of interfaces as TIA Portal has them.
+
+Types are spelled ``Bool``, ``Array[0..9] of "Valve"``, ``String[20]``. Of sections TIA Portal has one of each kind in a
+fixed order, other tools any number in any order: variables of several sections of a kind are put into one, and a
+comment keeps in which they were.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from plcopen_sfc.formats.simaticml.element_reader import Fields
+from plcopen_sfc.languages.standard_blocks import S7_VERSION
+from plcopen_sfc.model.types import (
+    ArrayType,
+    DataType,
+    DerivedType,
+    Elementary,
+    ElementaryType,
+    StringType,
+    StructType,
+    Variable,
+)
+from plcopen_sfc.model.variables import SectionKind, VariableSection
+
+_ELEMENTARY = {
+    "Bool": Elementary.BOOL,
+    "Byte": Elementary.BYTE,
+    "Word": Elementary.WORD,
+    "DWord": Elementary.DWORD,
+    "LWord": Elementary.LWORD,
+    "SInt": Elementary.SINT,
+    "Int": Elementary.INT,
+    "DInt": Elementary.DINT,
+    "LInt": Elementary.LINT,
+    "USInt": Elementary.USINT,
+    "UInt": Elementary.UINT,
+    "UDInt": Elementary.UDINT,
+    "ULInt": Elementary.ULINT,
+    "Real": Elementary.REAL,
+    "LReal": Elementary.LREAL,
+    "Time": Elementary.TIME,
+    "LTime": Elementary.LTIME,
+    "Date": Elementary.DATE,
+    "Time_Of_Day": Elementary.TOD,
+    "LTime_Of_Day": Elementary.LTOD,
+    "Date_And_Time": Elementary.DT,
+    "LDT": Elementary.LDT,
+    "Char": Elementary.CHAR,
+    "WChar": Elementary.WCHAR,
+}
+_SPELLED = {kind: name for name, kind in _ELEMENTARY.items()}
+_STRING = re.compile(r"(W?)String(?:\[([^\]]+)\])?")
+_ARRAY = re.compile(r"Array\[([^\]]+)\] of (.+)")
+_SYSTEM = re.compile(
+    r"(?:TON|TOF|TP|TONR|IEC|CTU|CTD|CTUD|G7|HW|OB|DB|CONN|TCON|PORT|EVENT|AOM|PIP|RTM|LOG)_\w+|[CU]?Void|DTL|S5Time"
+    r"|Timer|Counter|Variant|Any|Pointer|[RF]_TRIG|REMOTE|RDREC|WRREC|TADDR_Param|TSEND_C|TRCV_C|GEOADDR|NREF|CREF"
+    r"|Block_\w+|ErrorStruct|Struct|TIMEZONE|STARTINFO|CONDITIONS|SSL_HEADER|VREF|STRING|ARRAY"
+)
+"""Types of the system, which are not quoted as those of users are."""
+_VERSIONED = re.compile(r"(?:TON|TOF|TP|TONR|IEC|CTU|CTD|CTUD)_\w+|[RF]_TRIG")
+
+
+def read_type(text: str, members: list[Fields] | None = None) -> Fields:
+    """A data type from its spelling; `members` are those of its ``Struct``, however deep that is."""
+    if text in _ELEMENTARY:
+        return {"kind": "elementary", "name": _ELEMENTARY[text]}
+    if text == "Struct":
+        return {"kind": "struct", "members": members or []}
+    if found := _STRING.fullmatch(text):
+        return {"kind": "string", "wide": bool(found[1]), "length": found[2]}
+    if found := _ARRAY.fullmatch(text):
+        dimensions = [part.partition("..") for part in found[1].split(",")]
+        if all(separator or lower == "*" for lower, separator, _ in dimensions):
+            return {
+                "kind": "array",
+                "dimensions": [{"lower": lower.strip(), "upper": upper.strip()} for lower, _, upper in dimensions],
+                "base": read_type(found[2], members),
+            }
+    if len(text) > 2 and text[0] == text[-1] == '"' and '"' not in text[1:-1]:
+        return {"kind": "derived", "name": text[1:-1]}
+    return {"kind": "derived", "name": text}
+
+
+def write_type(type: DataType) -> str:
+    """The spelling of TIA Portal for a data type."""
+    if isinstance(type, ElementaryType):
+        return _SPELLED.get(type.name, "Variant")
+    if isinstance(type, StringType):
+        return ("WString" if type.wide else "String") + (f"[{type.length}]" if type.length is not None else "")
+    if isinstance(type, ArrayType):
+        bounds = ", ".join(f"{d.lower}..{d.upper}" if d.upper else d.lower for d in type.dimensions)
+        return f"Array[{bounds}] of {write_type(type.base)}"
+    if isinstance(type, StructType):
+        return "Struct"
+    if isinstance(type, DerivedType):
+        return type.name if _SYSTEM.fullmatch(type.name) else f'"{type.name}"'
+    return "Variant"
+
+
+def version_of(type: DataType) -> str | None:
+    """The version that a declaration names of a type of the system; None: it names none."""
+    return S7_VERSION if isinstance(type, DerivedType) and _VERSIONED.fullmatch(type.name) else None
+
+
+def struct_of(type: DataType) -> StructType | None:
+    """The structure whose members a declaration of this type lists."""
+    while isinstance(type, ArrayType):
+        type = type.base
+    return type if isinstance(type, StructType) else None
+
+
+def is_sayable(type: DataType) -> bool:
+    """True if TIA Portal has this type."""
+    while isinstance(type, ArrayType):
+        type = type.base
+    if isinstance(type, ElementaryType):
+        return type.name in _SPELLED
+    return isinstance(type, StringType | DerivedType | StructType)
+
+
+SECTIONS = {
+    "Input": SectionKind.INPUT,
+    "Output": SectionKind.OUTPUT,
+    "InOut": SectionKind.IN_OUT,
+    "Static": SectionKind.LOCAL,
+    "Temp": SectionKind.TEMP,
+    "Constant": SectionKind.CONSTANT,
+    "Return": SectionKind.RETURN,
+}
+"""The sections of TIA Portal, in their order."""
+LAYOUT = "section_layout"
+"""The field of our comments that lists the sections in which the variables were."""
+_NAMES = {kind: name for name, kind in SECTIONS.items()}
+_ORDER = list(SECTIONS)
+_REMANENCE = "Remanence"
+_RETAIN = "Retain"
+
+
+def section_name(section: VariableSection, *, static: bool = True) -> str | None:
+    """The name of TIA Portal for a section; None without a counterpart. `static`: the block has static variables."""
+    if holds_constants(section):
+        return "Constant"
+    return "Temp" if section.kind is SectionKind.LOCAL and not static else _NAMES.get(section.kind)
+
+
+def holds_constants(section: VariableSection) -> bool:
+    """True if the variables of a section are constants of their block, which have a section of their own here."""
+    return section.kind is SectionKind.CONSTANT or (section.kind is SectionKind.LOCAL and section.constant)
+
+
+def is_usual(sections: list[VariableSection], *, static: bool = True) -> bool:
+    """True if TIA Portal has these sections as they are."""
+    names = [section_name(section, static=static) for section in sections]
+    if not static and any(section.kind is SectionKind.LOCAL and not section.constant for section in sections):
+        return False
+    places = [_ORDER.index(name) for name in names if name is not None]
+    kept = any(section.retain or section.persistent for section in sections)
+    return None not in names and places == sorted(set(places)) and not kept
+
+
+def merged(sections: list[VariableSection], *, static: bool = True) -> tuple[list[VariableSection], list[Fields]]:
+    """The sections that TIA Portal has for these, and the content of the comment about them."""
+    found: dict[str, VariableSection] = {}
+    layout: list[Fields] = []
+    for section in sections:
+        name = section_name(section, static=static)
+        if name is None:
+            layout.append({"section": section.model_dump(mode="json", exclude_none=True)})
+            continue
+        said = section.model_dump(mode="json", exclude_none=True, exclude={"variables"})
+        layout.append({"section": said, "names": [variable.name for variable in section.variables]})
+        one = found.setdefault(name, VariableSection(kind=SECTIONS[name]))
+        one.variables = [*one.variables, *(_retained(variable, section) for variable in section.variables)]
+    return [found[name] for name in _ORDER if name in found], layout
+
+
+def _retained(variable: Variable, section: VariableSection) -> Variable:
+    if not (section.retain or section.persistent) or _REMANENCE in variable.attributes:
+        return variable
+    return variable.model_copy(update={"attributes": {_REMANENCE: _RETAIN, **variable.attributes}})
+
+
+def restored(sections: list[Any], layout: list[Fields]) -> list[Any]:
+    """The sections that `merged` was given; variables that came since, or are in another, go into the first of it."""
+    pool = {variable["name"]: (variable, section["kind"]) for section in sections for variable in section["variables"]}
+    found: list[Any] = []
+    for entry in layout:
+        section: Fields = dict(entry["section"])
+        if "names" in entry:
+            kinds = _kinds(section)
+            taken = [pool.pop(name)[0] for name in entry["names"] if name in pool and pool[name][1] in kinds]
+            kept = section.get("retain") or section.get("persistent")
+            section["variables"] = [_as_before(variable) for variable in taken] if kept else taken
+        found.append(section)
+    for variable, kind in pool.values():
+        fitting = next((s for s in found if s["kind"] == kind and not s.get("constant")), None)
+        if fitting is None:
+            found.append({"kind": kind, "variables": [variable]})
+        else:
+            fitting["variables"].append(variable)
+    return found
+
+
+def _kinds(said: Fields) -> set[SectionKind]:
+    """The kinds of the sections of TIA Portal in which the variables of a section go, in blocks and in functions."""
+    section = VariableSection.model_validate(said)
+    names = (section_name(section), section_name(section, static=False))
+    return {SECTIONS[name] for name in names if name is not None}
+
+
+def _as_before(variable: Fields) -> Fields:
+    said = dict(variable.get("attributes", {}))
+    if said.get(_REMANENCE) == _RETAIN:
+        del said[_REMANENCE]
+    return {**variable, "attributes": said}

@@ -1,0 +1,322 @@
+"""Elements of SimaticML for all readers: local names, texts in several languages, and extension data.
+
+Readers turn elements into plain dictionaries of model fields, which are validated into the model in one go. Namespaces
+carry nothing but the schema version, so elements are told apart by their local names.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any, TypeVar
+from xml.etree import ElementTree as ET
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.errors import Location, StructureError
+from plcopen_sfc.formats.simaticml.tia_versions import TiaVersion, neutral, schema_of
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, markup
+from plcopen_sfc.formats.xml.xml_parsing import SourceLines
+from plcopen_sfc.model.base import Carried, Model
+
+M = TypeVar("M", bound=Model)
+
+Fields = dict[str, Any]
+"""Fields of a model object that is being read."""
+
+XmlNode = etree._Element | ET.Element
+"""An element of the document, or of a program that was taken out of it (see `program_comparison`)."""
+N = TypeVar("N", bound=XmlNode)
+
+VERBATIM = "urn:plcopen-sfc:simaticml"
+"""Foreign data that is the element as it was in the file, where our writer would write it differently.
+
+It is written as long as it means the same as the model. See docs/formats/simaticml.md.
+"""
+
+
+class NotUnderstoodError(Exception):
+    """An element holds something that the model cannot express: it is kept whole."""
+
+
+class DocumentReading:
+    """State of reading one file."""
+
+    def __init__(self, version: TiaVersion, *, file: str | None = None, lines: SourceLines | None = None) -> None:
+        self.version = version
+        self.file = file
+        self.lines = lines
+        self.schemas: dict[str, int] = {}
+        """The schema numbers that the file uses, by kind."""
+        self.diagnostics: list[Diagnostic] = []
+        self.of_tia = True
+        """True if the project is one of TIA Portal, by its header."""
+        self.trusting = True
+        """True while fields in comments are read."""
+        self.types: dict[str, str] = {}
+        """The types of the variables of the block being read, as TIA Portal spells them, by ``#name``."""
+        self.constants: frozenset[str] = frozenset()
+        """The constants of that block, as its texts name them, in lower case."""
+        self.edited_copies: set[str] = set()
+        """The tag tables that were written as copies and edited since, in lower case."""
+        self.place: list[str] = []
+        """Names of the objects around the one being read, for messages."""
+
+    def report(self, code: str, severity: Severity, message: str, element: etree._Element) -> None:
+        """Add a finding about `element` of the file."""
+        line = self.lines.line(element) if self.lines is not None else None
+        location = Location(self.file, line, None, " / ".join(self.place) or None)
+        self.diagnostics.append(Diagnostic(code, severity, message, location))
+
+    def warn(self, code: str, message: str, element: etree._Element) -> None:
+        """Report a warning."""
+        self.report(code, Severity.WARNING, message, element)
+
+    def error(self, code: str, message: str, element: etree._Element) -> None:
+        """Report an error that does not keep the file from being loaded."""
+        self.report(code, Severity.ERROR, message, element)
+
+    def note_schema(self, element: etree._Element) -> None:
+        """Remember of which schema version `element` is."""
+        found = schema_of(etree.QName(element).namespace or "")
+        if found is not None:
+            self.schemas.setdefault(*found)
+
+
+_LOCAL: dict[str, str] = {}
+
+
+ADDED = "added"
+"""The field in our comments that marks an element as no part of the project."""
+
+
+ASSOCIATION = "association"
+"""The field in our comments that holds an action association which rows express in another way, or not at all."""
+
+
+def local(element: XmlNode) -> str:
+    """The local name of an element, "" for a comment or processing instruction."""
+    tag: Any = element.tag
+    name = _LOCAL.get(tag)
+    if name is None:
+        if not isinstance(tag, str):
+            return ""
+        name = tag.rpartition("}")[2]
+        if len(_LOCAL) < _KNOWN_NAMES:
+            _LOCAL[tag] = name
+    return name
+
+
+_KNOWN_NAMES = 4096
+"""A damaged or malicious file may have any number of names; only so many are remembered."""
+
+
+def children(element: N) -> list[N]:
+    """The child elements, without comments."""
+    if isinstance(element, ET.Element):
+        return list(element)  # type: ignore[arg-type]  # elements hold those of their own kind, here and below
+    return [child for child in element if isinstance(child.tag, str)]  # type: ignore[misc]
+
+
+def child_named(element: N, name: str) -> N | None:
+    """The first child of this local name."""
+    for child in element:
+        if local(child) == name:
+            return child  # type: ignore[return-value]
+    return None
+
+
+def attributes(element: XmlNode) -> dict[str, str]:
+    """The attributes of `element`, to take from."""
+    return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
+
+
+def carried(fields: Fields) -> Fields:
+    """The carried part of an object being read, created when it is needed."""
+    found: Fields | None = fields.get("carried")
+    if found is None:
+        found = fields["carried"] = {"data": [], "attributes": {}, "elements": []}
+    return found
+
+
+def carry_element(fields: Fields, element: etree._Element) -> None:
+    """Keep a child that has no place in the model."""
+    if isinstance(element.tag, str):
+        carried(fields)["elements"].append(neutral(markup(element)))
+
+
+def carry_attribute(fields: Fields, name: str, value: str) -> None:
+    """Keep a value that has no place in the model."""
+    carried(fields)["attributes"][name] = value
+
+
+def opaque(*elements: etree._Element) -> Fields:
+    """A body that is kept as it is."""
+    content = "".join(neutral(markup(element)) for element in elements)
+    return {"language": "opaque", "source": "simaticml", "content": content}
+
+
+def carry_rest(fields: Fields, element: etree._Element) -> None:
+    """Keep the content of an object besides its one list of attributes and its one list of objects."""
+    seen: set[str] = set()
+    for child in children(element):
+        if local(child) in ("AttributeList", "ObjectList") and local(child) not in seen:
+            seen.add(local(child))
+            for name, value in attributes(child).items():
+                carry_attribute(fields, f"@{local(child)}@{name}", value)
+        else:
+            carry_element(fields, child)
+
+
+def keep_verbatim(fields: Fields, element: etree._Element) -> None:
+    """Keep `element` as it is in the file, besides the fields that were read from it."""
+    carried(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
+
+
+def same(one: XmlNode, other: XmlNode) -> bool:
+    """True if two elements are equal; namespaces and blanks between elements do not count."""
+    if local(one) != local(other) or one.attrib != other.attrib:
+        return False
+    mine, theirs = children(one), children(other)
+    if len(mine) != len(theirs):
+        return False
+    text, other_text = one.text or "", other.text or ""
+    if mine:
+        text, other_text = text.strip(), other_text.strip()
+    return text == other_text and all(same(a, b) for a, b in zip(mine, theirs, strict=True))
+
+
+def read_languages(element: etree._Element) -> Fields | None:
+    """Read ``MultiLanguageText`` children into a multilingual text; None where there is more than that."""
+    texts: dict[str, str] = {}
+    for child in children(element):
+        language = child.get("Lang")
+        if local(child) != "MultiLanguageText" or language is None or language in texts or len(child.attrib) > 1:
+            return None
+        texts[language] = child.text or ""
+    return {"texts": texts}
+
+
+def read_object_text(element: etree._Element) -> Fields | None:
+    """Read the object ``MultilingualText``; None where it holds more than texts in cultures."""
+    texts: dict[str, str] = {}
+    usual: dict[str, set[str]] = {"MultilingualText": _OBJECT, "MultilingualTextItem": _OBJECT}
+    if any(set(part.attrib) - usual.get(local(part), set()) for part in element.iter(etree.Element)):
+        return None
+    if len(element) > 1:
+        return None
+    for holder in children(element):
+        if local(holder) != "ObjectList":
+            return None
+        for item in children(holder):
+            listed = children(item)
+            if (
+                item.get("CompositionName") != "Items"
+                or local(item) != "MultilingualTextItem"
+                or len(listed) != 1
+                or local(listed[0]) != "AttributeList"
+            ):
+                return None
+            values = {local(value): value.text or "" for value in children(listed[0])}
+            if len(values) != len(listed[0]) or any(len(value) for value in listed[0]):
+                return None
+            if not values.keys() <= {"Culture", "Text"} or values.get("Culture", "") in texts:
+                return None
+            texts[values.get("Culture", "")] = values.get("Text", "")
+    return {"texts": texts}
+
+
+def read_comments(ctx: DocumentReading, element: etree._Element, fields: Fields) -> None:
+    """Put the fields back that XML comments of this package at `element` hold."""
+    for comment in element.iterchildren(etree.Comment) if ctx.trusting else ():
+        text = comment.text or ""
+        if text.startswith(COMMENT_MARK):
+            try:
+                found = json.loads(text.removeprefix(COMMENT_MARK))
+                if isinstance(found, dict) and "carried" in found:
+                    carried(fields)
+                    found["carried"] = Carried.model_validate(found["carried"]).model_dump(mode="json")
+            except (ValueError, RecursionError) as error:
+                ctx.warn("XML208", f"carried fields are damaged: {first_line(error)}", comment)
+                continue
+            if isinstance(found, dict):
+                found.pop(ADDED, None)
+                merge(fields, found)
+
+
+def first_line(error: Exception) -> str:
+    """The message of an error, in one line."""
+    if isinstance(error, ValidationError):
+        first = error.errors()[0]
+        return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+    return str(error).partition("\n")[0]
+
+
+def read_model(
+    ctx: DocumentReading,
+    element: etree._Element,
+    model: type[M],
+    read: Callable[[DocumentReading, etree._Element], Fields],
+) -> M:
+    """Read an object of the model.
+
+    Fields that were carried in comments, which may have been edited, are left out where they do not fit: the file
+    keeps them. Raises `StructureError` where that does not help.
+    """
+    place = list(ctx.place)
+    try:
+        return model.model_validate(read(ctx, element))
+    except (ValidationError, TypeError, KeyError, AttributeError) as error:
+        comments = (comment.text or "" for comment in element.iter(etree.Comment))
+        if not any(text.startswith(COMMENT_MARK) for text in comments):
+            raise _misfit(ctx, error) from error
+        ctx.place = place
+        ctx.warn("XML208", f"carried fields do not fit the model: {first_line(error)}", element)
+    ctx.trusting = False
+    try:
+        return model.model_validate(read(ctx, element))
+    except ValidationError as error:
+        raise _misfit(ctx, error) from error
+    finally:
+        ctx.trusting = True
+
+
+def _misfit(ctx: DocumentReading, error: Exception) -> Exception:
+    if not isinstance(error, ValidationError):
+        return error
+    return StructureError(f"the document does not fit the model at {first_line(error)}", location=Location(ctx.file))
+
+
+def merge(fields: Fields, found: Fields) -> None:
+    """Add `found` to `fields`; lists and parts of objects are added to those that are there."""
+    for name, value in found.items():
+        present = fields.get(name)
+        if isinstance(value, dict) and isinstance(present, dict) and not value.keys() & {"kind", "language"}:
+            merge(present, value)
+        elif isinstance(value, list) and isinstance(present, list):
+            present.extend(value)
+        else:
+            fields[name] = value
+
+
+_OBJECT = {"ID", "CompositionName"}
+
+
+def whole_number(text: str | None) -> int | None:
+    """A whole number; None where it is missing or none, or not written plainly."""
+    if text is None or not text.isascii() or not text.isdigit() or str(int(text)) != text:
+        return None
+    return int(text)
+
+
+def plain_text(element: etree._Element | None) -> str | None:
+    """The text of a plain attribute; None for one that is marked, or is more than text."""
+    if element is None or element.attrib or len(element):
+        return None
+    return element.text or ""
+
+
+TRUTHS = {"true": True, "false": False}
+"""The Booleans of SimaticML."""

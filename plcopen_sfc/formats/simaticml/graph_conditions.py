@@ -1,0 +1,370 @@
+"""Conditions of other tools, as the networks that GRAPH wants: LAD for Boolean logic, else FBD.
+
+An empty network is TRUE for TIA Portal. So a condition that no network expresses becomes a contact of an undeclared
+variable: the block can be imported, and does not compile until the condition is programmed.
+
+A box of TIA Portal has one type for all its inputs. Narrower types are converted to it implicitly; where no type holds
+all values, or TIA Portal has no such box, there is no network. AND, OR and XOR of words are other boxes than those of
+Booleans.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from lxml import etree
+
+from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.formats.simaticml.element_reader import local
+from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_fields
+from plcopen_sfc.formats.simaticml.graph_reader import RESULT_OF
+from plcopen_sfc.formats.simaticml.lad_fbd_networks import is_sayable, write_flgnet_body
+from plcopen_sfc.formats.simaticml.network_operands import literal_type
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, of_condition
+from plcopen_sfc.formats.simaticml.tia_adaptation import network_text, say_constants, user_constants
+from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
+from plcopen_sfc.languages.networks import NetworkExpression
+from plcopen_sfc.languages.networks.drawing import draw_fbd_expression, draw_ld_expression
+from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.networks.rules import DrawingRules
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.parsing import parse_expression
+from plcopen_sfc.languages.st.printing import print_node
+from plcopen_sfc.languages.standard_blocks import Tool, standard_block
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
+from plcopen_sfc.model.conditions import BodyCondition, Condition, Expression
+from plcopen_sfc.model.dialect import Dialect
+from plcopen_sfc.model.network import (
+    Block,
+    BlockParameters,
+    BlockVariable,
+    Coil,
+    Connection,
+    Contact,
+    InputPin,
+    InputVariable,
+    LeftPowerRail,
+    LogicNetwork,
+    Node,
+    OutputPin,
+)
+from plcopen_sfc.report import Outcome
+
+_WIDER = {
+    "SInt": "Int DInt LInt Real LReal",
+    "Int": "DInt LInt Real LReal",
+    "DInt": "LInt LReal",
+    "USInt": "UInt UDInt ULInt Int DInt LInt Real LReal",
+    "UInt": "UDInt ULInt DInt LInt Real LReal",
+    "UDInt": "ULInt LInt LReal",
+    "Real": "LReal",
+    "Byte": "Word DWord LWord",
+    "Word": "DWord LWord",
+    "DWord": "LWord",
+}
+"""The types that hold all values of a type; TIA Portal V19 help, "Implicit conversion"."""
+_BITS = frozenset({"Byte", "Word", "DWord", "LWord"})
+_WORD_BOXES = {"AND": "And", "OR": "Or", "XOR": "Xor"}
+_COMPARING = frozenset({"GT", "GE", "EQ", "LE", "LT", "NE"})
+_COUNTED = frozenset({"ADD", "MUL"})
+_COMPUTING = frozenset({"ADD", "MUL", "SUB", "DIV", "MOD"})
+_NUMBER = re.compile(r"\d[\d_]*")
+_STEP_DATA = {".t": "Time", ".u": "Time", ".x": "Bool"}
+
+
+def give_types(network: LogicNetwork, types: Mapping[str, str]) -> str | None:
+    """Give the boxes of a network, a copy, their types; or return the reason why TIA Portal has no such network.
+
+    `types`: those of variables as operands name them, in lower case.
+    """
+    return _Typing(network, types).run()
+
+
+class _Typing:
+    def __init__(self, network: LogicNetwork, types: Mapping[str, str]) -> None:
+        self.network = network
+        self.types = types
+        self.nodes: dict[int, Node] = {node.id: node for node in network.nodes}
+        self.results: dict[int, str | None] = {}
+        self.problem: str | None = None
+
+    def run(self) -> str | None:
+        for node in self.network.nodes:
+            if isinstance(node, Block):
+                self._result(node)
+        return self.problem
+
+    def _result(self, block: Block) -> str | None:
+        """The type of the output of a box, which gets its types."""
+        if block.id not in self.results:
+            self.results[block.id] = None
+            self.results[block.id] = self._typed(block)
+        return self.results[block.id]
+
+    def _typed(self, block: Block) -> str | None:
+        standard = standard_block(block.type_name)
+        if block.call is not None and block.call.value in ("functionblock", "function") and standard is None:
+            return None
+        if standard is None or Tool.S7 not in standard.tools:
+            self.problem = self.problem or f"TIA Portal has no box {block.type_name}"
+            return None
+        inputs = [pin for pin in block.parameters.inputs if pin.name not in ("EN", "operand")]
+        known = {kind for pin in inputs if (kind := self._type_of(pin)) is not None}
+        if standard.name in ("AND", "OR", "XOR", "NOT"):
+            return self._logic(block, known, inputs)
+        if standard.name in _COMPARING | _COMPUTING:
+            kind = self._common(block, known)
+            if any(pin.negated for pin in inputs) and known != {"Bool"}:
+                self.problem = self.problem or f"TIA Portal negates no input of a box {block.type_name}"
+            if kind is not None:
+                self._say(block, kind, inputs)
+            return "Bool" if standard.name in _COMPARING else kind
+        result = standard.name.partition("_TO_")
+        if result[2]:
+            source, target = (_SPELLED.get(name) for name in (result[0], result[2]))
+            if source is not None and self._common(block, known | {source}) != source:
+                self.problem = self.problem or f"{block.type_name} of a value of another type"
+            return target
+        return "Bool" if standard.stateful else None
+
+    def _common(self, block: Block, known: Iterable[str]) -> str | None:
+        kinds = set(known)
+        found = next((a for a in kinds if all(b == a or a in _WIDER.get(b, "").split() for b in kinds)), None)
+        if kinds and found is None:
+            names = " and ".join(sorted(kinds))
+            self.problem = self.problem or f"a box {block.type_name} of TIA Portal has one type, and this one {names}"
+        return found
+
+    def _logic(self, block: Block, known: set[str], inputs: list[BlockVariable]) -> str | None:
+        if known <= {"Bool"}:
+            return "Bool"
+        kind = self._common(block, known)
+        name = _WORD_BOXES.get(block.type_name)
+        if kind is None or kind not in _BITS or name is None or any(pin.negated for pin in inputs):
+            self.problem = self.problem or f"TIA Portal has no box {block.type_name} of {' and '.join(sorted(known))}"
+            return None
+        block.type_name = name
+        self._say(block, kind, inputs)
+        block.carried = Carried(attributes={"SrcType": kind, "Card": str(len(inputs))})
+        for pin in (*inputs, *block.parameters.outputs):
+            pin.name = pin.name.lower()
+        for wire in (wire for node in self.network.nodes for wire in wires_of(node)):
+            if wire.source == block.id and wire.pin is not None:
+                wire.pin = wire.pin.lower()
+        return kind
+
+    def _say(self, block: Block, kind: str, inputs: list[BlockVariable]) -> None:
+        """Write the type of a box, and its constants in a form that is of this type."""
+        said = {"SrcType": kind}
+        if block.type_name in _COUNTED:
+            said["Card"] = str(len(inputs))
+        block.carried = Carried(attributes=said)
+        if kind not in _BITS:
+            return
+        for pin in inputs:
+            if pin.input is None:
+                continue
+            holders: list[InputPin | InputVariable] = [pin.input] if pin.input.expression is not None else []
+            holders += [n for w in pin.input.connections if isinstance(n := self.nodes.get(w.source), InputVariable)]
+            for holder in holders:
+                if holder.expression is not None and _NUMBER.fullmatch(holder.expression):
+                    holder.expression = f"16#{int(holder.expression.replace('_', '')):X}"
+
+    def _type_of(self, pin: BlockVariable) -> str | None:
+        """The type of the value at an input; None for numbers, which may be of several, and for unknown types."""
+        if pin.input is None:
+            return None
+        if pin.input.expression is not None:
+            return self._type_of_text(pin.input.expression)
+        for wire in pin.input.connections:
+            node = self.nodes.get(wire.source)
+            if isinstance(node, Block):
+                return self._result(node)
+            if isinstance(node, InputVariable):
+                return self._type_of_text(node.expression)
+        return None
+
+    def _type_of_text(self, text: str) -> str | None:
+        key = text.lower()
+        if key in self.types:
+            return self.types[key] if self.types[key] in _KINDS else None
+        if key.startswith(("t#", "time#")):
+            return "Time"
+        if text.startswith("#"):
+            return next((kind for end, kind in _STEP_DATA.items() if key.endswith(end)), None)
+        if text[:1].isdigit() and "#" not in text:
+            return "Real" if literal_type(text, "") == "Real" else None
+        return "Bool" if key in ("true", "false") else None
+
+
+_KINDS = frozenset({"Bool", "LWord", "LInt", "ULInt", "LReal", "Time", "LTime", *_WIDER})
+_SPELLED = {kind.upper(): kind for kind in _KINDS - {"Bool"}}
+
+
+_LOGIC = frozenset({n.Operator.AND, n.Operator.OR})
+NOT_TRANSLATED = "NOT_TRANSLATED"
+"""Prefix of the undeclared variables in place of conditions that could not be written."""
+
+
+def drawn_condition(
+    read: Callable[[Condition], NetworkExpression], condition: Condition, result: str, also: Sequence[str] = ()
+) -> FbdBody | LdBody | str:
+    """The network that ends in the coil `result`, or why there is none. `also`: expressions that must be TRUE too."""
+    found = read(condition)
+    if found.tree is None or found.obstacles:
+        return "; ".join(problem.message for problem in found.obstacles) or "it is no expression"
+    if found.before:
+        return "function blocks or edges are in it, which a transition of S7-GRAPH cannot have"
+    tree = found.tree
+    texts = [print_node(_operand_of(tree) if also else tree, Dialect.SCL), *also]
+    if isinstance(tree, n.Literal) and tree.text.upper() == "TRUE" and also:
+        texts = [*also]
+    text = " AND ".join(texts)
+    return condition_body(Expression(text=text), result) or f"no network of LAD or FBD expresses {text}"
+
+
+def _operand_of(tree: n.Expression) -> n.Expression:
+    return n.Parenthesized(tree) if isinstance(tree, n.Operation) else tree
+
+
+def untranslated_name(label: str) -> str:
+    """The undeclared variable in place of the condition of the step or transition `label`."""
+    return re.sub(r"\W+", "_", f"{NOT_TRANSLATED}_{label}").strip("_")
+
+
+def untranslated_body(result: str, label: str) -> LdBody:
+    """A network that does not compile: its contact is a variable that nothing declares."""
+    contact = Contact(id=1, variable=f"#{untranslated_name(label)}", input=InputPin(connections=[Connection(source=0)]))
+    coil = Coil(id=2, variable=result, input=InputPin(connections=[Connection(source=1)]))
+    return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), contact, coil])])
+
+
+def condition_body(condition: Expression, result: str) -> FbdBody | LdBody | None:
+    """The network that ends in the coil `result`; None where there is none for the expression."""
+    parsed = parse_expression(condition.text, Dialect.SCL)
+    if parsed.tree is None or parsed.problems:
+        return None
+    tree: n.Expression = parsed.tree
+    if condition.negated:
+        tree = n.Unary(n.Operator.NOT, n.Parenthesized(tree))
+    is_ladder = _is_logic(tree)
+    drawn = (draw_ld_expression if is_ladder else draw_fbd_expression)(tree, DrawingRules(Dialect.SCL), first_id=1)
+    if any(problem.severity is Severity.ERROR for problem in drawn.problems):
+        return None
+    nodes = list(drawn.network.nodes)
+    outputs = list(drawn.outputs)
+    following = max((node.id for node in nodes), default=0) + 1
+    if drawn.negated:
+        nodes.append(_inverter(following, outputs))
+        outputs = [Connection(source=following, pin="OUT")]
+        following += 1
+    nodes.append(Coil(id=following, variable=result, input=InputPin(connections=outputs)))
+    network = LogicNetwork(nodes=nodes)
+    return LdBody(networks=[network]) if is_ladder else FbdBody(networks=[network])
+
+
+def _inverter(number: int, sources: list[Connection]) -> Block:
+    """An inverted value in FBD: an AND box with TRUE, whose first input is negated."""
+    first = BlockVariable(name="IN1", input=InputPin(connections=sources), negated=True)
+    second = BlockVariable(name="IN2", input=InputPin(expression="TRUE"))
+    outputs = [BlockVariable(name="OUT", output=OutputPin())]
+    return Block(id=number, type_name="AND", parameters=BlockParameters(inputs=[first, second], outputs=outputs))
+
+
+def _is_logic(tree: n.Expression) -> bool:
+    """True if an expression is made of variables, AND, OR and NOT."""
+    if isinstance(tree, n.Parenthesized):
+        return _is_logic(tree.inner)
+    if isinstance(tree, n.Unary):
+        return tree.operator is n.Operator.NOT and _is_logic(tree.operand)
+    if isinstance(tree, n.Operation):
+        return tree.operator in _LOGIC and all(map(_is_logic, tree.operands))
+    return isinstance(tree, n.Name | n.Member | n.Index)
+
+
+class ConditionWriter:
+    """Writes the networks of conditions; those of other tools with a comment that keeps their source.
+
+    `condition_of` reads the drawn conditions of the chart.
+    """
+
+    def __init__(self, ctx: DocumentWriting, condition_of: Callable[[Condition], NetworkExpression]) -> None:
+        self.ctx = ctx
+        self.condition_of = condition_of
+        self.constants = user_constants(ctx.project) if markup_of(ctx.project) is not Markup.SIMATICML else []
+
+    def write(self, element: etree._Element, condition: Condition | None, kind: str, also: Sequence[str] = ()) -> None:
+        """Write the network of a condition; `also`: expressions that must be TRUE too."""
+        result, what = RESULT_OF[kind], f"condition of the {kind.lower()}"
+        is_missing = condition is None and kind == "Transition" and not self.ctx.options.of_graph
+        if (condition is None and not is_missing) or _is_always(condition):
+            body: Body = empty_network(result)
+            if also:
+                body = condition_body(Expression(text=" AND ".join(also)), result) or body
+        elif isinstance(condition, BodyCondition) and not condition.negated and _is_flgnet(condition, result):
+            body = condition.body
+            write_flgnet_body(self.ctx, element, body)
+            return
+        else:
+            drawn = (
+                drawn_condition(self.condition_of, condition, result, also)
+                if condition is not None
+                else "the transition has no condition"
+            )
+            if isinstance(drawn, FbdBody):
+                reasons = [give_types(network, self.ctx.types) for network in drawn.networks]
+                drawn = next((reason for reason in reasons if reason is not None), drawn)
+            if not isinstance(drawn, str) and not is_sayable(self.ctx, drawn):
+                drawn = "TIA Portal does not have all elements of its network"
+            if isinstance(drawn, str):
+                label = self.ctx.place[-1].partition(" ")[2] if self.ctx.place else ""
+                body = untranslated_body(result, label)
+                name = untranslated_name(label)
+                why = f"the undeclared name {name} is in its place, and the block does not compile:  {drawn}"
+                self.ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+            else:
+                body = drawn
+                for network in drawn.networks:
+                    say_constants(network, network_text(network), self.constants)
+                self.ctx.note(Outcome.TRANSLATED, what, why=f"a network of {drawn.language}")
+        plain = isinstance(condition, Expression) and condition.text == "TRUE" and condition.carried is None
+        unsaid = condition is None and kind == "Transition" and not self.ctx.options.same
+        if also or unsaid or (condition is not None and not plain):
+            said = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None
+            self.write_instead(element, body, said)
+        else:
+            write_flgnet_body(self.ctx, element, body)
+
+    def write_instead(self, element: etree._Element, body: Body, said: object) -> None:
+        """Write a network in place of a condition of the source, which a comment before it keeps."""
+        place = len(element)
+        write_flgnet_body(self.ctx, element, body)
+        result = RESULT_OF[local(element)]
+        keep_fields(element, {"condition": said, WRITTEN: of_condition(element, result)})
+        element.insert(place, element[-1])
+
+
+def empty_network(result: str) -> LdBody:
+    """The network that LAD shows for no condition: the rail leads to the coil."""
+    coil = Coil(id=1, variable=result, input=InputPin(connections=[Connection(source=0)]))
+    return LdBody(networks=[LogicNetwork(nodes=[LeftPowerRail(id=0), coil])])
+
+
+def _is_flgnet(condition: BodyCondition, result: str) -> bool:
+    """True if the body of a condition can be a network of GRAPH as it is."""
+    body = condition.body
+    if isinstance(body, OpaqueBody):
+        return body.source == "simaticml"
+    if body.language not in ("LD", "FBD"):
+        return False
+    return condition.name == result or any(
+        isinstance(node, Coil) and node.variable in RESULT_OF.values()
+        for network in getattr(body, "networks", [])
+        for node in network.nodes
+    )
+
+
+def _is_always(condition: Condition | None) -> bool:
+    return isinstance(condition, Expression) and not condition.negated and condition.text.strip().upper() == "TRUE"

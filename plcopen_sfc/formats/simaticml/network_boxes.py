@@ -1,0 +1,272 @@
+"""Boxes of networks: the names TIA Portal has for standard blocks, flip-flops, and calls of blocks of the project.
+
+TIA Portal keeps the state of a flip-flop in a variable at its box, so an instance of another tool becomes that
+variable. Edges have instances there too, but other boxes than those with a variable. Of a call TIA Portal gives the
+section and type of each parameter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from functools import lru_cache
+from typing import Any
+
+from plcopen_sfc.formats.simaticml.added_elements import RETURN
+from plcopen_sfc.formats.simaticml.declaration_spelling import write_type
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.pieces import Piece, Reading, pieces
+from plcopen_sfc.languages.networks.graph import wires_of
+from plcopen_sfc.languages.s7_results import RESULT
+from plcopen_sfc.languages.st import Parsed, parse_condition, parse_statements, render, transform, walk
+from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.standard_blocks import S7_CONVERTED, S7_VERSION, StandardBlock, Tool, standard_block
+from plcopen_sfc.model.base import Carried
+from plcopen_sfc.model.body import FbdBody, LdBody
+from plcopen_sfc.model.network import Block, BlockCall, BlockVariable, InputPin, LogicNetwork
+from plcopen_sfc.model.pou import Pou, PouKind
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.types import DerivedType, Elementary, ElementaryType, Variable
+from plcopen_sfc.model.variables import Interface, SectionKind
+from plcopen_sfc.report import ConversionReport, Outcome
+
+RAIL = 0
+"""The id of the power rail; those of other elements are their ``UId``, which begin at 21."""
+RESULTS = ("TrCoil", "IlCoil", "SvCoil")
+"""The coils in which the networks of transitions, interlocks and supervisions end."""
+COILS = {"Coil": "none", "SCoil": "set", "RCoil": "reset"}
+CARDINALITIES = ("Card", "card")
+CONVERT = "Convert"
+"""The box of all conversions: its types tell which one it is."""
+COUNTED = ("A", "O", "X")
+"""Boxes whose only template value is the number of their inputs."""
+LISTS = ("AutomaticTyped", "Invisible")
+"""Lists of names in a ``Part``: types that follow from the operands, pins that are not shown. Carried with commas."""
+PART_NAME = "Part"
+"""Carried attribute of a block: the name of its part, where that is another than TIA Portal has for the block."""
+INVERTED = "Negated"
+"""Carried attribute of a NOT that was the negated input of the coil behind it, as FBD draws it."""
+CALL_MARKS = {"BlockNumber": "IntegerAttribute", "ParameterModifiedTS": "DateAttribute"}
+"""Attributes of ``CallInfo`` that inform about the called block."""
+CALLS = {"FB": "functionblock", "FC": "function"}
+
+
+@lru_cache(maxsize=1024)
+def part_block(name: str) -> StandardBlock | None:
+    """The standard block that TIA Portal calls `name`, spelled just so."""
+    block = standard_block(name, Tool.S7)
+    if block is None or s7_name(block) != name:
+        return None
+    return block
+
+
+def converting_block(source: str, target: str) -> StandardBlock | None:
+    """The conversion that a ``Convert`` is between these types, which it spells just so; None where it is another."""
+    if S7_CONVERTED.get(source.upper()) != source or S7_CONVERTED.get(target.upper()) != target or source == target:
+        return None
+    return standard_block(f"{source}_TO_{target}".upper())
+
+
+def s7_name(block: StandardBlock) -> str:
+    """The name of TIA Portal for a standard block."""
+    names = block.tools.get(Tool.S7)
+    return names.name if names is not None else block.name
+
+
+def model_pin(block: StandardBlock | None, pin: str) -> str:
+    """The name of a pin in the model: that of IEC 61131-3 for a standard block."""
+    if pin in ("en", "eno"):
+        return pin.upper()
+    return _standard_pin(block.name, pin) if block is not None else pin
+
+
+@lru_cache(maxsize=4096)
+def _standard_pin(block_name: str, pin: str) -> str:
+    block = standard_block(block_name)
+    if block is None:
+        return pin
+    name = block.input_name(pin) or block.output_name(pin)
+    return name if name is not None and block.tool_pin(name, Tool.S7) == pin else pin
+
+
+def template_type(name: str) -> str:
+    """The type of a ``TemplateValue`` of this name."""
+    return "Cardinality" if name in CARDINALITIES else "Type"
+
+
+_FLIP_FLOPS = frozenset({"RS", "SR"})
+_EDGES = frozenset({"R_TRIG", "F_TRIG"})
+
+
+def put_operands(project: Project, report: ConversionReport) -> None:
+    """Make variables of the instances of flip-flops, and boxes with an instance of edges that have one."""
+    own = {pou.name.upper() for pou in project.pous}
+    flip_flops, edges = _FLIP_FLOPS - own, _EDGES - own
+    texts: dict[int, list[Piece]] = {}
+    for piece in pieces(project) if any(_instances(pou, flip_flops) for pou in project.pous) else ():
+        if piece.is_program_text and piece.site.pou is not None:
+            texts.setdefault(id(piece.site.pou), []).append(piece)
+    for pou in project.pous:
+        _put_flip_flops(project, pou, _instances(pou, flip_flops), texts.get(id(pou), []), report)
+    for _, _, body in project.bodies():
+        for block in _blocks(body):
+            if block.type_name.upper() in edges and block.instance:
+                block.carried = block.carried or Carried()
+                marks = {PART_NAME: block.type_name.upper(), "Version": S7_VERSION}
+                block.carried.attributes = marks | block.carried.attributes
+
+
+def _put_flip_flops(
+    project: Project,
+    pou: Pou,
+    instances: Mapping[str, Variable],
+    texts: list[Piece],
+    report: ConversionReport,
+) -> None:
+    if not instances:
+        return
+    texts = [piece for piece in texts if not (isinstance(piece.holder, Block) and piece.key == "instance")]
+    parsed = [(piece, _parsed(piece, project.dialect)) for piece in texts]
+    kept = {name for _, found in parsed for name in _otherwise_used(found.tree, instances)}
+    for name in sorted(kept):
+        why = "TIA Portal has no such function block, and the text uses it otherwise than a box could"
+        report.add(Outcome.APPROXIMATED, "instance", f"POU {pou.name} / {instances[name].name}", why)
+    changed = {name: variable for name, variable in instances.items() if name not in kept}
+    for piece, found in parsed:
+        new = render(found, transform(found.tree, lambda node: _value(node, changed)))
+        if new != piece.text:
+            piece.put(new)
+    for _, owner, body in project.bodies():
+        for block in _blocks(body) if owner is pou else ():
+            if _name(block.instance) in changed:
+                operand = InputPin(expression=block.instance)
+                block.parameters.inputs.append(BlockVariable(name="operand", input=operand))
+                block.instance = None
+    for variable in changed.values():
+        variable.type, variable.initial = ElementaryType(name=Elementary.BOOL), None
+        why = "flip-flops of TIA Portal keep their state in a variable of type BOOL"
+        report.add(Outcome.TRANSLATED, "instance", f"POU {pou.name} / {variable.name}", why)
+
+
+def _instances(pou: Pou, types: frozenset[str]) -> dict[str, Variable]:
+    derived = ((v, v.type) for v in pou.variables() if isinstance(v.type, DerivedType))
+    return {v.name.casefold(): v for v, type_ in derived if type_.name.upper() in types}
+
+
+def _blocks(body: object) -> Iterator[Block]:
+    if isinstance(body, FbdBody | LdBody):
+        yield from (node for network in body.networks for node in network.nodes if isinstance(node, Block))
+
+
+def _name(instance: str | None) -> str:
+    return (instance or "").removeprefix("#").strip('"').casefold()
+
+
+def _parsed(piece: Piece, dialect: Dialect) -> Parsed[Any]:
+    if piece.reading is Reading.STATEMENTS:
+        return parse_statements(piece.text, dialect)
+    return parse_condition(piece.text, dialect)
+
+
+def _value(node: n.Node, instances: Mapping[str, Variable]) -> n.Node:
+    """The variable itself for its output ``Q1``."""
+    if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier.upper() in ("Q1", "Q"):
+        return node.base if node.base.identifier.casefold() in instances else node
+    return node
+
+
+def _otherwise_used(tree: n.Node, instances: Mapping[str, Variable]) -> Iterator[str]:
+    """The instances of which a text uses more than their output."""
+    nodes = list(walk(tree))
+    fine = {id(node.base) for node in nodes if isinstance(node, n.Member) and _value(node, instances) is not node}
+    members = {id(node.name) for node in nodes if isinstance(node, n.Member | n.Argument)}
+    for node in nodes:
+        if isinstance(node, n.Name) and id(node) not in fine | members and node.identifier.casefold() in instances:
+            yield node.identifier.casefold()
+
+
+_CALLS = {PouKind.FUNCTION_BLOCK: BlockCall.FUNCTION_BLOCK, PouKind.FUNCTION: BlockCall.FUNCTION}
+_PARAMETERS = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+
+
+def mark_calls(project: Project) -> None:
+    """Mark each box that calls a function or function block of the project as a call, with the kinds of its pins."""
+    callable_ = {pou.name.casefold(): pou for pou in project.pous if pou.kind in _CALLS}
+    for _, _, body in project.bodies():
+        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+            for node in network.nodes:
+                pou = callable_.get(node.type_name.casefold()) if isinstance(node, Block) else None
+                if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
+                    if pou.kind is PouKind.FUNCTION:
+                        _name_pins(node, pou, network)
+                    _say(node, pou)
+
+
+def put_standard_blocks(project: Project) -> None:
+    """Let standard blocks of other tools be parts, with the pins of IEC 61131-3: CODESYS has them as calls."""
+    own = {pou.name.casefold() for pou in project.pous}
+    for _, _, body in project.bodies():
+        for network in body.networks if isinstance(body, FbdBody | LdBody) else ():
+            changed = {
+                node.id: standard
+                for node in network.nodes
+                if isinstance(node, Block) and (standard := _standard_of_others(node, own)) is not None
+            }
+            for node in network.nodes:
+                for wire in wires_of(node):
+                    standard = changed.get(wire.source)
+                    if standard is not None and wire.pin is not None:
+                        wire.pin = standard.output_name(wire.pin) or wire.pin
+
+
+def _standard_of_others(block: Block, own: Collection[str]) -> StandardBlock | None:
+    """The standard block that a box is, with its pins renamed; None for calls of blocks of the project."""
+    standard = standard_block(block.type_name)
+    parameters = (*block.parameters.inputs, *block.parameters.outputs)
+    is_native = any(p.carried is not None and "Type" in p.carried.attributes for p in parameters)
+    if standard is None or block.call is None or is_native or block.type_name.casefold() in own:
+        return None
+    block.call, block.type_name = None, standard.name
+    for parameter in block.parameters.inputs:
+        parameter.name = standard.input_name(parameter.name) or parameter.name
+    for parameter in block.parameters.outputs:
+        parameter.name = standard.output_name(parameter.name) or parameter.name
+    return standard
+
+
+def _name_pins(block: Block, pou: Pou, network: LogicNetwork) -> None:
+    """Give the pins of a function the names of its declaration: other tools leave them out, or call the result OUT."""
+    interface = pou.interface or Interface()
+    declared = [v.name for v in interface.variables(SectionKind.INPUT)]
+    inputs = [pin for pin in block.parameters.inputs if pin.name != "EN"]
+    if len(inputs) <= len(declared) and not any(pin.name for pin in inputs):
+        for pin, name in zip(inputs, declared, strict=False):
+            pin.name = name
+    known = {v.name.casefold() for v in interface.variables()}
+    for pin in block.parameters.outputs:
+        is_result = pin.name.casefold() in ("", "out", pou.name.casefold()) and pin.name.casefold() not in known
+        if interface.return_type is not None and is_result:
+            for wire in (wire for node in network.nodes for wire in wires_of(node)):
+                if wire.source == block.id and wire.pin == pin.name:
+                    wire.pin = RESULT
+            pin.name = RESULT
+            _mark(pin, Type=write_type(interface.return_type), Section=RETURN)
+
+
+def _say(block: Block, pou: Pou) -> None:
+    block.call = _CALLS[pou.kind]
+    sections = pou.interface.sections if pou.interface is not None else []
+    declared = {v.name.casefold(): (section.kind, v.type) for section in sections for v in section.variables}
+    for group in (block.parameters.inputs, block.parameters.in_outs, block.parameters.outputs):
+        for parameter in list(group):
+            kind, type_ = declared.get(parameter.name.casefold(), (None, None))
+            if kind not in _PARAMETERS or type_ is None:
+                continue
+            _mark(parameter, Type=write_type(type_))  # its section is that of the list that it is in
+            if kind is SectionKind.IN_OUT and group is block.parameters.inputs:
+                group.remove(parameter)
+                block.parameters.in_outs.append(parameter)
+
+
+def _mark(parameter: BlockVariable, **marks: str) -> None:
+    parameter.carried = parameter.carried or Carried()
+    parameter.carried.attributes = marks | parameter.carried.attributes

@@ -1,0 +1,475 @@
+"""Blocks, data blocks, data types and tag tables, read and written."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, keep_added, name_result
+from plcopen_sfc.formats.simaticml.block_interfaces import (
+    read_interface,
+    read_members,
+    spelled_as,
+    spelling,
+    write_interface,
+    write_members,
+)
+from plcopen_sfc.formats.simaticml.coils_and_contacts import types_of
+from plcopen_sfc.formats.simaticml.compile_units import block_language, language_of, read_units, write_units
+from plcopen_sfc.formats.simaticml.declaration_spelling import holds_constants, read_type, write_type
+from plcopen_sfc.formats.simaticml.element_reader import (
+    TRUTHS,
+    DocumentReading,
+    Fields,
+    attributes,
+    carry_attribute,
+    carry_element,
+    carry_rest,
+    child_named,
+    children,
+    local,
+    merge,
+    plain_text,
+    read_comments,
+    read_object_text,
+    whole_number,
+)
+from plcopen_sfc.formats.simaticml.element_writer import (
+    ID,
+    DocumentWriting,
+    add_element,
+    finish,
+    flag,
+    sub,
+    write_object_text,
+)
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting, of_interface
+from plcopen_sfc.languages.s7_globals import UNCALLED
+from plcopen_sfc.model.base import Element
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou, PouKind
+from plcopen_sfc.model.project import Tag, TagTable
+from plcopen_sfc.model.sfc import GraphSettings, SfcNetwork
+from plcopen_sfc.model.types import DataTypeDeclaration, EnumType, SimpleValue, StructType, Variable
+from plcopen_sfc.model.variables import Interface
+from plcopen_sfc.report import Outcome
+
+POUS = {
+    "SW.Blocks.FB": PouKind.FUNCTION_BLOCK,
+    "SW.Blocks.FC": PouKind.FUNCTION,
+    "SW.Blocks.OB": PouKind.ORGANIZATION_BLOCK,
+}
+DATA_BLOCKS = {
+    "SW.Blocks.GlobalDB": DataBlockKind.GLOBAL,
+    "SW.Blocks.InstanceDB": DataBlockKind.INSTANCE,
+    "SW.Blocks.ArrayDB": DataBlockKind.ARRAY,
+}
+DATA_TYPE = "SW.Types.PlcStruct"
+TAG_TABLE = "SW.Tags.PlcTagTable"
+TAG = "SW.Tags.PlcTag"
+CONSTANT = "SW.Tags.PlcUserConstant"
+ROLES = {TAG: "Tags", CONSTANT: "UserConstants"}
+"""The collections of objects; those of a document are in none."""
+SETTINGS = {
+    "AcknowledgeErrorsRequired": "acknowledge_errors_required",
+    "LockOperatingMode": "lock_operating_mode",
+    "PermanentILProcessingInMANMode": "permanent_interlock_processing_in_manual_mode",
+    "SkipSteps": "skip_steps",
+    "WithAlarmHandling": "with_alarm_handling",
+}
+"""Attributes of GRAPH blocks that are Booleans, and the fields of `GraphSettings` for them."""
+SETTING_TEXTS = {
+    "GraphVersion": "version",
+    "InitialValuesAcquisition": "initial_values_acquisition",
+    "LanguageInNetworks": "network_language",
+}
+
+
+def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
+    """Read a code block."""
+    fields: Fields = {"kind": POUS[local(element)], "bodies": []}
+    values = _start(ctx, element, fields)
+    interface = values.pop("Interface", None)
+    if interface is not None:
+        read = read_interface(ctx, interface)
+        if read != {"sections": []} or not is_added(interface):
+            fields["interface"] = read
+        ctx.types = {
+            f"#{m.get('Name', '').lower()}": m.get("Datatype", "") for m in interface.iterfind("*/*/{*}Member")
+        }
+        ctx.constants = frozenset(
+            f"#{m.get('Name', '').lower()}" for m in interface.iterfind("*/*[@Name='Constant']/{*}Member")
+        )
+    language = _take(values, "ProgrammingLanguage")
+    units = _object_list(element, fields, "SW.Blocks.CompileUnit")
+    late: Fields = {}
+    fields["bodies"], unit_language = read_units(ctx, units, late)
+    if fields.get("interface", {}).get("return_type") is not None:
+        name_result(fields["bodies"], fields["name"])
+    if any(isinstance(body, SfcBody) for body in fields["bodies"]):
+        late["graph_settings"] = _read_settings(values)
+    if language is not None and language != unit_language:
+        carry_attribute(fields, "ProgrammingLanguage", language)
+    return _end(ctx, element, fields, values)
+
+
+def read_data_block(ctx: DocumentReading, element: etree._Element) -> Fields:
+    """Read a data block."""
+    fields: Fields = {"kind": DATA_BLOCKS[local(element)]}
+    values = _start(ctx, element, fields)
+    interface = values.pop("Interface", None)
+    if interface is not None:
+        fields["interface"] = read_interface(ctx, interface)
+    fields["type_name"] = _take(values, "InstanceOfName")
+    if plain_text(values.get("ProgrammingLanguage")) == "DB":
+        del values["ProgrammingLanguage"]
+    for child in _object_list(element, fields, ""):
+        carry_element(fields, child)
+    return _end(ctx, element, fields, values)
+
+
+def read_data_type(ctx: DocumentReading, element: etree._Element) -> Fields:
+    """Read a PLC data type."""
+    fields: Fields = {"type": {"kind": "struct", "members": []}}
+    values = _start(ctx, element, fields)
+    interface = values.get("Interface")
+    members = read_members(ctx, interface) if interface is not None else None
+    if members is not None:
+        fields["type"] = members
+        del values["Interface"]
+    for child in _object_list(element, fields, ""):
+        carry_element(fields, child)
+    digest = of_interface(interface) if interface is not None else ""
+    return _end(ctx, element, fields, values, {"type": digest, "initial": digest})
+
+
+def read_tag_table(ctx: DocumentReading, element: etree._Element) -> Fields:
+    """Read a tag table with its tags and user constants."""
+    fields: Fields = {"tags": [], "constants": []}
+    values = _start(ctx, element, fields)
+    for child in _object_list(element, fields, TAG, CONSTANT):
+        if local(child) == TAG:
+            fields["tags"].append(_read_tag(ctx, child))
+        else:
+            fields["constants"].append(_read_constant(ctx, child))
+    return _end(ctx, element, fields, values)
+
+
+def _read_tag(ctx: DocumentReading, element: etree._Element) -> Fields:
+    fields: Fields = {}
+    values = _start(ctx, element, fields)
+    fields["type"] = _take(values, "DataTypeName") or ""
+    fields["address"] = _take(values, "LogicalAddress")
+    for child in _object_list(element, fields, ""):
+        carry_element(fields, child)
+    return _end(ctx, element, fields, values)
+
+
+def _read_constant(ctx: DocumentReading, element: etree._Element) -> Fields:
+    fields: Fields = {}
+    values = _start(ctx, element, fields)
+    spelled = _take(values, "DataTypeName") or ""
+    fields["type"] = read_type(spelled)
+    if spelled_as(fields["type"]) != spelled:
+        carry_attribute(fields, "Datatype", spelled)
+    value = _take(values, "Value")
+    if value is not None:
+        fields["initial"] = {"kind": "simple", "text": value}
+    for child in _object_list(element, fields, ""):
+        carry_element(fields, child)
+    return _end(ctx, element, fields, values)
+
+
+def _start(ctx: DocumentReading, element: etree._Element, fields: Fields) -> dict[str, etree._Element]:
+    """The attributes of an object by name; its name and number are read."""
+    holder = child_named(element, "AttributeList")
+    values: dict[str, etree._Element] = {}
+    for child in children(holder) if holder is not None else ():
+        if local(child) in values:
+            carry_element(fields, child)
+        else:
+            values[local(child)] = child
+    name = values.get("Name")
+    fields["name"] = (name.text or "") if name is not None else ""
+    _take(values, "Name")
+    ctx.place.append(f"{local(element).rpartition('.')[2]} {fields['name']}")
+    number = whole_number(plain_text(values.get("Number")))
+    if number is not None:
+        fields["number"] = number
+        del values["Number"]
+    return values
+
+
+def _end(
+    ctx: DocumentReading,
+    element: etree._Element,
+    fields: Fields,
+    values: dict[str, etree._Element],
+    digests: dict[str, str] | None = None,
+) -> Fields:
+    """Keep the attributes that were not read, and put back the fields in comments as long as `digests` fit."""
+    for name, value in values.items():
+        text = plain_text(value)
+        if text is not None:
+            carry_attribute(fields, name, text)
+        else:
+            carry_element(fields, value)
+    carry_rest(fields, element)
+    for key, mark in attributes(element).items():
+        if key not in ("ID", "CompositionName") or (key == "CompositionName" and ROLES.get(local(element)) != mark):
+            carry_attribute(fields, f"@{key}", mark)
+    kept: Fields = {}
+    read_comments(ctx, element, kept)
+    merge(fields, counting(ctx, kept, digests or {}, element))
+    ctx.place.pop()
+    return fields
+
+
+def _take(values: dict[str, etree._Element], name: str) -> str | None:
+    """Take the text of a plain attribute; one that is more than text is left, and so kept."""
+    text = plain_text(values.get(name))
+    if text is not None:
+        del values[name]
+    return text
+
+
+def _read_settings(values: dict[str, etree._Element]) -> Fields:
+    settings: Fields = {}
+    for name, field in SETTINGS.items():
+        truth = TRUTHS.get(plain_text(values.get(name)) or "")
+        if truth is not None:
+            settings[field] = truth
+            del values[name]
+    for name, field in SETTING_TEXTS.items():
+        text = plain_text(values.get(name))
+        if text is not None:
+            settings[field] = text
+            del values[name]
+    return settings
+
+
+def _object_list(element: etree._Element, fields: Fields, *expected: str) -> list[etree._Element]:
+    """The objects of an object: its title and comment are read, the `expected` ones returned, others kept."""
+    holder = child_named(element, "ObjectList")
+    found: list[etree._Element] = []
+    for child in children(holder) if holder is not None else ():
+        field = {"Title": "title", "Comment": "comment"}.get(child.get("CompositionName", ""))
+        text = read_object_text(child) if local(child) == "MultilingualText" and field not in fields else None
+        if text is not None and field is not None:
+            fields[field] = text
+        elif local(child) in expected:
+            found.append(child)
+        else:
+            carry_element(fields, child)
+    return found
+
+
+_POU_TAGS = {kind: tag for tag, kind in POUS.items()}
+_DATA_BLOCK_TAGS = {kind: tag for tag, kind in DATA_BLOCKS.items()}
+_MARKED = frozenset({"Name"})
+"""Attributes that the model has even where they are more than text in the file, and so are kept too."""
+_TEXTS = frozenset({"name", "number", "title", "comment"})
+
+
+class _Object:
+    """An object that is being written: its attributes by name, which are sorted at the end, and its objects."""
+
+    def __init__(self, ctx: DocumentWriting, parent: etree._Element, tag: str, thing: Element, role: str = "") -> None:
+        self.ctx = ctx
+        self.thing = thing
+        self.element = sub(parent, tag, {ID: ""} | ({"CompositionName": role} if role else {}))
+        self.values = sub(self.element, "AttributeList")
+        self.objects = sub(self.element, "ObjectList")
+        self.set("Name", getattr(thing, "name", ""))
+        number = getattr(thing, "number", None)
+        if number is not None:
+            self.set("Number", str(number))
+
+    def set(self, name: str, value: str) -> None:
+        """Write an attribute, unless it has a value already."""
+        if self.values.find(name) is None:
+            sub(self.values, name).text = value or None
+
+    def finish(
+        self, native: frozenset[str], *, told: frozenset[str] = frozenset(), also: dict[str, Any] | None = None
+    ) -> None:
+        """Write what was kept, sort the attributes as TIA Portal does, and carry the fields that are left."""
+        carried = self.thing.carried
+        for name, value in carried.attributes.items() if carried is not None else ():
+            if name.startswith("@"):
+                owner, _, mark = name[1:].rpartition("@")
+                {"AttributeList": self.values, "ObjectList": self.objects}.get(owner, self.element).set(mark, value)
+            elif name not in ("Datatype", ID):
+                self.set(name, value)
+        for content in carried.elements if carried is not None else ():
+            holder = etree.Element("holder")
+            add_element(self.ctx, holder, content)
+            for element in list(holder):
+                own = self.values.find(str(element.tag)) if element.get(ID) is None else None
+                if own is not None and own.tag in _MARKED and element.attrib:
+                    self.values.remove(own)
+                (self.objects if element.get(ID) is not None else self.values).append(element)
+        self.values[:] = sorted(self.values, key=lambda value: str(value.tag).lower())
+        write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
+        if not len(self.objects):
+            self.element.remove(self.objects)
+        finish(self.ctx, self.element, self.thing, native | _TEXTS, told=told, also=also)
+
+
+def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
+    """Write a code block. A program becomes a function block: TIA Portal has none."""
+    writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
+    ctx.place.append(f"POU {pou.name}")
+    ctx.body_name = pou.name
+    ctx.types = types_of(ctx.project, pou)
+    sections = pou.interface.sections if pou.interface is not None else []
+    constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
+    ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)
+    native = {"interface", "bodies"}
+    if pou.kind in _POU_TAGS:
+        native.add("kind")
+        ctx.keep("POU")
+    else:
+        what = "program" if pou.kind is PouKind.PROGRAM else "POU"
+        why = "a function block; no organization block calls it, and it has no instance data block"
+        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+    chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
+    if pou.interface is not None:
+        static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
+        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None, static=static)
+    elif chart is not None:
+        keep_added(write_interface(ctx, writer.values, Interface(), graph=True))
+    kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
+    writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
+    if chart is not None and ctx.body_name not in ctx.options.untouched:
+        _write_settings(writer, chart.chart.graph_settings)
+    write_object_text(ctx, writer.objects, "Comment", pou.comment)
+    ctx.actions_told = set()
+    for body in bodies_with_result(pou):
+        write_units(ctx, writer.objects, body)
+    for action in pou.actions:
+        if action.body is not None and action.name.casefold() not in ctx.actions_told:
+            is_called = id(action) in ctx.called_actions
+            why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
+            outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA
+            ctx.note(outcome, "POU action", f"action {action.name}", why)
+    for method in pou.methods:
+        why = "blocks of TIA Portal have no methods: what calls it does not execute it"
+        ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
+    writer.finish(frozenset(native), told=frozenset({"kind", "actions", "methods"}))
+    if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
+        _without_graph(writer.values)
+    ctx.place.pop()
+
+
+def _without_graph(values: etree._Element) -> None:
+    """Take the base of GRAPH out of the interface of a block that was one: only those have it."""
+    for section in list(values.iterfind("Interface/{*}Sections/{*}Section[@Name='Base']")):
+        if section.find("{*}Sections[@Datatype='GRAPH_BASE']") is not None:
+            section.getparent().remove(section)  # type: ignore[union-attr]  # it has one
+
+
+def _write_settings(writer: _Object, settings: GraphSettings | None) -> None:
+    if settings is None:
+        settings = GraphSettings()
+    for name, field in SETTINGS.items():
+        truth = getattr(settings, field)
+        if truth is not None:
+            writer.set(name, flag(truth))
+    for name, field in SETTING_TEXTS.items():
+        text = getattr(settings, field)
+        if text is not None:
+            writer.set(name, text)
+
+
+def _renamed(ctx: DocumentWriting, pou: Pou) -> dict[str, str]:
+    """New names of the static members that belong to steps and transitions, where these were renamed."""
+    baseline = ctx.options.baseline
+    before = next((p for p in baseline.pous if p.name == pou.name), None) if baseline is not None else None
+    if before is None or before.chart is None or pou.name in ctx.options.untouched or pou.chart is None:
+        return {}
+    old = _chart_names(before.chart)
+    new = _chart_names(pou.chart)
+    return {old[key]: new[key] for key in old.keys() & new.keys() if old[key] != new[key]}
+
+
+def _chart_names(chart: SfcNetwork) -> dict[int, str]:
+    """The names of steps and transitions by id."""
+    return {step.id: step.name for step in chart.steps} | {t.id: t.name for t in chart.transitions}
+
+
+def write_data_block(ctx: DocumentWriting, parent: etree._Element, block: DataBlock) -> None:
+    """Write a data block."""
+    writer = _Object(ctx, parent, _DATA_BLOCK_TAGS[block.kind], block)
+    ctx.place.append(f"data block {block.name}")
+    if block.interface is not None:
+        write_interface(ctx, writer.values, block.interface)
+    if block.type_name is not None:
+        writer.set("InstanceOfName", block.type_name)
+    kept = block.carried.attributes.get("ProgrammingLanguage") if block.carried is not None else None
+    writer.set("ProgrammingLanguage", kept or "DB")
+    ctx.keep("data block")
+    write_object_text(ctx, writer.objects, "Comment", block.comment)
+    writer.finish(frozenset({"kind", "interface", "type_name"}))
+    ctx.place.pop()
+
+
+def write_data_type(ctx: DocumentWriting, parent: etree._Element, declaration: DataTypeDeclaration) -> None:
+    """Write a PLC data type. TIA Portal has structures only."""
+    writer = _Object(ctx, parent, DATA_TYPE, declaration)
+    ctx.place.append(f"type {declaration.name}")
+    native = {"type"}
+    also: dict[str, Any] = {}
+    if isinstance(declaration.type, StructType):
+        kept = declaration.carried.elements if declaration.carried is not None else []
+        if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
+            write_members(ctx, writer.values, declaration.type)
+        ctx.keep("data type")
+    else:
+        native.discard("type")
+        held = Variable(name="Value", type=ctx.s7_types.type(declaration.type))
+        write_members(ctx, writer.values, StructType(members=[held]))
+        written = of_interface(writer.values[-1])
+        also[WRITTEN] = {"type": written, "initial": written}
+        why = f"its variables are of the type {write_type(held.type)}"
+        if isinstance(declaration.type, EnumType):
+            why += "; its values are user constants"
+        ctx.note(Outcome.TRANSLATED, "data type", why=why)
+    write_object_text(ctx, writer.objects, "Comment", declaration.comment)
+    writer.finish(frozenset(native), told=frozenset({"type", "initial"}), also=also)
+    ctx.place.pop()
+
+
+def write_tag_table(ctx: DocumentWriting, parent: etree._Element, table: TagTable) -> None:
+    """Write a tag table."""
+    writer = _Object(ctx, parent, TAG_TABLE, table)
+    ctx.place.append(f"tag table {table.name}")
+    for tag in table.tags:
+        _write_tag(ctx, writer.objects, tag)
+    for constant in table.constants:
+        _write_constant(ctx, writer.objects, constant)
+    ctx.keep("tag table")
+    writer.finish(frozenset({"tags", "constants"}))
+    ctx.place.pop()
+
+
+def _write_tag(ctx: DocumentWriting, parent: etree._Element, tag: Tag) -> None:
+    writer = _Object(ctx, parent, TAG, tag, "Tags")
+    writer.set("DataTypeName", tag.type)
+    if tag.address is not None:
+        writer.set("LogicalAddress", tag.address)
+    write_object_text(ctx, writer.objects, "Comment", tag.comment)
+    writer.finish(frozenset({"type", "address"}))
+
+
+def _write_constant(ctx: DocumentWriting, parent: etree._Element, constant: Variable) -> None:
+    writer = _Object(ctx, parent, CONSTANT, constant, "UserConstants")
+    kept = constant.carried.attributes if constant.carried is not None else {}
+    writer.set("DataTypeName", spelling(constant.type, kept))
+    native = {"type"}
+    if isinstance(constant.initial, SimpleValue):
+        writer.set("Value", constant.initial.text or "")
+        native.add("initial")
+    write_object_text(ctx, writer.objects, "Comment", constant.comment)
+    writer.finish(frozenset(native))

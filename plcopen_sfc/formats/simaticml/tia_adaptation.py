@@ -1,0 +1,251 @@
+"""Adaptation of a project of another tool before it is written: numbers, names, languages of texts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from plcopen_sfc.formats.simaticml.coils_and_contacts import put_coils
+from plcopen_sfc.formats.simaticml.declaration_spelling import version_of
+from plcopen_sfc.formats.simaticml.network_boxes import mark_calls, put_operands, put_standard_blocks
+from plcopen_sfc.formats.simaticml.network_operands import HINT
+from plcopen_sfc.formats.simaticml.scl_token_writer import CALL
+from plcopen_sfc.formats.simaticml.sequence_rules import MOST_SEQUENCES, MOST_STEPS, MOST_TRANSITIONS
+from plcopen_sfc.languages.s7_globals import tag_tables_of
+from plcopen_sfc.languages.s7_types import s7_types
+from plcopen_sfc.model.base import Carried, Model
+from plcopen_sfc.model.body import BodyBase, FbdBody, LdBody, StBody
+from plcopen_sfc.model.conditions import WiredCondition
+from plcopen_sfc.model.network import Connection, LogicNetwork
+from plcopen_sfc.model.pou import DataBlock, DataBlockKind, Pou
+from plcopen_sfc.model.project import Project, Tag, TagTable
+from plcopen_sfc.model.sfc import PermanentOperation, Sequence, SfcNetwork, Step, Supervised, Transition
+from plcopen_sfc.model.text import MultilingualText
+from plcopen_sfc.model.types import DataTypeDeclaration, DerivedType, Variable
+from plcopen_sfc.report import ConversionReport, Outcome
+
+TAB = 4
+_TEXTS = ("comment", "title", "alarm")
+_WITH_TEXTS = (
+    *(Pou, DataBlock, DataTypeDeclaration, TagTable, Tag, Variable, BodyBase, LogicNetwork),
+    *(Sequence, Step, Transition, Supervised, PermanentOperation),
+)
+
+
+def adapt(project: Project, report: ConversionReport) -> None:
+    """Give steps and transitions the numbers and names that S7-GRAPH requires, and texts their language."""
+    put_standard_blocks(project)
+    put_operands(project, report)
+    put_coils(project)
+    mark_calls(project)
+    _say_versions(project)
+    language = project.language or "en-US"
+    for pou in project.pous:
+        _languages(pou, language)
+    others: list[Model] = [*project.data_blocks, *project.data_types, *project.tag_tables]
+    for thing in others:
+        _languages(thing, language)
+    _without_tabs(project, report)
+    _say_instances(project)
+    _say_constants(project)
+    for chart in project.charts():
+        _shift_logic(chart.chart)
+        variables = {each.name.casefold() for each in chart.pou.variables() if not _is_own_member(each)}
+        _numbers(chart.chart, chart.report_path, variables, report)
+
+
+def _is_own_member(variable: Variable) -> bool:
+    """True for the members that TIA Portal declares for steps and transitions, under their names."""
+    return isinstance(variable.type, DerivedType) and variable.type.name.startswith("G7_")
+
+
+_APART = 1 << 20
+"""Ids from which on no step, transition or action of a file gets one when it is read."""
+
+
+def _shift_logic(chart: SfcNetwork) -> None:
+    """Give logic beside the steps ids that do not collide with those of steps when the file is read."""
+    old = {node.id for node in chart.logic}
+    if not old or min(old) >= _APART:
+        return
+    for node in chart.logic:
+        node.id += _APART
+    symbols = chart.drawing.symbols if chart.drawing is not None else []
+    wired = [t.condition for t in chart.transitions if isinstance(t.condition, WiredCondition)]
+    for thing in (*chart.logic, *wired, *symbols):
+        for wire in _wires(thing):
+            wire.source += _APART if wire.source in old else 0
+
+
+def _wires(thing: Any) -> Iterator[Connection]:
+    """All wires in an element of a network, a condition or a symbol."""
+    if isinstance(thing, Connection):
+        yield thing
+    elif isinstance(thing, Model):
+        for value in thing.__dict__.values():
+            yield from _wires(value)
+    elif isinstance(thing, list):
+        for item in thing:
+            yield from _wires(item)
+
+
+def _without_tabs(project: Project, report: ConversionReport) -> None:
+    """Blanks instead of tabs: tokens have no others between them."""
+    for name, pou, body in project.bodies():
+        if isinstance(body, StBody) and "\t" in body.text and body.markup is None:
+            body.text = body.text.expandtabs(TAB)
+            report.add(Outcome.TRANSLATED, "text", pou.report_path_of(name), "tabs are blanks")
+
+
+def _say_instances(project: Project) -> None:
+    """Mark the calls in SCL that are those of instance data blocks: their names do not show it."""
+    names = [block.name for block in project.data_blocks if block.kind is DataBlockKind.INSTANCE]
+    for pou in project.pous:
+        for body in pou.bodies:
+            called = [name for name in names if isinstance(body, StBody) and _calls(body.text, name)]
+            if called:
+                body.carried = body.carried or Carried()
+                body.carried.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
+
+
+def _say_constants(project: Project) -> None:
+    """Mark the names in texts and networks that are those of user constants."""
+    names = user_constants(project)
+    for pou in project.pous if names else ():
+        for body in pou.bodies:
+            if isinstance(body, StBody):
+                say_constants(body, body.text, names)
+            elif isinstance(body, FbdBody | LdBody):
+                for network in body.networks:
+                    say_constants(network, network_text(network), names)
+
+
+def user_constants(project: Project) -> list[str]:
+    """The names of the user constants that enumerations and constant global variables become."""
+    tables = tag_tables_of(project)
+    names = [each.name for each in s7_types(project).constants]
+    return [*names, *(constant.name for table in tables for constant in table.constants)]
+
+
+def say_constants(thing: StBody | LogicNetwork, text: str, names: Iterable[str]) -> None:
+    """Mark the operands in `text` of a program that are user constants."""
+    found = {f'{HINT}"{name}"': "GlobalConstant" for name in names if f'"{name}"' in text}
+    if found:
+        thing.carried = thing.carried or Carried()
+        thing.carried.attributes |= found
+
+
+def network_text(network: LogicNetwork) -> str:
+    """The texts of a network, one after the other."""
+    return str(network.model_dump(include={"nodes"}))
+
+
+def _say_versions(project: Project) -> None:
+    """Note the version of instances of timers, counters and edges."""
+    interfaces = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
+    for variable in (v for interface in interfaces if interface is not None for v in interface.variables()):
+        version = version_of(variable.type)
+        if version is not None and "Version" not in variable.attributes:
+            variable.attributes = {"Version": version} | variable.attributes
+
+
+def _calls(text: str, name: str) -> bool:
+    return f'"{name}"(' in text
+
+
+def _languages(thing: Any, language: str) -> None:
+    """Give every text that people read its language."""
+    if isinstance(thing, Model):
+        for name in type(thing).model_fields:
+            value = getattr(thing, name)
+            if name in _TEXTS and isinstance(value, str) and isinstance(thing, _WITH_TEXTS):
+                setattr(thing, name, MultilingualText(texts={language: value}))
+            else:
+                _languages(value, language)
+    elif isinstance(thing, list):
+        for item in thing:
+            _languages(item, language)
+
+
+def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: ConversionReport) -> None:
+    _number(chart.steps)
+    _number(chart.transitions)
+    for kind, things in (("step", chart.steps), ("transition", chart.transitions)):
+        for name in (thing.name for thing in things if thing.name.casefold() in variables):
+            why = f"a variable of the block is called {name} too: TIA Portal does not compile it"
+            report.add(Outcome.NOT_EXECUTED, kind, f"{place} / {kind} {name}", why)
+    taken = {step.name.casefold() for step in chart.steps} | {t.name.casefold() for t in chart.transitions} | variables
+    for transition in chart.transitions:
+        if not transition.name:
+            transition.name = _free(f"Trans{transition.number}", taken)
+            why = "it got a name, as S7-GRAPH requires"
+            report.add(Outcome.TRANSLATED, "name", f"{place} / transition {transition.name}", why)
+    if not chart.sequences and chart.steps:
+        chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
+    _limits(chart, place, report)
+    rivals: dict[tuple[int, ...], list[Transition]] = {}
+    for transition in chart.transitions:
+        rivals.setdefault(tuple(sorted(transition.sources)), []).append(transition)
+    for group in rivals.values():
+        if len(group) > 1:
+            for rank, transition in enumerate(sorted(group, key=lambda t: (t.priority is None, t.priority or 0)), 1):
+                transition.priority = rank
+
+
+def _connected(chart: SfcNetwork) -> list[list[int]]:
+    """The steps that are connected with each other, each group in the order of the chart."""
+    group = {step.id: step.id for step in chart.steps}
+
+    def root(step: int) -> int:
+        while group[step] != step:
+            group[step] = group[group[step]]
+            step = group[step]
+        return step
+
+    for transition in chart.transitions:
+        ends = [step for step in (*transition.sources, *transition.targets) if step in group]
+        for step in ends[1:]:
+            group[root(step)] = root(ends[0])
+    found: dict[int, list[int]] = {}
+    for number in group:
+        found.setdefault(root(number), []).append(number)
+    return list(found.values())
+
+
+def _limits(chart: SfcNetwork, place: str, report: ConversionReport) -> None:
+    """Report content beyond the limits of one block."""
+    counts = (
+        ("sequences", len(chart.sequences), MOST_SEQUENCES),
+        ("steps", len(chart.steps), MOST_STEPS),
+        ("transitions", len(chart.transitions), MOST_TRANSITIONS),
+    )
+    for what, count, most in counts:
+        if count > most:
+            why = f"an S7-GRAPH block has up to {most} {what}, this one {count}; TIA Portal may refuse it"
+            report.add(Outcome.APPROXIMATED, "chart", place, why)
+
+
+def _number(things: Iterable[Any]) -> None:
+    """Number the elements without a number of their own."""
+    taken: set[int] = set()
+    for thing in things:
+        if thing.number in taken:
+            thing.number = None
+        if thing.number is not None:
+            taken.add(thing.number)
+    following = 1
+    for thing in things:
+        if thing.number is None:
+            while following in taken:
+                following += 1
+            thing.number = following
+            taken.add(following)
+
+
+def _free(name: str, taken: set[str]) -> str:
+    number, free = 1, name
+    while free.casefold() in taken:
+        number += 1
+        free = f"{name}_{number}"
+    taken.add(free.casefold())
+    return free
