@@ -25,13 +25,13 @@ _NEGATION = re.compile(r"NOT\s*\(\s*(.*?)\s*\)|NOT\s+([^\W\d]\w*)", re.IGNORECAS
 
 @dataclass(slots=True)
 class ElementText:
-    """What the text says of an object, what pragmas say beside it, and where it stands.
+    """The fields of an element from its text, the annotations beside it, and its place.
 
     `name` is the name as written, `sides` the names in FROM (`sources`) and TO (`targets`).
     """
 
     fields: Fields
-    remark: Annotations
+    annotations: Annotations
     start: int
     path: str
     name: str = ""
@@ -50,18 +50,18 @@ class ChartText:
 # -- steps ------------------------------------------------------------------------------------------------------------
 
 
-def read_step(src: TextSource, part: TextPart, remark: Annotations, place: str) -> ElementText:
+def read_step(src: TextSource, part: TextPart, annotations: Annotations, place: str) -> ElementText:
     """``STEP name: associations END_STEP``."""
     path = f"{place} / step {part.name}"
     fields: Fields = {"name": part.name}
     if part.keyword == "INITIAL_STEP":
         fields["initial"] = True
-    step = ElementText(fields, remark, part.start, path, part.name)
+    step = ElementText(fields, annotations, part.start, path, part.name)
     groups = list(_between_semicolons(src.outline.tokens(part.tokens)))
     starts = [group[0].span[0] for group in groups]
-    remark.extend(src.remark(part.inside[0], starts[0] if starts else part.inside[1], path))
+    annotations.extend(src.annotations(part.inside[0], starts[0] if starts else part.inside[1], path))
     for group, start, end in zip(groups, starts, [*starts[1:], part.inside[1]], strict=False):
-        step.associations.append(_read_association(src, group, src.remark(start, end, path), path))
+        step.associations.append(_read_association(src, group, src.annotations(start, end, path), path))
     return step
 
 
@@ -78,7 +78,7 @@ def _between_semicolons(tokens: list[Token]) -> Iterator[list[Token]]:
         yield group
 
 
-def _read_association(src: TextSource, tokens: list[Token], remark: Annotations, path: str) -> ElementText:
+def _read_association(src: TextSource, tokens: list[Token], annotations: Annotations, path: str) -> ElementText:
     fields = association_fields(src.text, tokens)
     start = tokens[0].span[0]
     if fields is None:
@@ -87,11 +87,11 @@ def _read_association(src: TextSource, tokens: list[Token], remark: Annotations,
             "IEC102", f"{text[:40]!r} is no association of an action: name(qualifier, time, indicator)", start, path
         )
         fields = {"qualifier": Qualifier.NONE.value, "carried": {"data": [wrapped("association", newlines(text))]}}
-    return ElementText(fields, remark, start, path)
+    return ElementText(fields, annotations, start, path)
 
 
 def association_fields(text: str, tokens: list[Token]) -> Fields | None:
-    """What ``target(qualifier, time, indicator)`` says; None where it is something else."""
+    """The fields of ``target(qualifier, time, indicator)``; None for any other text."""
 
     def slice_of(part: list[Token]) -> str:
         return newlines(text[part[0].span[0] : part[-1].span[1]])
@@ -132,7 +132,7 @@ def _last_parenthesis(tokens: list[Token]) -> int | None:
 
 
 def _arguments(tokens: list[Token]) -> list[list[Token]] | None:
-    """Split at the commas that stand in no brackets; None where an argument is empty."""
+    """Split at the commas outside of brackets; None where an argument is empty."""
     if not tokens:
         return []
     arguments: list[list[Token]] = [[]]
@@ -149,15 +149,15 @@ def _arguments(tokens: list[Token]) -> list[list[Token]] | None:
 # -- transitions ------------------------------------------------------------------------------------------------------
 
 
-def read_transition(src: TextSource, part: TextPart, remark: Annotations, place: str) -> ElementText:
+def read_transition(src: TextSource, part: TextPart, annotations: Annotations, place: str) -> ElementText:
     """``TRANSITION name (PRIORITY := n) FROM (..) TO (..) := condition; END_TRANSITION``."""
     tokens = src.outline.tokens(part.tokens)
     header = _Header(src, tokens, part, place)
-    transition = ElementText(header.fields, remark, part.start, header.path, sides=header.sides)
+    transition = ElementText(header.fields, annotations, part.start, header.path, sides=header.sides)
     rest = tokens[header.at :]
     begin, end = src.core(rest[0].span[1] if rest else part.inside[0], part.inside[1])
-    remark.extend(src.remark(part.inside[0], begin, header.path))
-    remark.extend(src.remark(end, part.inside[1], header.path))
+    annotations.extend(src.annotations(part.inside[0], begin, header.path))
+    annotations.extend(src.annotations(end, part.inside[1], header.path))
     if rest:
         condition = condition_fields(src.text, rest[0].type, rest[1:], begin, end)
         if condition is None:
@@ -167,12 +167,12 @@ def read_transition(src: TextSource, part: TextPart, remark: Annotations, place:
             header.fields["condition"] = condition
         src.check_code(condition.get("body", condition), begin, end, header.path)
         if condition.get("kind") == "expression":
-            remark.extend(src.remark(rest[-1].span[1], end, header.path))
+            annotations.extend(src.annotations(rest[-1].span[1], end, header.path))
     return transition
 
 
 class _Header:
-    """What stands before the condition of a transition."""
+    """The header of a transition, up to its condition."""
 
     def __init__(self, src: TextSource, tokens: list[Token], part: TextPart, place: str) -> None:
         self.src = src
@@ -237,7 +237,7 @@ class _Header:
 
 
 def condition_fields(text: str, mark: str, tokens: list[Token], begin: int, end: int) -> Fields | None:
-    """What ``:= expression;`` (`mark` ASSIGN) or ``: body`` says; {} where nothing stands there, None if neither."""
+    """The fields of ``:= expression;`` (`mark` ASSIGN) or ``: body``; {} without any text, None if it is neither."""
     if mark == "COLON":
         return {"kind": "body", "body": body_fields(taken(text[begin:end]), tokens)}
     if not tokens or tokens[-1].type != "SEMICOLON":
@@ -266,7 +266,7 @@ def is_il(tokens: list[Token]) -> bool:
 
 
 def unnegated(fields: Fields) -> None:
-    """Take ``NOT (..)`` off an expression whose negation a pragma says."""
+    """Take ``NOT (..)`` off an expression whose negation is in a pragma."""
     found = _NEGATION.fullmatch(fields.get("text", ""))
     if found is not None:
         fields["text"] = found.group(1) if found.group(1) is not None else found.group(2)
@@ -277,17 +277,17 @@ def unnegated(fields: Fields) -> None:
 
 @dataclass(slots=True)
 class ChartReferences:
-    """What a chart refers to: bodies that stand in place, by their names, and the transition objects of the POU."""
+    """Objects that a chart refers to: bodies in place, by their names, and the transition objects of the POU."""
 
     in_place: dict[str, Fields]
     named_transitions: frozenset[str]
 
 
 def chart_fields(src: TextSource, chart: ChartText, around: ChartReferences, place: str) -> Fields:
-    """The fields of the chart, its names resolved; without what pragmas at the end of the unit add."""
+    """The fields of the chart, its names resolved; without the changes of pragmas at the end of the unit."""
     known = {step.name.casefold() for step in chart.steps}
     for transition in chart.transitions:
-        transition.remark.put_into(transition.fields)
+        transition.annotations.put_into(transition.fields)
         _carry_unknown(src, transition, known)
     steps = [_finished_step(src, step, around) for step in chart.steps]
     transitions = [_finished_transition(src, transition, around) for transition in chart.transitions]
@@ -314,12 +314,12 @@ def number(src: TextSource, chart: ChartText, fields: Fields) -> None:
         if "id" not in thing:
             thing["id"] = next(free)
     by_name: dict[str, int] = {}
-    for said, step in zip(chart.steps, steps, strict=True):
-        if said.name.casefold() in by_name:
-            src.note("SFC109", f"two steps have the name {said.name!r}", said.start, said.path)
-        by_name.setdefault(said.name.casefold(), step["id"])
-    for said, transition in zip(chart.transitions, transitions, strict=True):
-        for side, names in said.sides.items():
+    for element, step in zip(chart.steps, steps, strict=True):
+        if element.name.casefold() in by_name:
+            src.note("SFC109", f"two steps have the name {element.name!r}", element.start, element.path)
+        by_name.setdefault(element.name.casefold(), step["id"])
+    for element, transition in zip(chart.transitions, transitions, strict=True):
+        for side, names in element.sides.items():
             if side not in transition:
                 found = [by_name[name.casefold()] for name in names if name.casefold() in by_name]
                 transition.update({side: found} if found else {})
@@ -338,19 +338,21 @@ def ids_within(value: Any) -> Iterator[int]:
             yield from ids_within(item)
 
 
-def _carry_unknown(src: TextSource, said: ElementText, known: set[str]) -> None:
+def _carry_unknown(src: TextSource, element: ElementText, known: set[str]) -> None:
     """Keep the names in FROM and TO that no step of the chart has."""
-    for side, names in said.sides.items():
+    for side, names in element.sides.items():
         keyword = "FROM" if side == "sources" else "TO"
         for name in names:
             if name.casefold() not in known:
-                src.note("SFC103", f"{keyword} names {name!r}, which is no step of this chart", said.start, said.path)
-                carried = said.fields.setdefault("carried", {})
+                src.note(
+                    "SFC103", f"{keyword} names {name!r}, which is no step of this chart", element.start, element.path
+                )
+                carried = element.fields.setdefault("carried", {})
                 carried.setdefault("data", []).append(wrapped(keyword.lower(), name))
 
 
 def apply_change(src: TextSource, fields: Fields, found: tuple[Change, int], path: str) -> None:
-    """Make a change that a pragma says, or say that it leads nowhere."""
+    """Make the change of a pragma, or report that it leads nowhere."""
     try:
         apply(fields, found[0])
     except StaleError as error:
@@ -360,11 +362,11 @@ def apply_change(src: TextSource, fields: Fields, found: tuple[Change, int], pat
         src.note("IEC211", f"this pragma does not fit: {error}", found[1], path)
 
 
-def _finished_step(src: TextSource, said: ElementText, around: ChartReferences) -> Fields:
-    fields = said.fields
-    said.remark.put_into(fields)
+def _finished_step(src: TextSource, element: ElementText, around: ChartReferences) -> Fields:
+    fields = element.fields
+    element.annotations.put_into(fields)
     actions: list[Fields] = []
-    for association in said.associations:
+    for association in element.associations:
         done, step_action = _finished_association(src, association, around)
         if step_action in STEP_ACTIONS:
             fields[f"{step_action}_action"] = done.get("body") or done.get("target", "")
@@ -372,31 +374,31 @@ def _finished_step(src: TextSource, said: ElementText, around: ChartReferences) 
             actions.append(done)
     if actions:
         fields["actions"] = actions
-    for found in said.remark.changes:
-        apply_change(src, fields, found, said.path)
+    for found in element.annotations.changes:
+        apply_change(src, fields, found, element.path)
     return fields
 
 
-def _finished_association(src: TextSource, said: ElementText, around: ChartReferences) -> tuple[Fields, str | None]:
-    fields = said.fields
-    said.remark.put_into(fields)
+def _finished_association(src: TextSource, element: ElementText, around: ChartReferences) -> tuple[Fields, str | None]:
+    fields = element.fields
+    element.annotations.put_into(fields)
     if str(fields.get("target", "")).casefold() in around.in_place:
         fields["body"] = {"body_of": fields.pop("target")}
-    for found in said.remark.changes:
-        apply_change(src, fields, found, said.path)
+    for found in element.annotations.changes:
+        apply_change(src, fields, found, element.path)
     return fields, fields.pop("step_action", None)
 
 
-def _finished_transition(src: TextSource, said: ElementText, around: ChartReferences) -> Fields:
-    fields = said.fields
+def _finished_transition(src: TextSource, element: ElementText, around: ChartReferences) -> Fields:
+    fields = element.fields
     condition = fields.get("condition")
     if condition is not None and condition["kind"] == "expression":
-        if any(c.path == ("condition", "negated") for c, _ in said.remark.changes):
+        if any(c.path == ("condition", "negated") for c, _ in element.annotations.changes):
             unnegated(condition)
         if condition["text"].casefold() in around.named_transitions:
             fields["condition"] = {"kind": "named", "name": condition["text"]}
-    if condition is None and not any(c.path[0] == "condition" for c, _ in said.remark.changes):
-        src.note("SFC112", "a transition has no condition", said.start, said.path)
-    for found in said.remark.changes:
-        apply_change(src, fields, found, said.path)
+    if condition is None and not any(c.path[0] == "condition" for c, _ in element.annotations.changes):
+        src.note("SFC112", "a transition has no condition", element.start, element.path)
+    for found in element.annotations.changes:
+        apply_change(src, fields, found, element.path)
     return fields

@@ -128,13 +128,13 @@ class ChartTextWriter:
         in_place: list[tuple[str, Body]] = []
         lift = self._lifter(self.names[index], in_place)
         leave = frozenset({"id", "actions", *(f"{kind}_action" for kind in STEP_ACTIONS)})
-        meant = plain_fields(step, lift, leave)
+        intended = plain_fields(step, lift, leave)
         if step.id in self.explicit:
-            meant["id"] = step.id
-        said: Fields = {"name": self.names[index]} | ({"initial": True} if step.initial else {})
-        text = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
+            intended["id"] = step.id
+        read_back: Fields = {"name": self.names[index]} | ({"initial": True} if step.initial else {})
+        text = comment_lines(intended, read_back, self.indent) + foreign_pragmas(intended, read_back, self.indent)
         inner = self.indent + INDENT
-        near = self._near(said, meant, ("steps", Numbered(step.id)), path)
+        near = self._near(read_back, intended, ("steps", Numbered(step.id)), path)
         lines = ""
         for kind in STEP_ACTIONS:
             value = getattr(step, f"{kind}_action")
@@ -162,9 +162,9 @@ class ChartTextWriter:
 
         return lift
 
-    def _near(self, said: Fields, meant: Fields, place: tuple[Segment, ...], path: str) -> list[Change]:
+    def _near(self, read_back: Fields, intended: Fields, place: tuple[Segment, ...], path: str) -> list[Change]:
         """The changes to write beside an element; those too big for it are left for the end of the unit."""
-        near, late = split(changes(said, meant))
+        near, late = split(changes(read_back, intended))
         note_changes(self.printer, (*near, *late), path, leave=("id", "target", "body", *_BEYOND))
         if self.unique and all(one.id in self.explicit for one in place if isinstance(one, Numbered)):
             self.late += [Change(("chart", *place, *change.path), change.value) for change in late]
@@ -182,8 +182,8 @@ class ChartTextWriter:
             in_place.append((target, value))
         qualifier = _STEP_QUALIFIERS[kind]
         wanted = {"target": target} | ({"qualifier": qualifier} if qualifier != Qualifier.N else {})
-        shown, said = self._call(wanted)
-        return f"{inner}{shown};{_beside(list(changes(said, wanted | {'step_action': kind})), inner + INDENT)}"
+        shown, read_back = self._call(wanted)
+        return f"{inner}{shown};{_beside(list(changes(read_back, wanted | {'step_action': kind})), inner + INDENT)}"
 
     def _association(
         self, association: ActionAssociation, number: int, in_place: list[tuple[str, Body]], index: int, path: str
@@ -192,16 +192,18 @@ class ChartTextWriter:
         step, name = self.chart.steps[index], self.names[index]
         body = association.body
         alone = body is not None and association.target is None and is_text_body(body)
-        meant = plain_fields(association, self._lifter(name, in_place), frozenset({"id", "body"} if alone else {"id"}))
+        intended = plain_fields(
+            association, self._lifter(name, in_place), frozenset({"id", "body"} if alone else {"id"})
+        )
         if association.id in self.explicit:
-            meant["id"] = association.id
-        wanted: Fields = {k: meant[k] for k in ("target", "qualifier", "duration", "indicator") if k in meant}
+            intended["id"] = association.id
+        wanted: Fields = {k: intended[k] for k in ("target", "qualifier", "duration", "indicator") if k in intended}
         if association.qualifier is Qualifier.R0:
             wanted["qualifier"] = Qualifier.R
         if alone and body is not None:
             wanted["target"] = self.printer.new_name(f"{name}_action_{number + 1}")
             in_place.append((wanted["target"], body))
-        beyond = [key for key in _BEYOND if key in meant] + (["step"] if step.negated else [])
+        beyond = [key for key in _BEYOND if key in intended] + (["step"] if step.negated else [])
         if association.qualifier in _OF_GRAPH:
             beyond.append("qualifier")
         place = f"{path} / {association.target or wanted.get('target', '')}"
@@ -213,7 +215,7 @@ class ChartTextWriter:
         if guarded is not None:
             if alone and body is not None:
                 in_place.pop()
-                meant["body"] = plain_fields(body)
+                intended["body"] = plain_fields(body)
             wanted["target"] = self.printer.new_name(f"{name}_{association.target or 'call'}")
             wanted.pop("qualifier", None)
             in_place.append((wanted["target"], guarded))
@@ -222,23 +224,23 @@ class ChartTextWriter:
             wanted["target"] = missing(self.printer, association.target or name)
             for key in beyond:
                 self.printer.note(Outcome.NOT_EXECUTED, key, place, nothing_right(wanted["target"]))
-        shown, said = self._call(wanted)
+        shown, read_back = self._call(wanted)
         if guarded is not None:
-            said["body"] = {"body_of": said.pop("target")}
+            read_back["body"] = {"body_of": read_back.pop("target")}
         elif alone and beyond:
-            meant["body"] = {"body_of": in_place[-1][0]}
+            intended["body"] = {"body_of": in_place[-1][0]}
         elif alone:
-            meant["body"] = said["body"] = {"body_of": said.pop("target")}
+            intended["body"] = read_back["body"] = {"body_of": read_back.pop("target")}
         self.printer.note(Outcome.KEPT, "association", f"{path} / {association.target or wanted.get('target', '')}")
-        comment = meant.get("comment")
+        comment = intended.get("comment")
         beside = format_comment(comment, inner) if isinstance(comment, str) else None
         if beside is not None:
-            said["comment"] = comment
-        near = self._near(said, meant, ("steps", Numbered(step.id), "actions", Numbered(association.id)), path)
+            read_back["comment"] = comment
+        near = self._near(read_back, intended, ("steps", Numbered(step.id), "actions", Numbered(association.id)), path)
         return f"{inner}{shown};" + (f" {beside}" if beside else "") + _beside(near, inner + INDENT)
 
     def _guarded(self, association: ActionAssociation, step: Step) -> Body | None:
-        """A body that does what N does with a variable under a condition.
+        """A body that does the same as the qualifier N with a variable under a condition.
 
         It is executed once more when the step is left (IEC 61131-3, 6.7.4.6), which makes the variable FALSE.
         """
@@ -252,7 +254,7 @@ class ChartTextWriter:
         return StBody(text=f"{target} := {step.name}.X AND {'NOT ' if condition.negated else ''}{text};")
 
     def _called(self, association: ActionAssociation, step: Step) -> Body | None:
-        """A body that calls what a row of S7-GRAPH calls in each cycle in which its step is active."""
+        """A body for the call of a row of S7-GRAPH, in each cycle in which its step is active."""
         if not isinstance(association.body, StBody) or association.target is not None or association.duration:
             return None
         statements = association.body.text.strip()
@@ -261,14 +263,14 @@ class ChartTextWriter:
         return StBody(text=text) if comes_back and "\n" not in statements else None
 
     def _call(self, wanted: Fields) -> tuple[str, Fields]:
-        """``target(qualifier, time, indicator)`` as far as it can be written, and what a reader takes from it."""
+        """``target(qualifier, time, indicator)`` as far as it can be written, and the fields read from that."""
         qualifier = wanted.get("qualifier", "N")
         for keys in (("duration", "indicator"), ("duration",), ("indicator",), ()):
             arguments = [] if qualifier == Qualifier.NONE else [qualifier, *(wanted[k] for k in keys if k in wanted)]
             shown = f"{wanted.get('target', '')}({', '.join(arguments)})"
-            said = self._taken(shown)
-            if said is not None and said.get("target") == wanted.get("target"):
-                return shown, said
+            read_back = self._taken(shown)
+            if read_back is not None and read_back.get("target") == wanted.get("target"):
+                return shown, read_back
         shown = self.printer.new_name(wanted.get("target") or "Action")
         shown += "()" if qualifier == Qualifier.NONE else f"({qualifier})"
         return shown, self._taken(shown) or {}
@@ -289,50 +291,54 @@ class ChartTextWriter:
         self.printer.note(Outcome.KEPT, "transition", path)
         in_place: list[tuple[str, Body]] = []
         name = transition.name if self.printer.is_name(transition.name) else ""
-        meant = plain_fields(transition, leave=frozenset({"id", "condition"}))
+        intended = plain_fields(transition, leave=frozenset({"id", "condition"}))
         if transition.id in self.explicit:
-            meant["id"] = transition.id
-        said: Fields = {"name": name} if name else {}
-        text = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
+            intended["id"] = transition.id
+        read_back: Fields = {"name": name} if name else {}
+        text = comment_lines(intended, read_back, self.indent) + foreign_pragmas(intended, read_back, self.indent)
         head = f"{self.indent}TRANSITION" + (f" {name}" if name else "")
         if transition.priority is not None and transition.priority >= 0:
             head += f" (PRIORITY := {transition.priority})"
-            said["priority"] = transition.priority
-        head += self._side("FROM", "sources", transition, said) + self._side("TO", "targets", transition, said)
-        condition, shown = self._condition(transition, meant, in_place)
-        near = self._near(said | shown, meant, ("transitions", Numbered(transition.id)), path)
+            read_back["priority"] = transition.priority
+        head += self._side("FROM", "sources", transition, read_back) + self._side(
+            "TO", "targets", transition, read_back
+        )
+        condition, shown = self._condition(transition, intended, in_place)
+        near = self._near(read_back | shown, intended, ("transitions", Numbered(transition.id)), path)
         return f"{text}{head}{_beside(near, self.indent + INDENT)}{condition}{self.indent}END_TRANSITION\n" + (
             self._actions(in_place)
         )
 
-    def _side(self, keyword: str, side: str, transition: Transition, said: Fields) -> str:
+    def _side(self, keyword: str, side: str, transition: Transition, read_back: Fields) -> str:
         ids = getattr(transition, side)
         by_id: dict[int, str] = {}
         for index, step in enumerate(self.chart.steps):
             by_id.setdefault(step.id, self.names[index])
         names = [by_id[i] for i in ids if i in by_id]
         if names:
-            said[side] = [i for i in ids if i in by_id]
+            read_back[side] = [i for i in ids if i in by_id]
         for data in transition.carried.data if transition.carried is not None else ():
             kept = unwrapped(data.content)
             if kept is not None and kept[0] == keyword.lower() and self.printer.is_name(kept[1]):
                 names.append(kept[1])
-                said.setdefault("carried", {}).setdefault("data", []).append(wrapped(*kept))
+                read_back.setdefault("carried", {}).setdefault("data", []).append(wrapped(*kept))
         return f" {keyword} {names[0]}" if len(names) == 1 else f" {keyword} ({', '.join(names)})"
 
-    def _condition(self, transition: Transition, meant: Fields, in_place: list[tuple[str, Body]]) -> tuple[str, Fields]:
-        """The lines of the condition and what a reader takes from them; what is meant goes into `meant`."""
+    def _condition(
+        self, transition: Transition, intended: Fields, in_place: list[tuple[str, Body]]
+    ) -> tuple[str, Fields]:
+        """The lines of the condition and the fields read from them; those of the model go into `intended`."""
         condition = transition.condition
         if condition is None:
             return "", {}
         inner = self.indent + INDENT
         wish = transition.name or "Transition"
         if isinstance(condition, Expression | NamedCondition):
-            meant["condition"] = plain_fields(condition)
+            intended["condition"] = plain_fields(condition)
             text = (condition.text if isinstance(condition, Expression) else condition.name).strip()
             if not self.printer.is_expression(text):
                 return self._nothing_right(transition, inner)
-            said: Fields = {"kind": "expression", "text": text}
+            read_back: Fields = {"kind": "expression", "text": text}
             if condition.negated:
                 shown = f"NOT {text}" if self.printer.is_name(text) else f"NOT ({text})"
                 back: Fields = {"text": shown}
@@ -340,24 +346,24 @@ class ChartTextWriter:
                 if back["text"] != text:
                     return self._nothing_right(transition, inner)
                 text = shown
-            if said["text"].casefold() in self.named:
-                said = {"kind": "named", "name": said["text"]}
-            return f"{inner}:= {text};\n", {"condition": said}
+            if read_back["text"].casefold() in self.named:
+                read_back = {"kind": "named", "name": read_back["text"]}
+            return f"{inner}:= {text};\n", {"condition": read_back}
         if isinstance(condition, BodyCondition) and getattr(condition.body, "language", "") in ("ST", "IL"):
             text = condition.body.text  # type: ignore[union-attr]
             lines, comes_back = self.printer.code(text)
             if comes_back and lines.whole() == lines.text and lines.text:
                 tokens = tokenize(text, self.printer.dialect, KEYWORDS).tokens
-                meant["condition"] = plain_fields(condition)
+                intended["condition"] = plain_fields(condition)
                 shown = f"{inner}:\n{indented(text, inner + INDENT)}\n"
                 return shown, {"condition": {"kind": "body", "body": body_fields(text, tokens)}}
         if self.unique and _is_drawn(condition):
             return self._drawn(transition, inner), {}
-        meant["condition"] = plain_fields(condition, self._lifter(wish, in_place))
+        intended["condition"] = plain_fields(condition, self._lifter(wish, in_place))
         return self._nothing_right(transition, inner)
 
     def _drawn(self, transition: Transition, inner: str) -> str:
-        """The lines that show a drawn condition; the drawing stands at the end of the unit."""
+        """The lines that show a drawn condition; the drawing is at the end of the unit."""
         path = f"{self.path} / transition {self.labels[transition.id]}"
         found = shown_condition(self.chart, transition, self.printer.dialect, self.objects)
         shown, lines = "", ""
@@ -370,8 +376,8 @@ class ChartTextWriter:
         if lines:
             self.printer.note(Outcome.TRANSLATED, "condition", path, "shown as text; the drawing in pragmas")
         else:
-            lines, said = self._nothing_right(transition, inner)
-            shown = said["condition"]["text"]
+            lines, read_back = self._nothing_right(transition, inner)
+            shown = read_back["condition"]["text"]
         place = ("chart", "transitions", Numbered(transition.id))
         self.late += drawn_changes(plain_fields(transition.condition) if transition.condition else {}, shown, place)
         return lines
@@ -385,21 +391,21 @@ class ChartTextWriter:
 
 
 def _is_drawn(condition: Condition | None) -> bool:
-    """True if a condition is a drawing, which stands at the end of the unit."""
+    """True if a condition is a drawing, which is written at the end of the unit."""
     if isinstance(condition, BodyCondition):
         return condition.body.language not in ("ST", "IL")
     return isinstance(condition, WiredCondition)
 
 
 _BEYOND = ("event", "value", "negated", "kind", "condition", "forcing")
-"""Fields of an association that decide when it acts, or what it does, and that no text says."""
+"""Fields of an association that decide when it acts, or its effect, and that no text expresses."""
 _OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF DL".split())
 """Qualifiers that IEC 61131-3 does not have. R0 is R."""
 _MOST_GAPS = 8
 
 
 def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
-    """Which of these ids must be written, and which numbers nobody has: readers give free numbers in order."""
+    """The ids that must be written, and the numbers without an owner: readers give free numbers in order."""
     given = set(ids)
     explicit: set[int] = set()
     unused: list[int] = []
@@ -418,7 +424,7 @@ def _explicit_ids(ids: list[int]) -> tuple[frozenset[int], list[int]]:
 
 
 def _beside(near: list[Change], indent: str) -> str:
-    """An id on the line that stands before it, other pragmas below."""
+    """An id before the element on its line, other pragmas below."""
     if not near or near[0].path[0] not in ("id", "step_action"):
         return "\n" + pragmas(near, indent)
     return f" {pragma(near[0])}\n" + pragmas(near[1:], indent)

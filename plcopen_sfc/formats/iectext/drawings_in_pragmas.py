@@ -1,6 +1,6 @@
-"""Conditions and bodies that are drawn, FBD and LD, beside the structured text that says the same.
+"""Conditions and bodies that are drawn, FBD and LD, beside structured text with the same meaning.
 
-Other tools and people read the text; the drawing stands in pragmas at the end of the unit, and counts as long as the
+Other tools and people read the text; the drawing is in pragmas at the end of the unit, and counts as long as the
 text is the one it was written with.
 """
 
@@ -31,7 +31,7 @@ def shown_condition(
 ) -> tuple[str, bool] | None:
     """The condition as an expression, or, where blocks are called before it, as statements (True).
 
-    None where no text says it: it needs variables that nobody has declared, such as for edges.
+    None where no text expresses it: it needs undeclared variables, such as for edges.
     """
     found = condition_expression(chart, transition, dialect, transitions=objects)
     if found.tree is None or found.helpers or found.obstacles:
@@ -39,7 +39,7 @@ def shown_condition(
     if not found.before:
         return print_node(found.tree, dialect), False
     if any(isinstance(statement, Assignment) for statement in found.before):
-        return None  # which of the assignments gives the condition could not be told
+        return None  # the assignment that gives the condition could not be found among several
     name = transition.name if is_plain(transition.name) else "Condition"
     statements = Statements((*found.before, Assignment(Name(name), found.tree)))
     return print_node(statements, dialect), True
@@ -53,28 +53,28 @@ def shown_named_condition(transition: NamedTransition, dialect: Dialect) -> tupl
 
 
 def shown_body(body: FbdBody | LdBody, dialect: Dialect) -> str | None:
-    """The body as statements; None where they cannot say it, or need variables that nobody has declared."""
+    """The body as statements; None where they cannot express it, or need undeclared variables."""
     found = body_statements(body, dialect)
     if found.helpers or found.obstacles:
         return None
     return print_node(found.tree, dialect) or None
 
 
-def drawn_changes(meant: Fields, shown: str, place: tuple[Segment, ...]) -> list[Change]:
-    """Pragmas that hold the drawing `meant` of what the text at `place` shows."""
+def drawn_changes(intended: Fields, shown: str, place: tuple[Segment, ...]) -> list[Change]:
+    """Pragmas that hold the drawing `intended` of the text at `place`."""
     path = (*place, DRAWN)
-    return [Change((*path, _SHOWN), _mark(shown)), *additions(meant, path)]
+    return [Change((*path, _SHOWN), _mark(shown)), *additions(intended, path)]
 
 
 def put_drawing(fields: Fields, field: str) -> bool:
-    """Replace what the text says in `field` by its drawing. False: the text was changed, so the drawing is left out."""
+    """Replace the text in `field` by its drawing. False: the text was changed, so the drawing is left out."""
     drawing = fields.pop(DRAWN, None)
     if not isinstance(drawing, dict):
         return True
     mark = drawing.pop(_SHOWN, None)
     found: Fields = fields.get(field) or {}
-    said: Fields = found.get("body", found)  # a condition may be statements
-    if _mark(str(said.get("text", said.get("name", "")))) != mark:
+    read_back: Fields = found.get("body", found)  # a condition may be statements
+    if _mark(str(read_back.get("text", read_back.get("name", "")))) != mark:
         return False
     fields[field] = drawing
     return True

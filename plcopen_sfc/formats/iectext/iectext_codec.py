@@ -25,7 +25,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 _ABOUT_THE_FILE = re.compile(r"\{\s*plcopen_sfc\s+(?:format\b|project\.dialect\b)")
-"""What the file is, which its tool knows: they stay."""
+"""Pragmas with facts that the tool of the file knows: they stay."""
 
 
 def without_own_pragmas(data: bytes) -> bytes:
@@ -80,11 +80,11 @@ class _Finder:
 
 
 Found: TypeAlias = tuple[tuple[Key, ...], tuple[int, int], "TextPart | None"]
-"""The keys of a piece, where it stands, and the container it is, if its inside is looked into."""
+"""The keys of a block, its place, and the part that it is, if its inside is looked into."""
 
 
 def file_slices(project: Project, src: TextSource, before: WrittenBlock) -> BlockSpan:
-    """Where the pieces of `before`, which says what `project` holds, stand in the text that it was read from."""
+    """The places of the blocks of `before`, which is `project` as text, in the text that it was read from."""
     found = list(_units(src))
     pous = iter(project.pous)
     inside = {id(part): next(pous) for _, _, part in found if part is not None}
@@ -112,7 +112,7 @@ def _units(src: TextSource) -> Iterator[Found]:
 
 
 def _project_pragmas(src: TextSource) -> int:
-    """Where the pragmas at the start of the file end that speak of the project."""
+    """The end of the pragmas about the project at the start of the file."""
     end = 0
     limit = src.outline.parts[0].start if src.outline.parts else len(src.text)
     for comment in src.outline.comments(0, limit):
@@ -268,7 +268,7 @@ class IecTextCodec(TextCodec):
     """Textual IEC 61131-3."""
 
     def read(self, data: bytes, *, file: str | None = None) -> ReadResult:
-        """Read a text. Raises `FormatError`; what is wrong inside of it is in the diagnostics."""
+        """Read a text. Raises `FormatError`; faults inside of it are in the diagnostics."""
         source = decode(data)
         if source.text.count("\0") > len(source.text) // _MOST_NULS:
             hint = "UTF-16 needs a byte order mark."
@@ -292,17 +292,17 @@ class IecTextCodec(TextCodec):
         return write_project(project, options, report)
 
     def spans(self, content: bytes) -> tuple[SourceText, BlockSpan]:
-        """Where those objects stand in the text of a file."""
+        """The places of those objects in the text of a file."""
         source = decode(content)
         project, src = read_project(source.text, None)
         return source, file_slices(project, src, self.to_blocks(project, WriteOptions(), ConversionReport()))
 
     def fit(self, project: Project, options: WriteOptions, report: ConversionReport) -> None:
-        """Change `project`, a copy, into what matiec executes."""
+        """Change `project`, a copy, into one that matiec executes."""
         fit_project(project, options, report)
 
     def write(self, project: Project, options: WriteOptions, report: ConversionReport) -> bytes:
-        """Write a text anew; for matiec, of a project that was fitted."""
+        """Write a whole text; for matiec, of a project that was fitted."""
         if options.flavour:
             return compiled_text(project).encode()
         return (write_project(project, options, report).whole() + "\n").encode()

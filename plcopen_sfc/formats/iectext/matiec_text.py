@@ -60,7 +60,7 @@ def _text(body: Body) -> str:
 
 
 def _section(section: VariableSection, indent: str = INDENT) -> str:
-    """A section of variables; what is external has its value where it is declared."""
+    """A section of variables; external ones have their values where they are declared."""
     if section.kind is SectionKind.EXTERNAL:
         section = section.model_copy(deep=True)
         for variable in section.variables:
@@ -72,7 +72,7 @@ def _section(section: VariableSection, indent: str = INDENT) -> str:
 
 
 def _chart(chart: SfcNetwork, pou: Pou) -> Iterator[str]:
-    """Steps first, then what names them, then the actions."""
+    """Steps first, then the transitions that name them, then the actions."""
     names = {step.id: step.name for step in chart.steps}
     yield from (_step(step) for step in chart.steps)
     yield from (_transition(transition, names) for transition in chart.transitions if transition.sources)

@@ -33,11 +33,11 @@ _KINDS = {PartKind.PROGRAM: "program", PartKind.FUNCTION_BLOCK: "functionBlock",
 
 @dataclass(slots=True)
 class UnitText:
-    """What stands in a POU, a method or an action: `fields` of its own, its parts, and its body."""
+    """The content of a POU, a method or an action: `fields` of its own, its parts, and its body."""
 
     path: str
     fields: Fields
-    remark: Annotations
+    annotations: Annotations
     chart: ChartText = field(default_factory=ChartText)
     body: Fields | None = None
     sections: list[Fields] = field(default_factory=list)
@@ -51,7 +51,7 @@ class UnitText:
 
 
 def read_pou(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Pou:
-    """A program, function block or function; `gap` is what stands before it."""
+    """A program, function block or function; `gap` is the text before it."""
     while True:
         fields = _pou_fields(src, part, gap)
         try:
@@ -64,7 +64,7 @@ def read_pou(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Pou:
 def _pou_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
     src.named = frozenset(_object_names(src, part))
     container = _container(src, part, gap, "POU ")
-    container.fields["kind"] = _KINDS.get(part.kind, part.kind)  # a pragma may say better
+    container.fields["kind"] = _KINDS.get(part.kind, part.kind)  # a pragma may have a finer kind
     fields = _finished(src, container)
     body = fields.pop("body", None)
     chart = fields.pop("chart", None)
@@ -112,16 +112,16 @@ def _leave_out(src: TextSource, part: TextPart, gap: tuple[int, int], error: Val
 
 
 def _container(src: TextSource, part: TextPart, gap: tuple[int, int], prefix: str) -> UnitText:
-    """Read what stands in `part`, up to its END."""
+    """Read the content of `part`, up to its END."""
     path = f"{prefix}{part.name}"
-    remark = src.remark(*gap, path)
-    container = UnitText(path, {"name": part.name}, remark, start=part.start)
+    annotations = src.annotations(*gap, path)
+    container = UnitText(path, {"name": part.name}, annotations, start=part.start)
     _take_declaration(src, part, gap, container)
     if part.kind is not PartKind.ACTION:
         container.fields["interface"] = {}
     if part.return_type is not None:
         container.fields["interface"]["return_type"] = read_return_type(src, part.return_type, path)
-    if not _is_as_typed(container.remark):
+    if not _is_as_typed(container.annotations):
         _keep_header_rest(src, part, container)
     has_chart = any(p.kind is PartKind.STEP or (p.kind is PartKind.TRANSITION and _leads(src, p)) for p in part.parts)
     position, loose = part.inside[0], False
@@ -133,7 +133,7 @@ def _container(src: TextSource, part: TextPart, gap: tuple[int, int], prefix: st
         _read_part(src, inner, (above, inner.start), container)
         position, loose = inner.end, False
     above = _body_region(src, container, (position, part.inside[1]), None, loose=loose, chart=has_chart)
-    container.remark.extend(src.remark(above, part.inside[1], path))
+    container.annotations.extend(src.annotations(above, part.inside[1], path))
     if has_chart:
         container.body = {"language": "SFC"}
     return container
@@ -151,18 +151,20 @@ def _take_declaration(src: TextSource, part: TextPart, gap: tuple[int, int], con
             break
         end = inner.end
     container.declared = (start, end)
-    if _is_as_typed(container.remark):
-        container.remark.comments, container.remark.pragmas = [], []
+    if _is_as_typed(container.annotations):
+        container.annotations.comments, container.annotations.pragmas = [], []
         for comment in src.outline.comments(gap[0], own[0] if own else gap[0]):
-            container.remark.extend(src.remark(*comment.span, container.path) if not is_own(comment) else Annotations())
+            container.annotations.extend(
+                src.annotations(*comment.span, container.path) if not is_own(comment) else Annotations()
+            )
 
 
-def _is_as_typed(remark: Annotations) -> bool:
-    return any(c.path[-1] == "declaration_ends" for c, _ in remark.changes)
+def _is_as_typed(annotations: Annotations) -> bool:
+    return any(c.path[-1] == "declaration_ends" for c, _ in annotations.changes)
 
 
 def _keep_header_rest(src: TextSource, part: TextPart, container: UnitText) -> None:
-    """What the model has no field for: EXTENDS and IMPLEMENTS, and what stands before the name."""
+    """Keep words of the header that the model has no field for: EXTENDS, IMPLEMENTS, and those before the name."""
     tokens = src.outline.tokens(part.head)
     if part.kind is not PartKind.ACTION:
         extends, implements = _behind(tokens, "EXTENDS"), _behind(tokens, "IMPLEMENTS")
@@ -220,7 +222,7 @@ def _body_region(
     if not loose and (chart or not comments or (following is not None and following.kind is PartKind.VAR)):
         return start
     begin = src.core(start, above)[0]
-    container.remark.extend(src.remark(start, begin, container.path))
+    container.annotations.extend(src.annotations(start, begin, container.path))
     start = begin
     text = taken(src.text[start:above])
     if chart or container.body is not None:
@@ -241,23 +243,23 @@ def _read_part(src: TextSource, part: TextPart, gap: tuple[int, int], container:
             _carry(container.fields, "section", newlines(src.text[part.start : part.end]))
         container.sections += sections
     elif part.kind is PartKind.STEP:
-        container.chart.steps.append(read_step(src, part, src.remark(*gap, place), place))
+        container.chart.steps.append(read_step(src, part, src.annotations(*gap, place), place))
     elif part.kind is PartKind.TRANSITION and (_leads(src, part) or not part.closed):
-        container.chart.transitions.append(read_transition(src, part, src.remark(*gap, place), place))
+        container.chart.transitions.append(read_transition(src, part, src.annotations(*gap, place), place))
     elif part.kind is PartKind.TRANSITION:
         container.transitions.append(_read_transition_object(src, part, gap, place))
     elif part.kind is PartKind.PROPERTY:
-        container.remark.extend(src.remark(*gap, place))
+        container.annotations.extend(src.annotations(*gap, place))
         _carry(container.fields, "property", newlines(src.text[part.start : part.end]))
     else:
         inner = _container(src, part, gap, f"{place} / {part.kind.lower()} ")
-        in_place = [c for c, _ in inner.remark.changes if c.path == ("in_place",)]
-        inner.remark.changes = [found for found in inner.remark.changes if found[0] not in in_place]
+        in_place = [c for c, _ in inner.annotations.changes if c.path == ("in_place",)]
+        inner.annotations.changes = [found for found in inner.annotations.changes if found[0] not in in_place]
         fields = _finished(src, inner)
         body = _body(fields.pop("body", None), fields.pop("chart", None))
         if body is not None:
             fields["body"] = body
-        # only a POU has parts of its own; where an END is missing, those of its neighbours stand inside
+        # only a POU has parts of its own; where an END is missing, those of its neighbours are inside
         for name in ("actions", "transitions", "methods"):
             getattr(container, name).extend(fields.pop(name, []))
         if in_place:
@@ -273,12 +275,12 @@ def _read_transition_object(src: TextSource, part: TextPart, gap: tuple[int, int
     tokens = src.outline.tokens(part.tokens)
     name = tokens[0].value if tokens and tokens[0].type == "NAME" else ""
     path = f"{place} / transition {name}"
-    remark = src.remark(*gap, path)
+    annotations = src.annotations(*gap, path)
     fields: Fields = {"name": name}
     rest = tokens[1:] if name else tokens
     begin, end = src.core(rest[0].span[1] if rest else part.inside[0], part.inside[1])
-    remark.extend(src.remark(part.inside[0], begin, path))
-    remark.extend(src.remark(end, part.inside[1], path))
+    annotations.extend(src.annotations(part.inside[0], begin, path))
+    annotations.extend(src.annotations(end, part.inside[1], path))
     condition = condition_fields(src.text, rest[0].type, rest[1:], begin, end) if rest else {}
     if condition is None or (rest and rest[0].type not in ("ASSIGN", "COLON")):
         src.note("IEC103", "a condition is := expression; or : a body", part.start, path)
@@ -289,8 +291,8 @@ def _read_transition_object(src: TextSource, part: TextPart, gap: tuple[int, int
         fields["body"] = {"language": "ST", "text": condition["text"]}
     else:
         fields["body"] = condition.get("body", {"language": "ST"})
-    remark.put_into(fields)
-    fields = _with_changes(src, remark, fields, path)
+    annotations.put_into(fields)
+    fields = _with_changes(src, annotations, fields, path)
     if not put_drawing(fields, "body"):
         message = "the text of this condition was changed; the drawing that it was made from is left out"
         src.note("IEC213", message, part.start, path, Severity.WARNING)
@@ -304,7 +306,7 @@ def _read_transition_object(src: TextSource, part: TextPart, gap: tuple[int, int
 def _finished(src: TextSource, container: UnitText) -> Fields:
     """The fields of a container; its main body under `body`, the chart of that under `chart`."""
     fields = container.fields
-    container.remark.put_into(fields)
+    container.annotations.put_into(fields)
     around = ChartReferences(container.in_place, src.named)
     if container.body is not None and container.body["language"] == "SFC":
         fields["chart"] = chart_fields(src, container.chart, around, container.path)
@@ -312,13 +314,13 @@ def _finished(src: TextSource, container: UnitText) -> Fields:
     for name in ("actions", "transitions", "methods"):
         if getattr(container, name):
             fields[name] = getattr(container, name)
-    if _is_as_typed(container.remark):  # tools leave sections without variables out of what they list
+    if _is_as_typed(container.annotations):  # tools list no sections without variables
         container.sections = [section for section in container.sections if section.get("variables")]
     if container.sections:
         fields.setdefault("interface", {})["sections"] = container.sections
     for text in container.rest:
         _carry(fields, "statements", text)
-    fields = _with_changes(src, container.remark, fields, container.path, container.declared)
+    fields = _with_changes(src, container.annotations, fields, container.path, container.declared)
     for thing, name in [(fields, "body"), *((t, "condition") for t in fields.get("chart", {}).get("transitions", []))]:
         if not put_drawing(thing, name):
             message = f"the text of this {name} was changed; the drawing that it was made from is left out"
@@ -333,11 +335,11 @@ _EDGES = {("layout", edge) for edge in ("margin", "before", "after")}
 
 
 def _with_changes(
-    src: TextSource, remark: Annotations, fields: Fields, path: str, declared: tuple[int, int] = (0, 0)
+    src: TextSource, annotations: Annotations, fields: Fields, path: str, declared: tuple[int, int] = (0, 0)
 ) -> Fields:
-    """Make the changes that pragmas say; the edges of bodies and declarations are written apart from their text."""
+    """Make the changes of pragmas; the edges of bodies and declarations are written apart from their text."""
     layout = TextBlock("")
-    for found, offset in remark.changes:
+    for found, offset in annotations.changes:
         if found.path[-1] == "declaration_ends" and found.path[0] == "interface":
             text = newlines(src.text[declared[0] : declared[1]]) + str(found.value)
             apply_change(src, fields, (Change(("interface", "declaration"), text), offset), path)

@@ -17,7 +17,7 @@ from plcopen_sfc.formats.iectext.text_printing import (
     missing,
     note_changes,
     nothing_right,
-    numbered_pieces,
+    numbered_blocks,
     pragmas,
     split,
 )
@@ -85,25 +85,25 @@ class _Unit:
         self.in_place: list[tuple[str, Body]] = []
 
     def piece(self, extra: list[Change] | None = None) -> WrittenBlock:
-        """The text of the container; `extra` is more to say of it."""
+        """The text of the container; `extra` are more changes for its pragmas."""
         thing = self.thing
         name = thing.name if self.printer.is_name(thing.name) else self.printer.new_name(thing.name)
-        meant = plain_fields(thing, leave=_PARTS)
-        said: Fields = {"name": name}
+        intended = plain_fields(thing, leave=_PARTS)
+        read_back: Fields = {"name": name}
         if isinstance(thing, Pou):
-            said["kind"] = "program" if thing.kind is PouKind.ORGANIZATION_BLOCK else str(thing.kind)
-        top = comment_lines(meant, said, self.indent) + foreign_pragmas(meant, said, self.indent)
+            read_back["kind"] = "program" if thing.kind is PouKind.ORGANIZATION_BLOCK else str(thing.kind)
+        top = comment_lines(intended, read_back, self.indent) + foreign_pragmas(intended, read_back, self.indent)
         bodies = thing.bodies if isinstance(thing, Pou) else [thing.body] if thing.body is not None else []
         interface = getattr(thing, "interface", None)
         head, sections = write_interface(
-            self.printer, self.keyword, name, interface, indent=self.indent, meant=meant, said=said
+            self.printer, self.keyword, name, interface, indent=self.indent, intended=intended, read_back=read_back
         )
         self.alone = "\n" not in head and not sections
-        body = self._body(bodies[0] if bodies else None, meant, said)
+        body = self._body(bodies[0] if bodies else None, intended, read_back)
         if len(bodies) > 1:
-            meant["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
-        properties = self._properties(meant, said)
-        near, late = split([*(extra or []), *changes(said, meant)])
+            intended["bodies"] = [plain_fields(other, self._lift) for other in bodies[1:]]
+        properties = self._properties(intended, read_back)
+        near, late = split([*(extra or []), *changes(read_back, intended)])
         note_changes(self.printer, (*near, *late), self.path, leave=("body", "in_place"))
         late += self.late
         top += pragmas(near, self.indent)
@@ -118,12 +118,12 @@ class _Unit:
         if late:
             pieces.append(WrittenBlock(("late", ""), pragmas(late, self.inner).rstrip("\n"), apart=True))
         pieces.append(WrittenBlock(("end", ""), f"{self.indent}END_{self.keyword}"))
-        return WrittenBlock((self.keyword.lower(), thing.name), blocks=numbered_pieces(pieces), apart=True)
+        return WrittenBlock((self.keyword.lower(), thing.name), blocks=numbered_blocks(pieces), apart=True)
 
-    def _properties(self, meant: Fields, said: Fields) -> list[str]:
+    def _properties(self, intended: Fields, read_back: Fields) -> list[str]:
         """Properties, which the model has no place for, as they were read."""
         texts: list[str] = []
-        for data in meant.get("carried", {}).get("data", []):
+        for data in intended.get("carried", {}).get("data", []):
             kept = unwrapped(data.get("content", ""))
             if kept is None or kept[0] != "property":
                 continue
@@ -131,7 +131,7 @@ class _Unit:
             parts = found.parts[0].parts if len(found.parts) == 1 and not found.problems else []
             if len(parts) == 1 and parts[0].kind is PartKind.PROPERTY and parts[0].end - parts[0].start == len(kept[1]):
                 texts.append(kept[1])
-                said.setdefault("carried", {}).setdefault("data", []).append(data)
+                read_back.setdefault("carried", {}).setdefault("data", []).append(data)
         return texts
 
     def _inner(self, keyword: str, thing: Action | Method | NamedTransition) -> WrittenBlock:
@@ -148,20 +148,20 @@ class _Unit:
 
     # -- bodies -------------------------------------------------------------------------------------------------------
 
-    def _body(self, body: Body | None, meant: Fields, said: Fields) -> list[WrittenBlock]:
-        """The lines of the main body; what it says goes into `said`, what is meant into `meant`."""
-        said["body"] = {"language": "ST"}
+    def _body(self, body: Body | None, intended: Fields, read_back: Fields) -> list[WrittenBlock]:
+        """The lines of the main body; `read_back` gets the fields of the text, `intended` those of the model."""
+        read_back["body"] = {"language": "ST"}
         if body is None:
             return []
         if isinstance(body, SfcBody):
-            meant["body"] = plain_fields(body, leave=frozenset({"chart"}))
-            return self._chart(body, meant, said)
+            intended["body"] = plain_fields(body, leave=frozenset({"chart"}))
+            return self._chart(body, intended, read_back)
         if body.language in ("ST", "IL"):
-            meant["body"] = plain_fields(body)
+            intended["body"] = plain_fields(body)
             text: str = body.text
             lines, comes_back = self.printer.code(text)
             if comes_back:
-                return self._statements(lines, meant, said)
+                return self._statements(lines, intended, read_back)
             return []
         shown = self._shown(body) if isinstance(body, FbdBody | LdBody) else None
         if shown is not None:
@@ -172,12 +172,12 @@ class _Unit:
             self.printer.note(Outcome.NOT_EXECUTED, "body", self.path, nothing_right(name))
         lines = shown or TextBlock(name if self.keyword == "TRANSITION" else f"{name} := TRUE;")
         self.late += drawn_changes(plain_fields(body), lines.text, ())
-        pieces = self._statements(lines, meant, said)
-        meant["body"] = said["body"]
+        pieces = self._statements(lines, intended, read_back)
+        intended["body"] = read_back["body"]
         return pieces
 
     def _shown(self, body: FbdBody | LdBody) -> TextBlock | None:
-        """The lines that say what a body draws."""
+        """The lines of structured text for a drawn body."""
         if isinstance(self.thing, NamedTransition):
             found = shown_named_condition(self.thing, self.printer.dialect)
             text = found[0] if found is not None else None
@@ -188,34 +188,34 @@ class _Unit:
         lines, comes_back = self.printer.code(text or "")
         return lines if text is not None and comes_back and lines.whole() == lines.text else None
 
-    def _statements(self, lines: TextBlock, meant: Fields, said: Fields) -> list[WrittenBlock]:
+    def _statements(self, lines: TextBlock, intended: Fields, read_back: Fields) -> list[WrittenBlock]:
         tokens = tokenize(lines.text, self.printer.dialect, KEYWORDS).tokens
-        said["body"] = body_fields(lines.text, tokens)
-        meant["body"] = _without_text(meant.get("body", {})) | ({"text": lines.text} if lines.text else {})
-        meant["layout"] = {edge: getattr(lines, edge) for edge in _EDGES if getattr(lines, edge)}
-        said["layout"] = {}
+        read_back["body"] = body_fields(lines.text, tokens)
+        intended["body"] = _without_text(intended.get("body", {})) | ({"text": lines.text} if lines.text else {})
+        intended["layout"] = {edge: getattr(lines, edge) for edge in _EDGES if getattr(lines, edge)}
+        read_back["layout"] = {}
         if not lines.text:
             return []
         if self.keyword == "TRANSITION":
-            if said["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
+            if read_back["body"]["language"] == "ST" and self.printer.is_expression(lines.text):
                 return [WrittenBlock(("body", ""), f"{self.inner}:= {lines.text};")]
             return [WrittenBlock(("body", ""), f"{self.inner}:\n{indented(lines.text, self.inner + INDENT)}")]
         return [WrittenBlock(("body", ""), indented(lines.text, self.inner), apart=not self.alone, block=True)]
 
-    def _chart(self, body: SfcBody, meant: Fields, said: Fields) -> list[WrittenBlock]:
+    def _chart(self, body: SfcBody, intended: Fields, read_back: Fields) -> list[WrittenBlock]:
         chart = body.chart
         rest = frozenset({"steps", "transitions"})
-        meant["chart"] = plain_fields(chart, self._lift, rest)
+        intended["chart"] = plain_fields(chart, self._lift, rest)
         if not chart.steps and not any(t.sources or t.targets for t in chart.transitions):
-            meant["chart"] = plain_fields(chart, self._lift)
+            intended["chart"] = plain_fields(chart, self._lift)
             return []
-        said["body"] = {"language": "SFC"}
-        said["chart"] = {}
+        read_back["body"] = {"language": "SFC"}
+        read_back["chart"] = {}
         writer = ChartTextWriter(self.printer, chart, self.path, self.objects, self._action_in_place, self.inner)
         pieces = [WrittenBlock(key, text.rstrip("\n"), apart=True) for key, text in writer.blocks()]
         self.late += writer.late
         if writer.unused:
-            meant["chart"]["unused_ids"] = writer.unused
+            intended["chart"]["unused_ids"] = writer.unused
         return pieces
 
     def _action_in_place(self, name: str, body: Body, indent: str) -> str:
@@ -223,7 +223,7 @@ class _Unit:
 
 
 def write_in_place(unit: _Unit, name: str, body: Body, indent: str | None = None) -> WrittenBlock:
-    """An action that stands for a body which belongs to a step, a transition or the chart."""
+    """An action for a body that belongs to a step, a transition or the chart."""
     action = Action(name=name, body=body)
     path = f"{unit.path} / {name}"
     inner = _Unit(

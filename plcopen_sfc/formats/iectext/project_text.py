@@ -21,7 +21,7 @@ from plcopen_sfc.formats.iectext.text_configurations import (
 )
 from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_types, write_said_type
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
-from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, numbered_pieces, pragmas, split
+from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, numbered_blocks, pragmas, split
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, unwrapped, wrapped
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
 from plcopen_sfc.formats.text_patch import WrittenBlock
@@ -39,27 +39,27 @@ _DIALECT = re.compile(r"\{\s*plcopen_sfc\s+project\.dialect\s*:=\s*'(\w+)'\s*\}"
 
 
 def read_project(text: str, file: str | None) -> tuple[Project, TextSource]:
-    """The project that a text says."""
+    """Read the project of a text."""
     src = TextSource(outline(text, dialect_of(text)), file)
     for problem in src.outline.structure:
         src.note("IEC101", problem.message, problem.span[0])
-    remark = Annotations()
+    annotations = Annotations()
     fields: Fields = {}
     pous: list[Pou] = []
     position = 0
     for part in src.outline.parts:
-        gap = (_project_changes(src, position, part.start, remark), part.start)
+        gap = (_project_changes(src, position, part.start, annotations), part.start)
         position = part.end
         if part.kind in POUS:
             pous.append(read_pou(src, part, gap))
         else:
             _read_unit(src, part, gap, fields)
-    for problem in src.outline.found.problems:  # those in bodies were told with their bodies
+    for problem in src.outline.found.problems:  # those in bodies were reported with their bodies
         if not any(start <= problem.span[0] < end for start, end in src.checked):
             src.note("IEC100", problem.message, problem.span[0])
-    remark.extend(src.remark(position, len(text)))
-    remark.put_into(fields)
-    for found, offset in remark.changes:
+    annotations.extend(src.annotations(position, len(text)))
+    annotations.put_into(fields)
+    for found, offset in annotations.changes:
         if found.path[0] == "project" and len(found.path) > 1:
             apply_change(src, fields, (Change(found.path[1:], found.value, found.instead), offset), "project")
     try:
@@ -68,7 +68,7 @@ def read_project(text: str, file: str | None) -> tuple[Project, TextSource]:
         first = error.errors()[0]
         message = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         path = ("project", *first["loc"])
-        offsets = (offset for found, offset in remark.changes if found.path == path[: len(found.path)])
+        offsets = (offset for found, offset in annotations.changes if found.path == path[: len(found.path)])
         raise StructureError(message, location=src.location(next(offsets, 0))) from error
     return project, src
 
@@ -99,32 +99,32 @@ def _read_unit(src: TextSource, part: TextPart, gap: tuple[int, int], fields: Fi
 
 def _read_types(src: TextSource, part: TextPart, gap: tuple[int, int]) -> list[Fields]:
     types = read_types(src, part, gap)
-    remark = src.remark(*gap)
+    annotations = src.annotations(*gap)
     for fields in types[:1]:
-        typed = [c for c, _ in remark.changes if c.path == ("declaration_ends",)]
+        typed = [c for c, _ in annotations.changes if c.path == ("declaration_ends",)]
         if typed:
             start = src.core(*gap)[0]
             start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
             fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
-        for found in remark.changes:
+        for found in annotations.changes:
             if found[0].path != ("declaration_ends",):
                 apply_change(src, fields, found, f"data type {fields.get('name', '')}")
     return types
 
 
-def _project_changes(src: TextSource, start: int, end: int, remark: Annotations) -> int:
-    """Take the pragmas that speak of the project, and return where the rest of the gap begins."""
+def _project_changes(src: TextSource, start: int, end: int, annotations: Annotations) -> int:
+    """Take the pragmas about the project, and return where the rest of the gap begins."""
     for comment in src.outline.comments(start, end):
-        found = src.remark(*comment.span)
+        found = src.annotations(*comment.span)
         if not found.changes or found.changes[0][0].path[0] not in ("project", "format"):
             break
-        remark.extend(found)
+        annotations.extend(found)
         start = comment.span[1]
     return start
 
 
 def dialect_of(text: str) -> Dialect:
-    """The dialect that a text says it is in."""
+    """The dialect that a text gives as its own."""
     found = _DIALECT.search(text)
     try:
         return Dialect(found.group(1)) if found is not None else Dialect.IEC
@@ -139,10 +139,10 @@ _UNITS = frozenset({"pous", "data_types", "global_variables", "configurations", 
 def write_project(project: Project, _options: WriteOptions, report: ConversionReport) -> WrittenBlock:
     """The text of a project."""
     printer = TextPrinter(project.dialect, report, variables=frozenset(variable_names(project)))
-    said: Fields = {}
-    meant = plain_fields(project, leave=_UNITS)
-    foreign = _foreign_units(meant, said)
-    found = [Change(("project", *c.path), c.value, c.instead) for c in changes(said, meant)]
+    read_back: Fields = {}
+    intended = plain_fields(project, leave=_UNITS)
+    foreign = _foreign_units(intended, read_back)
+    found = [Change(("project", *c.path), c.value, c.instead) for c in changes(read_back, intended)]
     for change in found:
         printer.note(
             Outcome.EXTENSION_DATA, str(change.path[1]).replace("_", " "), "project", "IEC text has no place for it"
@@ -171,41 +171,41 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
         pieces.append(WrittenBlock(("VAR_CONFIG", ""), text, apart=True))
     if late:
         pieces.append(WrittenBlock(("late", ""), pragmas(late, "").rstrip("\n"), apart=True))
-    return WrittenBlock(("project", ""), blocks=numbered_pieces(pieces))
+    return WrittenBlock(("project", ""), blocks=numbered_blocks(pieces))
 
 
-def _foreign_units(meant: Fields, said: Fields) -> list[str]:
+def _foreign_units(intended: Fields, read_back: Fields) -> list[str]:
     """Units that the model has no place for, as they were read."""
     texts: list[str] = []
-    for data in meant.get("carried", {}).get("data", []):
+    for data in intended.get("carried", {}).get("data", []):
         kept = unwrapped(data.get("content", ""))
         if kept is None or kept[0] != "unit":
             continue
-        known = said.get("carried", {}).get("data", [])
+        known = read_back.get("carried", {}).get("data", [])
         back = read_project("\n\n".join([*texts, kept[1], ""]), None)[0].carried
         if back is not None and [one.content for one in back.data] == [one["content"] for one in (*known, data)]:
             texts.append(kept[1])
-            said["carried"] = {"data": [*known, data]}
+            read_back["carried"] = {"data": [*known, data]}
     return texts
 
 
 def _config_section(printer: TextPrinter, section: ConfigSection, late: list[Change]) -> str:
     """``VAR_CONFIG`` outside of a configuration; empty where it does not come back from text."""
-    meant = plain_fields(section)
-    text = comment_lines(meant, {}, "") if str(meant.get("comment", "")).strip() else ""
+    intended = plain_fields(section)
+    text = comment_lines(intended, {}, "") if str(intended.get("comment", "")).strip() else ""
     text += write_config_section(section, printer.dialect)
     back, src = read_project(f"{pragmas([Change(('project', 'dialect'), str(printer.dialect))], '')}{text}\n", None)
     if back.config_variables is None or src.diagnostics:
-        late.append(Change(("project", "config_variables"), meant))
+        late.append(Change(("project", "config_variables"), intended))
         return ""
-    late += changes(plain_fields(back.config_variables), meant, ("project", "config_variables"))
+    late += changes(plain_fields(back.config_variables), intended, ("project", "config_variables"))
     return text
 
 
 def _type(printer: TextPrinter, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:
-    text, said, meant = write_said_type(printer, declaration)
+    text, read_back, intended = write_said_type(printer, declaration)
     printer.note(Outcome.KEPT, "data type", f"data type {declaration.name}")
-    near, far = split(changes(said, meant))
+    near, far = split(changes(read_back, intended))
     if unique:
         place = ("project", "data_types", Named(declaration.name))
         late += [Change((*place, *change.path), change.value, change.instead) for change in far]

@@ -33,27 +33,27 @@ _LIST_FIELDS = {"VAR_ACCESS": "access_variables", "VAR_CONFIG": "config_variable
 
 
 def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
-    """A list of global variables with what pragmas before it say."""
+    """A list of global variables with the changes of the pragmas before it."""
     sections = read_section(src, part, gap, place)
-    remark = src.remark(gap[0], part.start, place)
+    annotations = src.annotations(gap[0], part.start, place)
     for fields in sections[:1]:
-        typed = [c for c, _ in remark.changes if c.path == ("declaration_ends",)]
+        typed = [c for c, _ in annotations.changes if c.path == ("declaration_ends",)]
         if typed:
             start = src.core(*gap)[0]
             start += len(src.text[start : part.start]) - len(src.text[start : part.start].lstrip())
             fields["declaration"] = newlines(src.text[start : part.end]) + str(typed[0].value)
             fields.pop("comment", None)
             fields.pop("carried", None)
-        for found, offset in remark.changes:
+        for found, offset in annotations.changes:
             if found.path != ("declaration_ends",):
                 apply_change(src, fields, (found, offset), place)
     return sections
 
 
 def read_configuration(src: TextSource, part: TextPart, gap: tuple[int, int]) -> tuple[Fields, bool]:
-    """A configuration, and whether it stands for an application of CODESYS or TwinCAT."""
-    remark = src.remark(*gap)
-    application = any(c.path == ("application",) for c, _ in remark.changes)
+    """A configuration, and True if it is an application of CODESYS or TwinCAT."""
+    annotations = src.annotations(*gap)
+    application = any(c.path == ("application",) for c, _ in annotations.changes)
     return config_fields(src, part, gap), application
 
 
@@ -61,7 +61,7 @@ def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fiel
     """The fields of a configuration or a resource."""
     place = f"{part.kind.lower()} {part.name}"
     fields: Fields = {"name": part.name}
-    remark = src.remark(*gap, place)
+    annotations = src.annotations(*gap, place)
     position = part.inside[0]
     head = src.outline.tokens(part.head)
     if len(head) > 3 and head[-1].value != "PLC":
@@ -79,9 +79,9 @@ def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fiel
         alone = {name: fields.pop(name) for name in ("tasks", "instances") if name in fields}
         if alone:  # a configuration of one resource may leave its name and its keywords out
             fields.setdefault("resources", []).append({"name": ""} | alone)
-    remark.extend(src.remark(position, part.inside[1], place))
-    remark.put_into(fields)
-    for found in remark.changes:
+    annotations.extend(src.annotations(position, part.inside[1], place))
+    annotations.put_into(fields)
+    for found in annotations.changes:
         if found[0].path != ("application",):
             apply_change(src, fields, found, place)
     return fields
@@ -104,13 +104,13 @@ def _read_statements(src: TextSource, part: TextPart, gap: tuple[int, int], fiel
     """``TASK ..;`` and ``PROGRAM ..;``."""
     position = gap[0]
     for tokens in _statements(src.outline.tokens(part.tokens)):
-        remark = src.remark(position, tokens[0].span[0], place)
+        annotations = src.annotations(position, tokens[0].span[0], place)
         position = tokens[-1].span[1]
         word = tokens[0].value.upper()
         if word == "TASK" and len(tokens) > 1:
-            fields.setdefault("tasks", []).append(_task(src, tokens, remark, place))
+            fields.setdefault("tasks", []).append(_task(src, tokens, annotations, place))
         elif word == "PROGRAM" and len(tokens) > 1:
-            _add_instance(src, tokens, remark, fields, place)
+            _add_instance(src, tokens, annotations, fields, place)
         elif fields.get("resources") is None or tokens[0].type != "SEMICOLON":
             text = newlines(src.text[tokens[0].span[0] : position])
             src.note("IEC105", f"{text[:40]!r} is no task and no program instance", tokens[0].span[0], place)
@@ -130,7 +130,7 @@ def _statements(tokens: list[Token]) -> Iterator[list[Token]]:
         yield group
 
 
-def _task(src: TextSource, tokens: list[Token], remark: Annotations, place: str) -> Fields:
+def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place: str) -> Fields:
     fields: Fields = {"name": tokens[1].value}
     keyword, value = "", tokens[:0]
     for token in [*tokens[3:], None]:
@@ -148,17 +148,17 @@ def _task(src: TextSource, tokens: list[Token], remark: Annotations, place: str)
             keyword, value = value[0].value.upper() if value else "", []
         else:
             value = [*value, token]
-    said = {name: fields.get(name) for name in ("interval", "single")}
-    fields = _with_remark(src, fields, remark, place)
+    read_back = {name: fields.get(name) for name in ("interval", "single")}
+    fields = _with_remark(src, fields, annotations, place)
     if "settings" in fields:
         form = iec_form(Task.model_validate(fields | {"instances": []}))
-        if said != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
-            fields.update(said)  # edited since the settings of CODESYS were put beside it
+        if read_back != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
+            fields.update(read_back)  # edited since the settings of CODESYS were put beside it
             del fields["settings"]
     return fields
 
 
-def _add_instance(src: TextSource, tokens: list[Token], remark: Annotations, fields: Fields, place: str) -> None:
+def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations, fields: Fields, place: str) -> None:
     instance: Fields = {"name": tokens[1].value}
     rest = tokens[2:]
     task = ""
@@ -172,7 +172,7 @@ def _add_instance(src: TextSource, tokens: list[Token], remark: Annotations, fie
         if end < len(rest):
             text = newlines(src.text[rest[end].span[0] : rest[-1].span[1]])
             instance["carried"] = {"data": [wrapped("arguments", text)]}
-    instance = _with_remark(src, instance, remark, place)
+    instance = _with_remark(src, instance, annotations, place)
     for known in fields.get("tasks", []):
         if task and known["name"].casefold() == task.casefold():
             known.setdefault("instances", []).append(instance)
@@ -183,9 +183,9 @@ def _add_instance(src: TextSource, tokens: list[Token], remark: Annotations, fie
     fields.setdefault("instances", []).append(instance)
 
 
-def _with_remark(src: TextSource, fields: Fields, remark: Annotations, place: str) -> Fields:
-    remark.put_into(fields)
-    for found in remark.changes:
+def _with_remark(src: TextSource, fields: Fields, annotations: Annotations, place: str) -> Fields:
+    annotations.put_into(fields)
+    for found in annotations.changes:
         apply_change(src, fields, found, place)
     return fields
 
@@ -212,11 +212,11 @@ def write_application(printer: TextPrinter, application: Resource) -> str:
 
 
 def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
-    """A list of global variables, with what its declaration does not say before it."""
-    meant = plain_fields(section)
-    typed = said_listing(printer, section, meant)
-    text, said = typed if typed is not None else write_said_section(printer, section, indent)
-    return pragmas(changes(said, meant), indent) + text + "\n"
+    """A list of global variables, with pragmas before it for the fields that its declaration lacks."""
+    intended = plain_fields(section)
+    typed = said_listing(printer, section, intended)
+    text, read_back = typed if typed is not None else write_said_section(printer, section, indent)
+    return pragmas(changes(read_back, intended), indent) + text + "\n"
 
 
 @dataclass(slots=True)
@@ -242,16 +242,16 @@ class _ConfigurationWriter:
             text += self._listing("config_variables", shown, plain_fields(configuration.config_variables))
         return text + ("\n" + pragmas(self.late, INDENT) if self.late else "") + "END_CONFIGURATION\n"
 
-    def _listing(self, name: str, section: str, meant: Fields) -> str:
+    def _listing(self, name: str, section: str, intended: Fields) -> str:
         """``VAR_ACCESS`` or ``VAR_CONFIG``, unless it does not come back from text."""
         lines = indented(section, INDENT) + "\n"
         src = TextSource(outline(f"CONFIGURATION x\n{lines}END_CONFIGURATION\n", self.printer.dialect))
         if not src.outline.problems and [p.kind for p in src.outline.parts[0].parts] == [PartKind.VAR]:
-            said = config_fields(src, src.outline.parts[0], (0, 0)).get(name)
-            if said is not None and not src.diagnostics:
-                self.late += changes(said, meant, (name,))
+            read_back = config_fields(src, src.outline.parts[0], (0, 0)).get(name)
+            if read_back is not None and not src.diagnostics:
+                self.late += changes(read_back, intended, (name,))
                 return "\n" + lines
-        self.late.append(Change((name,), meant))
+        self.late.append(Change((name,), intended))
         return ""
 
     def _resource(self, resource: Resource, place: list[Segment] | None) -> str:
@@ -285,18 +285,18 @@ class _ConfigurationWriter:
         *,
         place: list[Segment] | None = None,
         extra: list[Change] | None = None,
-        said: Fields | None = None,
+        read_back: Fields | None = None,
     ) -> str:
-        """The lines above a thing: its comment and what its text does not say. Big data waits for the end."""
-        meant = plain_fields(thing, leave=_LISTS)
-        said = Fields(name=name) | (said or {})
-        text = comment_lines(meant, said, indent) if str(meant.get("comment", "")).strip() else ""
-        text += foreign_pragmas(meant, said, indent)
+        """The lines above a thing: its comment and the fields that its text lacks. Big data goes to the end."""
+        intended = plain_fields(thing, leave=_LISTS)
+        read_back = Fields(name=name) | (read_back or {})
+        text = comment_lines(intended, read_back, indent) if str(intended.get("comment", "")).strip() else ""
+        text += foreign_pragmas(intended, read_back, indent)
         if isinstance(thing, Resource):
-            for found, data in zip(self._kept(thing), meant.get("carried", {}).get("data", []), strict=False):
+            for found, data in zip(self._kept(thing), intended.get("carried", {}).get("data", []), strict=False):
                 if found[0] == ON_PLACE:
-                    said.setdefault("carried", {}).setdefault("data", []).append(data)
-        near, late = split([*(extra or []), *changes(said, meant)])
+                    read_back.setdefault("carried", {}).setdefault("data", []).append(data)
+        near, late = split([*(extra or []), *changes(read_back, intended)])
         for change in (*near, *late):
             self.printer.note(Outcome.EXTENSION_DATA, label(change), thing.name, "IEC text has no place for it")
         if place is None:
@@ -307,17 +307,17 @@ class _ConfigurationWriter:
 
     def _task(self, task: Task, indent: str) -> str:
         name = self._name(task.name)
-        said: Fields = {}
+        read_back: Fields = {}
         arguments = []
         form = iec_form(task)
         for keyword, shown in (("SINGLE", form["single"]), ("INTERVAL", duration_literal(form["interval"]))):
             if shown is not None and self._is_argument(shown):
                 arguments.append(f"{keyword} := {shown}")
-                said[keyword.lower()] = shown
+                read_back[keyword.lower()] = shown
         if task.priority >= 0:
             arguments.append(f"PRIORITY := {task.priority}")
-            said |= {"priority": task.priority} if task.priority else {}
-        text = self._top(task, name, indent, said=said) + f"{indent}TASK {name}({', '.join(arguments)});\n"
+            read_back |= {"priority": task.priority} if task.priority else {}
+        text = self._top(task, name, indent, read_back=read_back) + f"{indent}TASK {name}({', '.join(arguments)});\n"
         return text + "".join(self._instance(instance, name, indent) for instance in task.instances)
 
     def _is_argument(self, text: str) -> bool:
@@ -328,12 +328,12 @@ class _ConfigurationWriter:
     def _instance(self, instance: PouInstance, task: str | None, indent: str) -> str:
         name = self._name(instance.name)
         type_name = instance.type_name if self.printer.is_name(instance.type_name) else name
-        said: Fields = {} if type_name == name else {"type_name": type_name}
+        read_back: Fields = {} if type_name == name else {"type_name": type_name}
         data = instance.carried.data if instance.carried is not None else []
         kept = [found for found in (unwrapped(each.content) for each in data) if found is not None]
         arguments = next((words for place, words in kept if place == "arguments"), "")
         if arguments:
-            said["carried"] = {"data": [wrapped("arguments", arguments)]}
-        text = self._top(instance, name, indent, said=said)
+            read_back["carried"] = {"data": [wrapped("arguments", arguments)]}
+        text = self._top(instance, name, indent, read_back=read_back)
         within = f" WITH {task}" if task is not None else ""
         return f"{text}{indent}PROGRAM {name}{within} : {type_name}{arguments and f' {arguments}'};\n"

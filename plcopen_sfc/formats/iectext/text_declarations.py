@@ -66,25 +66,25 @@ def write_interface(
     interface: Interface | None,
     *,
     indent: str,
-    meant: Fields,
-    said: Fields,
+    intended: Fields,
+    read_back: Fields,
 ) -> tuple[str, list[str]]:
-    """The header of a unit and its sections; what is meant goes into `meant`, what they say into `said`."""
+    """The header of a unit and its sections; `intended` gets fields of the model, `read_back` those of the text."""
     if keyword in _WITHOUT_INTERFACE:
         return f"{indent}{keyword} {name}{':' if keyword == 'ACTION' else ''}", []
-    said["interface"] = {}
+    read_back["interface"] = {}
     if interface is None:
-        return _header(printer, keyword, name, None, indent=indent, meant=meant, said=said), []
-    meant["interface"] = plain_fields(interface)
+        return _header(printer, keyword, name, None, indent=indent, intended=intended, read_back=read_back), []
+    intended["interface"] = plain_fields(interface)
     typed = _as_typed(printer, keyword, name, interface.declaration)
     if typed is not None:
-        text, said["interface"] = typed
-        _keep_as_typed(meant["interface"], interface.declaration or "", text)
+        text, read_back["interface"] = typed
+        _keep_as_typed(intended["interface"], interface.declaration or "", text)
         return text, []
-    header = _header(printer, keyword, name, interface, indent=indent, meant=meant, said=said)
+    header = _header(printer, keyword, name, interface, indent=indent, intended=intended, read_back=read_back)
     sections = [write_said_section(printer, section, indent + INDENT) for section in interface.sections]
     if sections:
-        said["interface"]["sections"] = [fields for _, fields in sections]
+        read_back["interface"]["sections"] = [fields for _, fields in sections]
     return header, [text for text, _ in sections]
 
 
@@ -95,20 +95,20 @@ def _header(
     interface: Interface | None,
     *,
     indent: str,
-    meant: Fields,
-    said: Fields,
+    intended: Fields,
+    read_back: Fields,
 ) -> str:
-    kept = [(unwrapped(data.get("content", "")), data) for data in meant.get("carried", {}).get("data", [])]
+    kept = [(unwrapped(data.get("content", "")), data) for data in intended.get("carried", {}).get("data", [])]
     words = [keyword, name]
     for found, data in kept:
         if found is not None and found[0] == "modifiers":
             words.insert(1, found[1])
-            said.setdefault("carried", {}).setdefault("data", []).append(data)
+            read_back.setdefault("carried", {}).setdefault("data", []).append(data)
     bases = inheritance(interface)
     carried = bases.keep()
     if carried is not None:
         words.append(bases.text())
-        said["interface"]["carried"] = plain_fields(carried)
+        read_back["interface"]["carried"] = plain_fields(carried)
     header = f"{indent}{' '.join(words)}"
     type_ = interface.return_type if interface is not None else None
     if type_ is None or keyword not in ("FUNCTION", "METHOD"):
@@ -120,7 +120,7 @@ def _header(
     fields = read_return_type(src, part.return_type, "")
     if src.diagnostics:
         return header
-    said["interface"]["return_type"] = fields
+    read_back["interface"]["return_type"] = fields
     return text
 
 
@@ -140,7 +140,7 @@ def _read_back(printer: TextPrinter, text: str, keyword: str) -> tuple[TextPart 
 
 
 def _as_typed(printer: TextPrinter, keyword: str, name: str, declaration: str | None) -> tuple[str, Fields] | None:
-    """The text of a declaration that can stand as it was typed, and what it says."""
+    """The text of a declaration that can be written as it was typed, and its fields."""
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
     text = declaration.rstrip()
@@ -150,16 +150,16 @@ def _as_typed(printer: TextPrinter, keyword: str, name: str, declaration: str | 
     end = part.parts[-1].end if part.parts else part.inside[0]
     if src.text[end : part.inside[1]].strip() or text != text.lstrip():
         return None
-    said: Fields = {}
+    read_back: Fields = {}
     if part.return_type is not None:
-        said["return_type"] = read_return_type(src, part.return_type, "")
+        read_back["return_type"] = read_return_type(src, part.return_type, "")
     position = part.inside[0]
     for inner in part.parts:
         sections = read_section(src, inner, (position, inner.start), "")
         position = inner.end
         if any(section.get("variables") for section in sections):
-            said.setdefault("sections", []).extend(sections)
-    return (text, said) if not src.diagnostics else None
+            read_back.setdefault("sections", []).extend(sections)
+    return (text, read_back) if not src.diagnostics else None
 
 
 def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
@@ -171,36 +171,36 @@ def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
 
 
 def write_said_section(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[str, Fields]:
-    """A section as text, and what a reader takes from it."""
+    """A section as text, and the fields that a reader takes from it."""
     quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
     section = section.model_copy(update={"variables": quoted})
     text = write_section(section, printer.dialect, indent)
-    said = _said_section(printer, text)
-    if said is not None and len(said.get("variables", [])) == len(section.variables):
-        return text, said
+    read_back = _said_section(printer, text)
+    if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
+        return text, read_back
     variables = [_sayable(printer, variable) for variable in section.variables]
     simple = section.model_copy(update={"variables": variables, "comment": None, "carried": None})
     text = write_section(simple, printer.dialect, indent)
-    said = _said_section(printer, text)
-    if said is not None and len(said.get("variables", [])) == len(section.variables):
-        return text, said
+    read_back = _said_section(printer, text)
+    if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
+        return text, read_back
     text = f"{indent}VAR\n{indent}END_VAR"
     return text, _said_section(printer, text) or {}
 
 
-def said_listing(printer: TextPrinter, section: VariableSection, meant: Fields) -> tuple[str, Fields] | None:
-    """A list of global variables as it was typed, and what it says; None where that cannot stand in the text."""
+def said_listing(printer: TextPrinter, section: VariableSection, intended: Fields) -> tuple[str, Fields] | None:
+    """A list of global variables as it was typed, and its fields; None where that cannot be in the text."""
     declaration = section.declaration
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
     text = declaration.rstrip()
-    said = _said_section(printer, text)
-    if said is None or text != text.lstrip():
+    read_back = _said_section(printer, text)
+    if read_back is None or text != text.lstrip():
         return None
-    said.pop("comment", None)
-    said.pop("carried", None)
-    _keep_as_typed(meant, declaration, text)
-    return text, said
+    read_back.pop("comment", None)
+    read_back.pop("carried", None)
+    _keep_as_typed(intended, declaration, text)
+    return text, read_back
 
 
 def _said_section(printer: TextPrinter, text: str) -> Fields | None:
@@ -216,30 +216,30 @@ def _said_section(printer: TextPrinter, text: str) -> Fields | None:
 def _sayable(printer: TextPrinter, variable: Variable) -> Variable:
     """The variable, or one in its place where its declaration does not come back from text."""
     alone = VariableSection(variables=[variable])
-    said = _said_section(printer, write_section(alone, printer.dialect))
-    if said is not None and len(said.get("variables", [])) == 1:
+    read_back = _said_section(printer, write_section(alone, printer.dialect))
+    if read_back is not None and len(read_back.get("variables", [])) == 1:
         return variable
     name = variable.name if printer.is_name(variable.name) else printer.new_name(variable.name)
     return Variable.model_validate({"name": name, "type": "BOOL"})
 
 
 def write_said_type(printer: TextPrinter, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
-    """A declaration of a type as text, what a reader takes from it, and what is meant."""
-    meant = plain_fields(declaration)
+    """A declaration of a type as text, the fields that a reader takes from it, and those of the model."""
+    intended = plain_fields(declaration)
     if declaration.declaration is not None and "plcopen_sfc" not in declaration.declaration:
         text = declaration.declaration.rstrip()
-        said = _said_type(printer, text)
-        if said is not None and said.get("name") == declaration.name and newlines(text) == text.lstrip():
-            _keep_as_typed(meant, declaration.declaration, text)
-            return text, said, meant
+        read_back = _said_type(printer, text)
+        if read_back is not None and read_back.get("name") == declaration.name and newlines(text) == text.lstrip():
+            _keep_as_typed(intended, declaration.declaration, text)
+            return text, read_back, intended
     text = write_data_type(declaration, printer.dialect)
-    said = _said_type(printer, text)
-    if said is None:
+    read_back = _said_type(printer, text)
+    if read_back is None:
         name = declaration.name if printer.is_name(declaration.name) else printer.new_name(declaration.name)
         simple = DataTypeDeclaration.model_validate({"name": name, "type": "BOOL"})
         text = write_data_type(simple, printer.dialect)
-        said = _said_type(printer, text) or {}
-    return text, said, meant
+        read_back = _said_type(printer, text) or {}
+    return text, read_back, intended
 
 
 def _said_type(printer: TextPrinter, text: str) -> Fields | None:

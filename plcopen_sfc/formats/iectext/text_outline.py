@@ -1,6 +1,6 @@
-"""The outline of a text: units and what stands in them, found by their keywords.
+"""The outline of a text: units and their parts, found by their keywords.
 
-Bodies are not parsed here, so an error in one of them costs nothing else; every part knows where it stands.
+Bodies are not parsed here, so an error in one of them costs nothing else; every part knows its place.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 class TextPart:
     """A part of the text.
 
-    `start` and `end` are offsets from its keyword to behind its END keyword, `inside` those of what stands between,
+    `start` and `end` are offsets from its keyword to behind its END keyword, `inside` those of the text between,
     `tokens` the range of tokens between, `head` the range of tokens from the keyword to the end of the header. `name`
     is empty where there is none, as `return_type` (its offsets) is None.
     """
@@ -85,7 +85,7 @@ class TextPart:
 
 @dataclass(slots=True)
 class Outline:
-    """The parts of a text, its tokens, and what is wrong with its `structure`."""
+    """The parts of a text, its tokens, and the problems of its `structure`."""
 
     text: str
     dialect: Dialect
@@ -95,11 +95,11 @@ class Outline:
 
     @property
     def problems(self) -> list[Problem]:
-        """All that is wrong: with tokens, and with the structure."""
+        """All problems: of tokens, and of the structure."""
         return [*self.found.problems, *self.structure]
 
     def comments(self, start: int, end: int) -> list[Comment]:
-        """The comments and pragmas that stand wholly between two offsets."""
+        """The comments and pragmas that are wholly between two offsets."""
         comments = self.found.comments
         first = bisect_left(comments, start, key=lambda c: c.span[0])
         last = bisect_left(comments, end, key=lambda c: c.span[0])
@@ -240,7 +240,7 @@ class _Scan:
         return self.unclosed(part, begin, first)
 
     def shows_missing_end(self, within: PartKind, found: str) -> bool:
-        """True if the token here cannot stand within a part of this kind."""
+        """True if the token here cannot be within a part of this kind."""
         if within in _FOREIGN_UNITS or within is PartKind.PROPERTY:
             return found in _CLOSERS and found in {f"END_{unit}" for unit in POUS} and within is PartKind.PROPERTY
         if found in _CLOSERS:
@@ -300,7 +300,7 @@ class _Scan:
             nested = None if found == closer else self.nested_opener()
             ends = found == closer or (nested is None and self.ends_container(kind, found))
             ends = ends or (nested in (PartKind.METHOD, PartKind.PROPERTY) and kind not in POUS)
-            # an action is a chart or statements: where statements stand, the next part shows that its end is missing
+            # an action is a chart or statements: after statements, the next part shows that its end is missing
             ends = ends or (kind is PartKind.ACTION and nested is not None and loose >= 0)
             if nested is None and not ends:
                 loose = self.at if loose < 0 else loose

@@ -1,4 +1,4 @@
-"""What all writers of a text share: the pieces it is made of, names, pragmas, and what becomes of each item."""
+"""Printing of texts: the blocks that they are made of, names, pragmas, and the outcome of each item."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _WIDE = 160
 _APART = frozenset({"carried", "drawing", "logic", "settings", "networks", "drawn"})
 
 
-def numbered_pieces(pieces: list[WrittenBlock]) -> tuple[WrittenBlock, ...]:
+def numbered_blocks(pieces: list[WrittenBlock]) -> tuple[WrittenBlock, ...]:
     """`pieces` with keys that are unique among them."""
     keys = numbered([piece.key for piece in pieces])
     return tuple(replace(piece, key=key) for piece, key in zip(pieces, keys, strict=True))
@@ -42,7 +42,7 @@ def numbered_pieces(pieces: list[WrittenBlock]) -> tuple[WrittenBlock, ...]:
 
 @dataclass(slots=True)
 class TextPrinter:
-    """Writes for a dialect and notes what became of each item."""
+    """Writes for a dialect and notes the outcome of each item."""
 
     dialect: Dialect
     report: ConversionReport
@@ -58,7 +58,7 @@ class TextPrinter:
         self.report.add(outcome, what, path, why)
 
     def is_name(self, name: str) -> bool:
-        """True if `name` can stand as a name of ours: one word that is no keyword."""
+        """True if `name` can be written as a name: one word that is no keyword."""
         tokens = tokenize(name, self.dialect, KEYWORDS).tokens
         return (
             len(tokens) == 1
@@ -117,23 +117,23 @@ class TextPrinter:
 
 
 def missing(printer: TextPrinter, what: str) -> str:
-    """A name that is declared nowhere: other tools refuse a text in which nothing right can stand at its place."""
+    """A name that is declared nowhere: other tools refuse the text, as there is no correct one for this place."""
     return printer.new_name(f"NOT_EXECUTED_{what}")
 
 
 def nothing_right(name: str) -> str:
-    """Why something is not executed that the undeclared `name` stands for."""
+    """The reason why an object is not executed that the undeclared `name` replaces."""
     return f"no text expresses it; the undeclared name {name} is in its place, so that the text does not compile"
 
 
 EXECUTED = frozenset(
     "min_time interlock supervision macro encloses negated partial_charts permanent_pre permanent_post".split()
 )
-"""Fields that a controller executes. In pragmas nobody but this package sees them."""
+"""Fields that a controller executes. In pragmas only this package sees them."""
 
 
 def outcome_of(change: Change) -> Outcome:
-    """What becomes of something that stands in a pragma."""
+    """The outcome of a field that is in a pragma."""
     fields = [part for part in change.path if isinstance(part, str) and part != "chart"]
     if fields[:1] == ["exclude"]:
         return Outcome.APPROXIMATED
@@ -141,7 +141,7 @@ def outcome_of(change: Change) -> Outcome:
 
 
 def pragma(change: Change) -> str:
-    """A pragma that says a change."""
+    """A pragma for a change."""
     return f"{{plcopen_sfc {change}}}"
 
 
@@ -151,9 +151,9 @@ def pragmas(changes: Iterable[Change], indent: str) -> str:
 
 
 def split(found: Iterable[Change]) -> tuple[list[Change], list[Change]]:
-    """The changes to write beside an object, and those for the end of its unit: foreign data, what no person reads.
+    """The changes to write beside an object, and those for the end of its unit: foreign data, which no person reads.
 
-    What belongs to one list stays together.
+    The items of one list stay together.
     """
     every = list(found)
     apart = {_group(change) for change in every if _is_big(change)}
@@ -173,28 +173,30 @@ def _group(change: Change) -> tuple[object, ...]:
 
 
 def label(change: Change) -> str:
-    """What a report calls a change."""
+    """The name of a change in reports."""
     return "foreign data" if "carried" in change.path else str(change.path[0]).replace("_", " ")
 
 
 def note_changes(printer: TextPrinter, found: Iterable[Change], path: str, *, leave: Collection[str]) -> None:
-    """Report once each what only pragmas say of the object at `path`, but for the fields `leave`."""
-    said = dict.fromkeys((outcome_of(change), label(change)) for change in found if str(change.path[0]) not in leave)
-    for outcome, what in said:
+    """Report each field of the object at `path` that only pragmas hold, once, but for the fields `leave`."""
+    read_back = dict.fromkeys(
+        (outcome_of(change), label(change)) for change in found if str(change.path[0]) not in leave
+    )
+    for outcome, what in read_back:
         printer.note(outcome, what, path, "IEC text has no place for it")
 
 
-def comment_lines(fields: Fields, said: Fields, indent: str) -> str:
-    """The comment in `fields` as lines of its own, if it can be a comment; `said` gets it then."""
+def comment_lines(fields: Fields, read_back: Fields, indent: str) -> str:
+    """The comment in `fields` as lines of its own, if it can be a comment; `read_back` gets it then."""
     text = fields.get("comment")
     shown = format_comment(text, indent) if isinstance(text, str) else None
     if shown is None:
         return ""
-    said["comment"] = text
+    read_back["comment"] = text
     return f"{indent}{shown}\n"
 
 
-def foreign_pragmas(fields: Fields, said: Fields, indent: str) -> str:
+def foreign_pragmas(fields: Fields, read_back: Fields, indent: str) -> str:
     """Pragmas of other tools that were read from a text."""
     lines = ""
     for data in fields.get("carried", {}).get("data", []):
@@ -202,10 +204,10 @@ def foreign_pragmas(fields: Fields, said: Fields, indent: str) -> str:
         if kept is None or kept[0] != "pragma" or not _FOREIGN_PRAGMA.fullmatch(kept[1]):
             break
         lines += f"{indent}{kept[1]}\n"
-        said.setdefault("carried", {}).setdefault("data", []).append(data)
+        read_back.setdefault("carried", {}).setdefault("data", []).append(data)
     return lines
 
 
 def is_text_body(thing: BaseModel) -> bool:
-    """True if `thing` is a body that can stand in an action."""
+    """True if `thing` is a body that can be in an action."""
     return isinstance(thing, StBody | IlBody | SfcBody | FbdBody | LdBody)

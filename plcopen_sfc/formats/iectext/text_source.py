@@ -54,12 +54,12 @@ def block(text: str) -> TextBlock:
 
 
 def taken(source: str) -> str:
-    """What a reader takes from the lines between a header and its END: without margin and blank edges."""
+    """The lines between a header and its END as a reader takes them: without margin and blank edges."""
     text = newlines(source)
     core = text.strip()
     if "\n" not in core or _FIRST_LINE_END.match(text) is not None:
         return block(text).text
-    # the first line stands behind the header and says nothing of the margin
+    # the first line is behind the header and does not show the margin
     head, _, rest = core.partition("\n")
     return head.rstrip() + "\n" + _dedented(rest)
 
@@ -98,7 +98,7 @@ def format_comment(text: str, indent: str) -> str | None:
 
 
 def taken_comment(raw: str) -> str:
-    """What a comment says: without its marks, the blank beside each, and the margin of its further lines."""
+    """The text of a comment: without its marks, the blank beside each, and the margin of its further lines."""
     text = newlines(raw)
     if text.startswith("//"):
         return text[2:].removeprefix(" ").rstrip()
@@ -118,7 +118,7 @@ OWN_PRAGMA = re.compile(r"\{\s*plcopen_sfc\b")
 TEXT_DATA = "urn:plcopen-sfc:iec-text"
 """The name of foreign data that holds a piece of text which the model has no place for."""
 _MANY = 20
-"""Findings of one body that are told; the rest mostly follows from these."""
+"""Findings of one body that are reported; the rest mostly follows from these."""
 _SOLID = re.compile(r"\S+")
 _WRAPPED = re.compile(rf'<text xmlns="{TEXT_DATA}" place="([^"]*)">(.*)</text>', re.DOTALL)
 
@@ -137,20 +137,20 @@ def unwrapped(content: str) -> tuple[str, str] | None:
 
 @dataclass(slots=True)
 class Annotations:
-    """What stands beside the code: changes that our pragmas make, comments, and pragmas of other tools."""
+    """Text beside the code: changes that our pragmas make, comments, and pragmas of other tools."""
 
     changes: list[tuple[Change, int]] = field(default_factory=list)
     comments: list[str] = field(default_factory=list)
     pragmas: list[str] = field(default_factory=list)
 
     def extend(self, other: Annotations) -> None:
-        """Add what `other` holds."""
+        """Add the content of `other`."""
         self.changes += other.changes
         self.comments += other.comments
         self.pragmas += other.pragmas
 
     def put_into(self, fields: Fields) -> None:
-        """Say in `fields` what the comments and the pragmas of other tools say."""
+        """Put the comments and the pragmas of other tools into `fields`."""
         if self.comments:
             fields["comment"] = "\n".join(self.comments)
         for pragma in self.pragmas:
@@ -195,13 +195,13 @@ class TextSource:
             self.diagnostics.append(finding)
 
     def check(self, problems: Iterable[Problem], start: int, end: int, text: str, *, code: str, path: str) -> None:
-        """Say what is wrong with `text`, which was taken from between two offsets."""
+        """Report the problems of `text`, which was taken from between two offsets."""
         self.checked.append((start, end))
         for problem in islice(problems, _MANY):
             self.note(code, problem.message, self.place_of(start, text, problem.span[0]), path)
 
     def check_code(self, body: Fields, start: int, end: int, path: str) -> None:
-        """Say what is wrong with the statements of a body, or with an expression."""
+        """Report the problems of the statements of a body, or of an expression."""
         text = body.get("text", "")
         if body.get("language") == "IL" or not text:
             return
@@ -209,7 +209,7 @@ class TextSource:
         self.check(parse(text, self.outline.dialect).problems, start, end, text, code="IEC110", path=path)
 
     def place_of(self, start: int, text: str, offset: int) -> int:
-        """Where the character at `offset` of `text` stands, which was taken from what begins at `start`."""
+        """The offset of the character at `offset` of `text`, which was taken from the text at `start`."""
         solid = len("".join(text[:offset].split()))
         for found in _SOLID.finditer(self.text, start):
             if solid < len(found.group()):
@@ -217,8 +217,8 @@ class TextSource:
             solid -= len(found.group())
         return len(self.text)
 
-    def remark(self, start: int, end: int, path: str = "") -> Annotations:
-        """What stands in the comments and pragmas between two offsets."""
+    def annotations(self, start: int, end: int, path: str = "") -> Annotations:
+        """The annotations in the comments and pragmas between two offsets."""
         found = Annotations()
         for comment in self.outline.comments(start, end):
             self._sort(comment, found, path)
@@ -252,7 +252,7 @@ class TextSource:
         return start, end
 
     def attached(self, start: int, end: int) -> int:
-        """Where the comments and pragmas begin that stand directly above the part at `end`, not before `start`."""
+        """The begin of the comments and pragmas directly above the part at `end`, not before `start`."""
         begin = end
         for comment in reversed(self.outline.comments(start, end)):
             between = self.text[comment.span[1] : begin]
