@@ -9,6 +9,7 @@ import pytest
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.languages.binding import ANYTHING, BoundBody, bind, called_actions, is_named_elsewhere
+from plcopen_sfc.languages.st import print_node
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.dialect import Dialect
 
@@ -60,6 +61,8 @@ def owner(*actions: str) -> m.Pou:
         (st("list[i].x := y;"), {("i",), ("y",)}, {("list",)}),
         (il("LD a\nAND c.d\nST b\nR e"), {("a",), ("c", "d")}, {("b",), ("e",)}),
         (il("again: LD a\nJMPC again"), {("a",)}, set()),
+        (il("CAL t(IN := a,\n Q => b)"), {("a",)}, {("t",), ("b",), ANYTHING}),
+        (st("FOR i := 1 TO k DO b := (c := d); END_FOR"), {("i",), ("k",), ("d",)}, {("i",), ("b",), ("c",)}),
         (rung("a", "b"), {("a",)}, {("b",)}),
         (box("TON", instance="a"), {("go",)}, {("a",)}),
         (box("Motor", instance="a"), {("go",)}, {("a",), ANYTHING}),
@@ -139,6 +142,11 @@ def test_name_sites(body: Body) -> None:
 @pytest.mark.parametrize("body", [st("x := 'Fill'; // Fill"), il("LD x (* Fill *)\nST y"), rung("x", "y")])
 def test_comments_strings_and_titles_hold_no_name_sites(body: Body) -> None:
     assert "Fill" not in named(body)
+
+
+def test_targets_are_given_as_they_are_written() -> None:
+    for body in (st("Tank.Level[1] := x;"), il("LD x\nST Tank.Level[1]"), rung("x", "Tank.Level[1]")):
+        assert [print_node(target) for target in bound(body).targets()] == ["Tank.Level[1]"]
 
 
 def test_a_view_is_made_once_and_follows_the_body() -> None:

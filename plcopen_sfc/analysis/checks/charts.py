@@ -1,4 +1,4 @@
-"""A chart as the rules see it: with its project, its profile, its net, and places that findings can point at."""
+"""Charts and their project as the rules see them, with the places that findings can point at."""
 
 from __future__ import annotations
 
@@ -6,18 +6,23 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
 
-from plcopen_sfc.analysis.checks.surroundings import Surroundings
 from plcopen_sfc.analysis.exclusivity import Truth, truth
 from plcopen_sfc.analysis.marking import MarkingGraph, marking_graph
+from plcopen_sfc.languages.binding import bind
+from plcopen_sfc.languages.dialects import Dialect
+from plcopen_sfc.languages.names.scopes import charts_inside
+from plcopen_sfc.languages.names.uses import dialect_of
 from plcopen_sfc.languages.networks import NetworkExpression, condition_expression
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st import parse_condition, walk
+from plcopen_sfc.languages.st.effects import path_of
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.pou import Pou
+from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import PartialChart, SfcNetwork, Step, Transition
-from plcopen_sfc.model.types import DataType
+from plcopen_sfc.model.types import DataType, DerivedType
 from plcopen_sfc.semantics.net import Net, NetStep, NetTransition
 from plcopen_sfc.semantics.profile import PROFILES, Profile
 
@@ -118,14 +123,81 @@ def family(profile: Profile) -> str:
     return max(PROFILES, key=alike)
 
 
+class CheckedProject:
+    """A project as the rules on its charts see it: declared variables, and what writes them."""
+
+    def __init__(self, project: Project) -> None:
+        self.project = project
+
+    @cached_property
+    def dialect(self) -> Dialect:
+        """The dialect in which texts are read."""
+        return dialect_of(self.project)
+
+    @cached_property
+    def globals(self) -> dict[str, DataType]:
+        """The types of global variables and tags by their names in lower case."""
+        found: dict[str, DataType] = {}
+        for section in self.project.global_sections():
+            for variable in section.variables:
+                found[variable.name.casefold()] = variable.type
+        for table in self.project.tag_tables:
+            for tag in table.tags:
+                found[tag.name.casefold()] = DerivedType(name=tag.type)
+        return found
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The names, in lower case, of everything global that has members: POUs, types, blocks, lists, instances."""
+        project = self.project
+        resources = [*project.resources()]
+        found = [thing.name for thing in project.objects()]
+        found += [section.name or "" for section in self.project.global_sections()]
+        found += [configuration.name for configuration in project.configurations]
+        found += [resource.name for resource in resources]
+        found += [i.name for r in resources for i in (*r.instances, *(j for task in r.tasks for j in task.instances))]
+        return frozenset(name.casefold() for name in found)
+
+    def charts_of(self, pou: Pou) -> Iterator[SfcNetwork]:
+        """Yield the charts of a POU, those of macro-steps and partial charts too."""
+        for _, _, body in pou.named_bodies():
+            yield from charts_inside(body)
+
+    @cached_property
+    def written(self) -> frozenset[str]:
+        """The last names, in lower case, of everything that code writes anywhere in the project."""
+        bound = (bind(body, self.dialect) for _, _, body in self.project.bodies())
+        return frozenset(path[-1] for each in bound for path in each.code.writes if path)
+
+    @cached_property
+    def associated(self) -> dict[str, set[int]]:
+        """The charts (by `id`) that have associations with an operand of this last name, in lower case."""
+        found: dict[str, set[int]] = {}
+        for chart in self._charts():
+            for _, association in chart.associations():
+                name = self._last_name(association.target or "")
+                if name:
+                    found.setdefault(name, set()).add(id(chart))
+        return found
+
+    def _last_name(self, text: str) -> str:
+        tree = parse_condition(text, self.dialect).tree if text else None
+        path = path_of(tree) if isinstance(tree, n.Name | n.Member | n.Index | n.Address) else ()
+        return path[-1] if path else ""
+
+    def _charts(self) -> Iterator[SfcNetwork]:
+        for pou in self.project.pous:
+            yield from self.charts_of(pou)
+
+
 class CheckedChart:
     """A chart with all that rules ask about it. Nothing is worked out before it is asked for."""
 
     def __init__(
-        self, surroundings: Surroundings, pou: Pou | None, place: Place, chart: SfcNetwork, profile: Profile
+        self, around: CheckedProject, pou: Pou | None, place: Place, chart: SfcNetwork, profile: Profile
     ) -> None:
-        self.surroundings = surroundings
-        self.dialect = surroundings.dialect
+        self.around = around
+        self.dialect = around.dialect
         self.pou = pou
         self.chart = chart
         self.profile = profile
@@ -154,12 +226,12 @@ class CheckedChart:
     def types(self) -> dict[str, DataType]:
         """The types of the variables that the chart can name, by their names in lower case."""
         own = {v.name.casefold(): v.type for v in self.pou.variables()} if self.pou is not None else {}
-        return self.surroundings.globals | own
+        return self.around.globals | own
 
     @cached_property
     def steps_of_pou(self) -> frozenset[str]:
         """The names of all steps in the POU, in lower case."""
-        charts = self.surroundings.charts_of(self.pou) if self.pou is not None else ()
+        charts = self.around.charts_of(self.pou) if self.pou is not None else ()
         return frozenset(step.name.casefold() for chart in charts for step in chart.steps)
 
     def condition(self, sheet: Sheet, transition: Transition) -> NetworkExpression:
@@ -229,7 +301,7 @@ def is_plain(tree: n.Node) -> bool:
 _BOOLEAN = frozenset({n.Operator.AND, n.Operator.OR, n.Operator.XOR, n.Operator.AND_THEN, n.Operator.OR_ELSE})
 
 
-def charts_of(around: Surroundings, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
+def charts_of(around: CheckedProject, pou: Pou, profile: Profile) -> Iterator[CheckedChart]:
     """Every chart of a POU: its body, those of its actions, and charts inside of steps."""
     path = f"POU {pou.name}"
     parts: list[tuple[str, Element, Body | None]] = [
@@ -244,7 +316,7 @@ def charts_of(around: Surroundings, pou: Pou, profile: Profile) -> Iterator[Chec
 
 
 def _charts_in(
-    body: Body | str | None, place: Place, around: Surroundings, pou: Pou, profile: Profile
+    body: Body | str | None, place: Place, around: CheckedProject, pou: Pou, profile: Profile
 ) -> Iterator[CheckedChart]:
     if not isinstance(body, SfcBody):
         return

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
 from plcopen_sfc.analysis.checks.operands import continuous_operands, output_operands
 from plcopen_sfc.analysis.checks.rules import Finding, Rule
-from plcopen_sfc.analysis.checks.surroundings import stored
 from plcopen_sfc.analysis.exclusivity import Truth
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import print_node, walk
@@ -97,8 +97,8 @@ def _stored(chart: CheckedChart, transition: Transition) -> Iterator[str]:
     """What a condition in instruction list stores, but for the condition itself."""
     body, name = _body_of(chart, transition)
     if isinstance(body, IlBody):
-        for operand in stored(body, chart.dialect):
-            text = print_node(operand, chart.dialect)
+        for target in bind(body, chart.dialect).targets():
+            text = print_node(target, chart.dialect)
             if text.casefold() != name.casefold():
                 yield text
 
@@ -124,7 +124,7 @@ def _has_state(call: n.Call, chart: CheckedChart) -> bool:
     type_ = chart.types.get(name.casefold())
     if isinstance(type_, DerivedType):
         name = type_.name
-        if any(pou.name.casefold() == name.casefold() for pou in chart.surroundings.project.pous):
+        if any(pou.name.casefold() == name.casefold() for pou in chart.around.project.pous):
             return True
     block = standard_block(name)
     return block is not None and block.stateful
@@ -160,7 +160,7 @@ def _unknown_name(chart: CheckedChart) -> Iterator[Finding]:
 def _unknown_steps(chart: CheckedChart) -> Iterator[Finding]:
     if chart.pou is None:
         return
-    known = chart.types.keys() | chart.surroundings.names | chart.steps_of_pou
+    known = chart.types.keys() | chart.around.names | chart.steps_of_pou
     for sheet, transition in _transitions(chart):
         for node in _nodes(chart.condition(sheet, transition)):
             if isinstance(node, n.Member) and isinstance(node.base, n.Name) and node.name.identifier in _STEP_MEMBERS:

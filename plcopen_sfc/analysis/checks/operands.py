@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from plcopen_sfc.analysis.checks.charts import CheckedChart, Sheet
-from plcopen_sfc.analysis.checks.surroundings import code
+from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition
+from plcopen_sfc.languages.st import parse_condition, walk
 from plcopen_sfc.languages.st.effects import Path, path_of
 from plcopen_sfc.model.actions import ActionAssociation, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body
@@ -113,7 +113,8 @@ def output_operands(chart: CheckedChart) -> set[Path]:
 
 def assignments(body: Body | None, chart: CheckedChart) -> list[n.Assignment]:
     """What the code of an action assigns, as far as it can be read."""
-    return [node for node in code(body, chart.dialect) if isinstance(node, n.Assignment)]
+    trees = bind(body, chart.dialect).statements if body is not None else ()
+    return [node for tree in trees for node in walk(tree) if isinstance(node, n.Assignment)]
 
 
 def body_named(name: str | None, chart: CheckedChart) -> Body | None:
@@ -132,6 +133,6 @@ def constant(tree: n.Expression) -> str:
 
 def written_elsewhere(chart: CheckedChart, path: Path) -> bool:
     """Whether code, or an association in another chart, writes a variable of this name."""
-    around = chart.surroundings
+    around = chart.around
     charts = {id(sheet.chart) for sheet in chart.sheets}
     return path[-1] in around.written or bool(around.associated.get(path[-1], set()) - charts)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from plcopen_sfc.analysis.checks.charts import CheckedChart, Place, charts_of
+from plcopen_sfc.analysis.checks.charts import CheckedChart, CheckedProject, Place, charts_of
 from plcopen_sfc.analysis.checks.rules import Rule
 from plcopen_sfc.analysis.checks.selection import selected
 from plcopen_sfc.analysis.checks.suppression import suppressed
-from plcopen_sfc.analysis.checks.surroundings import Surroundings
 from plcopen_sfc.analysis.checks.table import RULES
 from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location
@@ -32,7 +31,7 @@ def check_charts(
     project = subject if isinstance(subject, Project) else _home(subject)
     execution = profile_named(profile) if profile is not None else default_profile(project)
     found: list[Diagnostic] = []
-    for chart in _charts(subject, Surroundings(project), execution):
+    for chart in _charts(subject, CheckedProject(project), execution):
         found += findings(chart, rules)
     return found
 
@@ -49,7 +48,7 @@ def findings(chart: CheckedChart, rules: Iterable[Rule]) -> Iterator[Diagnostic]
                 yield Diagnostic(rule.code, severity, finding.message, location, finding.hint or rule.hint)
 
 
-def _charts(subject: Project | Pou | SfcNetwork, around: Surroundings, profile: Profile) -> Iterator[CheckedChart]:
+def _charts(subject: Project | Pou | SfcNetwork, around: CheckedProject, profile: Profile) -> Iterator[CheckedChart]:
     if isinstance(subject, SfcNetwork):
         everywhere = (chart for pou in around.project.pous if pou.name for chart in charts_of(around, pou, profile))
         alone = CheckedChart(around, None, Place("", (subject,)), subject, profile)

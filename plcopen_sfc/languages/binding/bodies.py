@@ -9,7 +9,7 @@ from typing import Any
 from weakref import ref
 
 from plcopen_sfc.languages.binding.charts import ChartTexts
-from plcopen_sfc.languages.binding.instructions import effects_of_instructions
+from plcopen_sfc.languages.binding.instructions import instruction_trees
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.il import instructions
 from plcopen_sfc.languages.names.pieces import pieces_in
@@ -17,7 +17,7 @@ from plcopen_sfc.languages.names.references import Reference, references
 from plcopen_sfc.languages.names.scopes import charts_inside
 from plcopen_sfc.languages.networks import Helper, body_statements
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements
+from plcopen_sfc.languages.st import parse_condition, parse_expression, parse_statements, walk
 from plcopen_sfc.languages.st.effects import Effects, calls, effects, path_of
 from plcopen_sfc.languages.standard_blocks import standard_block
 from plcopen_sfc.model.base import Model
@@ -38,8 +38,9 @@ class Unknown:
 class BoundBody:
     """A body, and what can be told of it without declarations.
 
-    `statements` are those of ST, FBD and LD in their order; `trees` are all expressions and statements of the body, in
-    charts and instruction list in no order. `helpers` and `instances` are those of networks, as in `NetworkText`.
+    `statements` are those of ST, FBD and LD in their order; `trees` are all expressions and statements of the body, of
+    charts and instruction list in no order, and without the values that instructions store. `helpers` and `instances`
+    are those of networks, as in `NetworkText`. `charts` are the chart of the body and those inside it.
     Where `unknown` is empty, nothing of the body is missing in all this.
     """
 
@@ -74,36 +75,31 @@ class BoundBody:
 
         The target of an action association is written and called: only declarations tell a variable from an action.
         """
-        if isinstance(self.body, IlBody):
-            return effects_of_instructions(self.body.text, self.dialect)
-        instances = (name for name, type_ in self.instances.items() if standard_block(type_) is not None)
-        standard = {path_of(parse_expression(name, self.dialect).tree) for name in instances}
-        found = effects(self.trees, standard)
-        for chart in self.charts:
-            found |= chart.acting
-            for inner in chart.bodies:
-                found |= bind(inner, self.dialect).effects
+        return Effects.all([self.code, *(chart.acting for chart in self.charts)])
+
+    @cached_property
+    def code(self) -> Effects:
+        """The effects of the code in the body, without those of naming an action in a step."""
+        found = [self._effects_of_trees()]
+        found += (bind(inner, self.dialect).code for chart in self.charts for inner in chart.bodies)
         if isinstance(self.body, FbdBody | LdBody) and self.unknown:  # a box that has no statement is called too
             boxes = [node for network in self.body.networks for node in network.nodes if isinstance(node, Block)]
             names = [name for box in boxes for name in (box.instance, box.type_name) if name]
-            called = [calls(n.CallStatement(parse_expression(name, self.dialect).tree)) for name in names]
-            found |= Effects(calls=frozenset().union(*called))
-        return found
+            trees = [n.CallStatement(parse_expression(name, self.dialect).tree) for name in names]
+            found += (Effects(calls=calls(tree)) for tree in trees)
+        return Effects.all(found)
 
-    def every_tree(self) -> Iterator[n.Expression | n.Statement]:
-        """Every expression and statement, also those in bodies that a chart holds."""
-        yield from self.trees
-        for inner in self._inner():
-            yield from inner.every_tree()
+    def _effects_of_trees(self) -> Effects:
+        instances = (name for name, type_ in self.instances.items() if standard_block(type_) is not None)
+        return effects(self.trees, {path_of(parse_expression(name, self.dialect).tree) for name in instances})
 
-    def every_unknown(self) -> Iterator[Unknown]:
-        """What is not known of the body and of those that a chart holds."""
-        yield from self.unknown
-        for inner in self._inner():
-            yield from inner.every_unknown()
-
-    def _inner(self) -> Iterator[BoundBody]:
-        return (bind(inner, self.dialect) for chart in self.charts for inner in chart.bodies)
+    def targets(self) -> Iterator[n.Expression]:
+        """The variables that statements and instructions write, as they are written there."""
+        for node in (node for tree in self.trees for node in walk(tree)):
+            if isinstance(node, n.Assignment | n.AssignmentExpression):
+                yield node.target
+            elif isinstance(node, n.Argument) and node.output and node.value is not None:
+                yield node.value
 
 
 def bind(body: Body, dialect: Dialect) -> BoundBody:
@@ -149,9 +145,10 @@ def _bound(body: Body, dialect: Dialect) -> BoundBody:
         trees = (*read.tree.statements, *(value for _, value in read.open_ends))
         return BoundBody(body, dialect, read.tree.statements, trees, unknown, read.helpers, read.instances)
     if isinstance(body, IlBody):
-        operands = [operand.parsed for each in instructions(body.text, dialect) for operand in each.operands]
-        unknown = tuple(Unknown(problem.message) for parsed in operands for problem in parsed.problems)
-        return BoundBody(body, dialect, trees=tuple(parsed.tree for parsed in operands), unknown=unknown)
+        trees = tuple(instruction_trees(body.text, dialect))
+        operands = (operand for each in instructions(body.text, dialect) for operand in each.operands)
+        unknown = tuple(Unknown(problem.message) for operand in operands for problem in operand.parsed.problems)
+        return BoundBody(body, dialect, trees=trees, unknown=unknown)
     if isinstance(body, SfcBody):
         charts = tuple(ChartTexts(chart, dialect) for chart in charts_inside(body))
         trees = tuple(tree for chart in charts for tree in chart.trees)

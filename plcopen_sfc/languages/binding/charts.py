@@ -64,7 +64,8 @@ class ChartTexts:
         if isinstance(action, str) and action:
             tree = parse_expression(action, self._dialect).tree
             self.trees.append(tree)
-            self.acting |= Effects(writes=frozenset({path_of(tree)}), calls=calls(n.CallStatement(tree)))
+            acting = Effects(writes=frozenset({path_of(tree)}), calls=calls(n.CallStatement(tree)))
+            self.acting = Effects.all([self.acting, acting])
         elif action is not None and not isinstance(action, str):
             self.bodies.append(action)
 

@@ -51,16 +51,20 @@ class Effects:
     writes: frozenset[Path] = frozenset()
     calls: frozenset[Path] = frozenset()
 
-    def __or__(self, other: Effects) -> Effects:
-        return Effects(self.reads | other.reads, self.writes | other.writes, self.calls | other.calls)
+    @classmethod
+    def all(cls, found: Iterable[Effects]) -> Effects:
+        """Several effects together."""
+        reading, writing, calling = set[Path](), set[Path](), set[Path]()
+        for each in found:
+            reading |= each.reads
+            writing |= each.writes
+            calling |= each.calls
+        return cls(frozenset(reading), frozenset(writing), frozenset(calling))
 
 
 def effects(nodes: Iterable[Expression | Statement], standard_instances: Set[Path] = frozenset()) -> Effects:
     """Return the effects of expressions and statements together. `standard_instances` as in `writes`."""
-    found = Effects()
-    for node in nodes:
-        found |= Effects(reads(node), writes(node, standard_instances), calls(node))
-    return found
+    return Effects.all(Effects(reads(node), writes(node, standard_instances), calls(node)) for node in nodes)
 
 
 @lru_cache(maxsize=4096)
