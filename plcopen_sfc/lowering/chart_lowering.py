@@ -48,17 +48,17 @@ Choice = TypeVar("Choice", Construction, Style, Language, States, ActionPlace, O
 
 @dataclass(frozen=True)
 class LoweredPou:
-    """A POU without a chart, in a copy of its project, that does what the chart did.
+    """POU with code in the place of its chart, in a copy of its project, and what is known of that code.
 
-    `construction` was taken, `why` says why. `proof` is what the comparison with the chart came to, None where none was
-    wanted. `at_rest` and `left_out` say for what it holds: while inputs that were added have these values, and in all
-    scans but those in which a variable of the code is TRUE. `faults` are those that textbook code has (`find_faults`),
-    as far as it was compared; `step_flags` and `situation` are those of `Constructed`. `name` says whose chart it was:
-    ``Main``, or ``Main.Fill`` for that of an action, where the code stands now too. `following` is the address behind
-    its flags, if they have some. `step_numbers` are those that steps have in the code, by their paths: as states of a
-    CASE, or because they are selected by them; else there are none. `losses` are what the chart held and the code does
-    not. `chart` is what was lowered, and what the code in a file is compared with when it is saved, as `proof_options`
-    say; None where no proof was wanted.
+    `construction` was taken for the reason `why`. `proof` is the result of the comparison with the chart, None where
+    none was wanted. It holds while the inputs that were added have the values of `at_rest`, and in all scans but those
+    in which the variable `left_out` of the code is TRUE. `faults` are those of textbook code (`find_faults`), as far as
+    it was compared; `step_flags` and `situation` are those of `Constructed`. `name` is that of the chart: ``Main``, or
+    ``Main.Fill`` for the chart of an action, which has the code now. `following` is the address behind its flags, if
+    they have addresses. `step_numbers` are the numbers of steps in the code by their paths, where steps are states of a
+    CASE or are selected by number. `losses` are what the chart held and the code does not. `chart` is what was lowered.
+    A file with the code is compared with it when the project is saved, as `proof_options` ask; None where no proof was
+    wanted.
     """
 
     project: Project
@@ -82,22 +82,22 @@ class LoweredPou:
 
     @property
     def code(self) -> Body | None:
-        """The code that was made."""
+        """Code that was made."""
         action = next((a for a in self.pou.actions if f"{self.pou.name}.{a.name}" == self.name), None)
         return action.body if action is not None else self.pou.body
 
     @property
     def profile(self) -> Profile:
-        """What the chart does."""
+        """Execution profile of the chart."""
         return self.rules.profile
 
     @property
     def language(self) -> str:
-        """The language of the code: ``ST``, ``FBD`` or ``LD``."""
+        """Language of the code: ``ST``, ``FBD`` or ``LD``."""
         return str(self.code.language) if self.code is not None else ""
 
     def __str__(self) -> str:
-        """What was made and why, the numbers that select steps, what is at rest, the comparison, and the faults."""
+        """Return the construction and the reason for it, the comparison, and the faults, a line or more for each."""
         lines = [f"{self.name}: {self.style} {self.construction} in {self.language}: {self.why}"]
         if OperatingMode.SELECT in self.rules.modes:
             numbers = ", ".join(f"{number} {path}" for path, number in self.step_numbers.items())
@@ -112,7 +112,7 @@ class LoweredPou:
         return "\n".join([*lines, *map(str, self.faults)])
 
     def as_dict(self) -> dict[str, Any]:
-        """What `str` says as plain data, for JSON."""
+        """Return the content of `str` as plain data, for JSON."""
         return {
             "pou": self.name,
             "construction": self.construction.value,
@@ -223,7 +223,7 @@ def lower(
 
 
 class _Wanted(NamedTuple):
-    """The code that a user wants."""
+    """Code that a user wants."""
 
     construction: Construction
     style: Style
@@ -269,7 +269,7 @@ def _chart_of(subject: Subject) -> SfcNetwork:
 def _proof(
     chart: Subject, code: Subject, made: Constructed, profile: Profile, style: Style, **searching: Unpack[Searching]
 ) -> Verdict:
-    """What comparing `code` with `chart` comes to. Raises `LoweringError` where exact code is different."""
+    """Compare `code` with `chart`. Raises `LoweringError` where exact code is different."""
     with errors_of(chart.project, chart.pou, chart.name):
         found = prove(
             chart,
@@ -289,7 +289,7 @@ def _proof(
 
 
 def _refuse_what_was_not_read(subject: Subject) -> None:
-    """Raise `LoweringError` where the reader kept a chart's connections without understanding them."""
+    """Raise `LoweringError` where the reader kept connections of the chart without understanding them."""
     for finding in subject.project.diagnostics:
         owner = (finding.location.path or "").partition(" / ")[0]
         if finding.code == "SFC102" and owner.endswith(f" {subject.pou.name}"):
@@ -301,7 +301,7 @@ def _refuse_what_was_not_read(subject: Subject) -> None:
 
 
 def faults_of(subject: Subject, lowered: LoweredPou) -> tuple[Fault, ...]:
-    """The faults of textbook code that was made of a chart; exact code has none."""
+    """Return the faults of textbook code that was made of a chart; exact code has none."""
     chart = subject.pou.chart
     if lowered.style is Style.EXACT or chart is None:
         return ()
@@ -339,9 +339,9 @@ def _chosen(kind: type[Choice], name: str) -> Choice:
 def _with(
     subject: Subject, pou: Pou, blocks: Sequence[Pou], data_types: Sequence[DataTypeDeclaration]
 ) -> tuple[Project, Pou]:
-    """A copy of the project with `pou` instead of the one of the same name, with new blocks behind it and new types.
+    """Return a copy of the project with `pou` instead of the one of the same name, new blocks behind it, and new types.
 
-    The code of an action's chart stands in the action.
+    The code of an action's chart becomes the body of the action.
     """
     project = subject.project.model_copy(deep=True)
     names = [each.name for each in project.pous]

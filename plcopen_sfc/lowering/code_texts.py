@@ -12,19 +12,19 @@ from plcopen_sfc.semantics.net import Net, NetTransition
 
 
 def step_digits(name: str) -> str:
-    """The number that a step's name says and nothing else: of ``S3``, ``Step_3``, ``Schritt 3``, ``3``; else empty."""
+    """Return the number that is all of a step's name: of ``S3``, ``Step_3``, ``Schritt 3``, ``3``; else empty."""
     found = re.fullmatch(r"(?i:(?:S|X|Step|Schritt)[ _]?)?(\d+)", name)
     return found.group(1) if found is not None else ""
 
 
 def _transition_digits(name: str) -> str:
-    """The same of a transition: ``T3``, ``Trans3``, ``Transition 3``, ``3``."""
+    """Return the same of a transition: ``T3``, ``Trans3``, ``Transition 3``, ``3``."""
     found = re.fullmatch(r"(?i:(?:T|Trans|Transition)[ _]?)?(\d+)", name)
     return found.group(1) if found is not None else ""
 
 
 def _short(step: Step) -> str:
-    """What names of a step's variables end with: ``1`` of step 1 or S1, else ``_Fill``."""
+    """Return the end of the names of a step's variables: ``1`` of step 1 or S1, else ``_Fill``."""
     return str(step.number) if step.number is not None else step_digits(step.name) or f"_{step.name}"
 
 
@@ -162,29 +162,29 @@ class Texts:
     unstable_comment = "no stable situation was found"
 
     def said(self, *texts: Text | None) -> str:
-        """What the chart says to people, each thing once, in this language where it is said in it."""
+        """Return captions of the chart in this language where they have it, each once."""
         return "\n".join(filter(None, dict.fromkeys(plain(text, self.language) for text in texts)))
 
     def remark(self, element: Step | Transition) -> str:
-        """What the chart says of a step or transition: its title and comment."""
+        """Return the title and comment of a step or transition."""
         return self.said(element.title, element.comment)
 
     def set_while(self, condition: str) -> str:
-        """The comment of an action with a condition."""
+        """Return the comment of an action with a condition."""
         return f"set action while {condition}"
 
     def jump(self, step: Step, *, initial: bool, back: bool) -> str:
-        """The comment of going on: to the next step, or back."""
+        """Return the comment of a change of step: to the next one, or back."""
         if initial:
             return "jump to the first step"
         return f"jump to step {step.name}" if back else "go on to the next step"
 
     def flag_name(self, step: Step) -> str:
-        """The flag of a step: ``X1`` of step 1 or S1, else with its name (``X_Fill``)."""
+        """Return the flag of a step: ``X1`` of step 1 or S1, else with its name (``X_Fill``)."""
         return f"X{_short(step)}"
 
     def transition_name(self, net: Net, transition: NetTransition) -> str:
-        """The bit of a transition: ``T3`` of transition 3 or Trans3, else with its name (``T_Full``).
+        """Return the bit of a transition: ``T3`` of transition 3 or Trans3, else with its name (``T_Full``).
 
         Without a name: with the steps that it joins, the first ones of each side (``T1_2``, ``T_Fill_Drain``). So it is
         the same when other transitions come or go.
@@ -199,70 +199,70 @@ class Texts:
         return f"T{before}_{after.removeprefix('_') or self.suffixes.get('end', 'end')}"
 
     def with_suffix(self, name: str, suffix: Suffix) -> str:
-        """The name of a variable that belongs to what `name` names: ``Push_edge``."""
+        """Return the name of a variable that belongs to what `name` names: ``Push_edge``."""
         return f"{name}_{self.suffixes.get(suffix, suffix)}"
 
     def time_name(self, step: Step) -> str:
-        """The timer of a step."""
+        """Return the timer of a step."""
         return self.with_suffix(self.flag_name(step), "time")
 
     def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
-        """The variable of ``↑a`` or ``↓a``."""
+        """Return the variable of ``↑a`` or ``↓a``."""
         return "_".join([*operands[:3], "rises" if rising else "falls"])
 
     def delay_name(self, operands: Sequence[str], time: str) -> str:
-        """The timer of ``3s/a`` or ``a/3s``."""
+        """Return the timer of ``3s/a`` or ``a/3s``."""
         return "_".join([*operands[:3], time.rpartition("#")[2]])
 
     def flag_of(self, path: str) -> str:
-        """The comment of a step's flag."""
+        """Return the comment of a step's flag."""
         return f"step {path} is active"
 
     def described_flag(self, step: Step, path: str) -> str:
-        """The same with what the chart says of the step, where that has no network of its own."""
+        """Return the same with the captions of the step, where it has no network of its own."""
         return ": ".join(filter(None, [self.flag_of(path), " ".join(self.remark(step).split())]))
 
     def transition_title(self, path: str) -> str:
-        """The title of a transition's network."""
+        """Return the title of a transition's network."""
         return f"Transition {path}"
 
     def transition_of(self, path: str) -> str:
-        """The comment of a transition's bit."""
+        """Return the comment of a transition's bit."""
         return f"transition {path} fires"
 
     def again_of(self, path: str) -> str:
-        """The comment of the flag of a step that a transition leaves and enters at once."""
+        """Return the comment of the flag of a step that a transition leaves and enters at once."""
         return f"step {path} starts anew"
 
     def part(self, path: str) -> str:
-        """The title of the CASE of a part of the chart, which begins with a step."""
+        """Return the title of the CASE of a part of the chart, which begins with a step."""
         return f"Step sequence from {path}"
 
     def enumeration_of(self, pou: str) -> str:
-        """The comment of the type that has the steps of a POU as values."""
+        """Return the comment of the type that has the steps of a POU as values."""
         return f"steps of {pou}"
 
     def waiting(self, paths: Iterable[str]) -> str:
-        """The comment of the state that waits for the end of the branches that begin with these steps."""
+        """Return the comment of the state that waits for the end of the branches that begin with these steps."""
         return f"simultaneous branches from {', '.join(paths)}"
 
     def step(self, step: Step, path: str, *, initial: bool) -> str:
-        """The title of a step's network."""
+        """Return the title of a step's network."""
         return f"Step {_numbered(step, path)}" + (" – initial step" if initial else "")
 
     def step_numbers(self, net: Net, numbers: Sequence[int]) -> str:
-        """The comment that tells the numbers of steps, a line for each; empty where their names say them."""
+        """Return the comment that lists the numbers of steps; empty where their names have them."""
         pairs = list(zip(net.steps, numbers, strict=True))
         if all(step_digits(step.path) == str(number) for step, number in pairs):
             return ""
         return "\n".join(f"{number} = {step.path}" for step, number in sorted(pairs, key=lambda pair: pair[1]))
 
     def maximum_time(self, path: str) -> str:
-        """The title of the network that watches the time of a step."""
+        """Return the title of the network that watches the time of a step."""
         return f"Maximum time of step {path}"
 
     def action(self, name: str) -> str:
-        """The title of an action's network."""
+        """Return the title of an action's network."""
         return f"Action {name}"
 
 
@@ -387,53 +387,53 @@ class GermanTexts(Texts):
     unstable_comment = "es wurde keine stabile Situation gefunden"
 
     def set_while(self, condition: str) -> str:
-        """The comment of an action with a condition."""
+        """Return the comment of an action with a condition."""
         return f"Aktion setzen, solange {condition} aktiv"
 
     def jump(self, step: Step, *, initial: bool, back: bool) -> str:
-        """The comment of going on: to the next step, or back."""
+        """Return the comment of going on: to the next step, or back."""
         if initial:
             return "Sprung zum ersten Schritt"
         return f"Sprung zu Schritt {step.name}" if back else "In den nächsten Schritt schalten"
 
     def edge_name(self, operands: Sequence[str], *, rising: bool) -> str:
-        """The variable of ``↑a`` or ``↓a``."""
+        """Return the variable of ``↑a`` or ``↓a``."""
         return "_".join([*operands[:3], "steigt" if rising else "faellt"])
 
     def flag_of(self, path: str) -> str:
-        """The comment of a step's flag."""
+        """Return the comment of a step's flag."""
         return f"Schritt {path} ist aktiv"
 
     def transition_of(self, path: str) -> str:
-        """The comment of a transition's bit."""
+        """Return the comment of a transition's bit."""
         return f"Transition {path} schaltet"
 
     def again_of(self, path: str) -> str:
-        """The comment of the flag of a step that a transition leaves and enters at once."""
+        """Return the comment of the flag of a step that a transition leaves and enters at once."""
         return f"Schritt {path} beginnt neu"
 
     def part(self, path: str) -> str:
-        """The title of the CASE of a part of the chart, which begins with a step."""
+        """Return the title of the CASE of a part of the chart, which begins with a step."""
         return f"Schrittfolge ab {path}"
 
     def enumeration_of(self, pou: str) -> str:
-        """The comment of the type that has the steps of a POU as values."""
+        """Return the comment of the type that has the steps of a POU as values."""
         return f"Schritte von {pou}"
 
     def waiting(self, paths: Iterable[str]) -> str:
-        """The comment of the state that waits for the end of the branches that begin with these steps."""
+        """Return the comment of the state that waits for the end of the branches that begin with these steps."""
         return f"parallele Zweige ab {', '.join(paths)}"
 
     def step(self, step: Step, path: str, *, initial: bool) -> str:
-        """The title of a step's network."""
+        """Return the title of a step's network."""
         return f"Schritt {_numbered(step, path)}" + (" – Initialschritt" if initial else "")
 
     def maximum_time(self, path: str) -> str:
-        """The title of the network that watches the time of a step."""
+        """Return the title of the network that watches the time of a step."""
         return f"Höchstzeit von Schritt {path}"
 
     def action(self, name: str) -> str:
-        """The title of an action's network."""
+        """Return the title of an action's network."""
         return f"Aktion {name}"
 
 

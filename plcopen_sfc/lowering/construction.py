@@ -60,9 +60,9 @@ from plcopen_sfc.model.types import DataTypeDeclaration
 
 @contextmanager
 def errors_of(project: Project, pou: Pou, name: str) -> Iterator[None]:
-    """Errors of lowering the chart called `name`, that of the POU or of an action, get the place of that chart.
+    """Give errors of lowering the chart called `name`, that of the POU or of an action, the place of that chart.
 
-    Whoever raises them sees a POU with a chart, and knows nothing of actions and files.
+    The code that raises them has a POU with a chart, and knows nothing of actions and files.
     """
     try:
         yield
@@ -83,7 +83,7 @@ def choose(
     style: Style,
     language: Language | None,
 ) -> tuple[Construction, Language, str]:
-    """The construction, its language, and why it was taken.
+    """Return the construction, its language, and the reason for it.
 
     Raises `LoweringError` where the construction has no such language, or none of the options that were asked for.
     """
@@ -196,12 +196,12 @@ def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
 
 @dataclass(frozen=True)
 class Constructed:
-    """A POU made of a chart. `why` says why this construction was taken, `rules` what it obeys.
+    """POU made of a chart. `why` is the reason for the construction, `rules` are those that it keeps.
 
-    `step_flags` is what tells in its code that a step is active, by the path of the step; `situation` what does between
-    two scans, where that is not the same. `at_rest` and `left_out` say when it does what the chart does: while inputs
-    that were added have these values, and the variable is FALSE. `data_types` are what the project needs besides.
-    `step_numbers` are the numbers that steps have in the code, by their paths, where it knows them by numbers.
+    `step_flags` are the expressions that are TRUE while a step is active, by the path of the step; `situation` those
+    that hold between two scans, where that is not the same. The code does what the chart does while inputs that were
+    added have the values of `at_rest` and the variable `left_out` is FALSE. `data_types` and `blocks` are new in the
+    project. `step_numbers` are the numbers of steps in the code by their paths, where it has numbers for them.
     """
 
     pou: Pou
@@ -231,7 +231,7 @@ def construct(
 ) -> Constructed:
     """Lower `chart`, which is the body of `pou`, a part of `project`.
 
-    Raises `LoweringError` for what cannot be said in the target.
+    Raises `LoweringError` for what the target cannot express.
     """
     project = project or Project(dialect=dialect)
     surroundings = names_of(project)
@@ -304,7 +304,7 @@ def _read(pou: Pou, chart: SfcNetwork, dialect: Dialect, rules: LoweringRules, p
 def _code(
     source: ChartSource, dialect: Dialect, rules: LoweringRules, language: Language, project: Project
 ) -> LoweredCode:
-    """Nothing yet, but all that is known of what it is for."""
+    """Return empty code that knows its target and the names that are taken."""
     code = LoweredCode(Naming(dialect, [*source.names(), *names_in_conditions(rules, dialect)]))
     code.tool = tool_of(rules.target, dialect)
     code.known_types = {kind.name.casefold() for kind in project.data_types}
@@ -331,14 +331,14 @@ def _fill(maker: Sequencer | ScanSchedule, construction: Construction, style: St
 
 
 def _numbers(source: ChartSource, construction: Construction, rules: LoweringRules) -> dict[str, int]:
-    """The numbers of steps where they are states, or are selected by them."""
+    """Return the numbers of steps where they are states, or are selected by them."""
     if construction not in (Construction.CASE, Construction.REGIONS) and OperatingMode.SELECT not in rules.modes:
         return {}
     return dict(zip((step.path for step in source.net.steps), step_numbers(source.net), strict=True))
 
 
 def _told(expression: Expression, dialect: Dialect) -> str:
-    """What tells of a step, by bare names of variables, which are the same in files of other dialects."""
+    """Return an expression with bare names of variables, which are the same in files of other dialects."""
 
     def bare(node: Node) -> Node:
         return Name(node.identifier) if isinstance(node, Name) else node

@@ -29,16 +29,16 @@ _MARKS = re.compile(r"^\s*//+|\(\*+|\*+\)|/\*+|\*+/", re.MULTILINE)
 
 
 class Caption(NamedTuple):
-    """A text for people, and the path of what it is about."""
+    """Text for people, and the path of its subject."""
 
     path: str
     text: Text
 
 
 def captions(thing: Any, path: str, dialect: Dialect | None) -> Iterator[Caption]:
-    """All texts for people in a part of the model, in the order in which it has them.
+    """Yield all texts for people in a part of the model, in the order in which it has them.
 
-    Without a `dialect` structured text is given as a whole, else what its comments say.
+    Without a `dialect` structured text is given as a whole, else its comments.
     """
     if isinstance(thing, list | tuple):
         for each in thing:
@@ -76,7 +76,7 @@ def _inside(text: str, path: str, dialect: Dialect | None) -> Iterator[Caption]:
 
 
 def caption_texts(text: Text) -> dict[str, str]:
-    """What a text says, by language; in none where it does not say in which, and nothing where it is empty."""
+    """Return a text by language: under an empty name where it has none, nothing where it is empty."""
     if isinstance(text, MultilingualText):
         return {language: each for language, each in text.texts.items() if _bare(each)}
     only = text.text if isinstance(text, MarkupText) else text
@@ -84,7 +84,7 @@ def caption_texts(text: Text) -> dict[str, str]:
 
 
 class CodeCaptions:
-    """All that the code of some POUs says to people."""
+    """All titles and comments in the code of some POUs."""
 
     def __init__(self, pous: Iterable[Pou]) -> None:
         found = [remark.text for pou in pous for remark in captions(pou, "", None)]
@@ -93,7 +93,7 @@ class CodeCaptions:
         self._all = _bare(" ".join(texts))
 
     def has(self, text: str) -> bool:
-        """Whether all lines of a text stand somewhere in it, as words of their own."""
+        """Return True if it has all lines of a text, as words of their own."""
         return all(line in self._lines or self._contains(line) for line in map(_bare, text.splitlines()))
 
     def _contains(self, line: str) -> bool:
@@ -101,7 +101,7 @@ class CodeCaptions:
 
 
 def _bare(text: str) -> str:
-    """A text without the marks of comments, its words divided by one space each."""
+    """Return a text without the marks of comments, its words divided by one space each."""
     return " ".join(_MARKS.sub(" ", text).split())
 
 
@@ -109,7 +109,7 @@ _SHOWN = 60
 
 
 def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language: str) -> tuple[Item, ...]:
-    """What the code does not hold of a chart, or what means nothing under the profile.
+    """Return what the code does not hold of a chart, and what means nothing under the profile.
 
     `lowered`: the POU of `subject` with its code, then the blocks that were made besides. `language` is that of the
     texts in the code (``de``).
@@ -132,7 +132,7 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
 
 
 def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
-    """The body whose chart was lowered, and what is gone with it: actions and transition objects, charts of actions."""
+    """Yield the lowered body and the actions, transition objects and charts that went with it, with their paths."""
     own = subject.pou
     if own.body is not None:
         yield own.report_path_of(subject.name), own.body
@@ -150,7 +150,7 @@ def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
 
 
 def _unsaid(remark: Caption, said: CodeCaptions, language: str) -> Iterator[Item]:
-    """A text for people that the code does not have, or has in one of its languages only."""
+    """Yield a text for people that the code does not have, or has in one of its languages only."""
     texts = caption_texts(remark.text)
     missing = {culture: text for culture, text in texts.items() if not said.has(text)}
     if not missing:
@@ -164,7 +164,7 @@ def _unsaid(remark: Caption, said: CodeCaptions, language: str) -> Iterator[Item
 
 
 class _Chart:
-    """What of one chart has no effect on its code."""
+    """Contents of one chart that have no effect on its code."""
 
     def __init__(self, subject: Subject, chart: SfcNetwork, profile: Profile, path: str) -> None:
         self._chart, self._profile, self._path = chart, profile, path
@@ -175,7 +175,7 @@ class _Chart:
         self._watched = profile.maximum_times and SfcFlag.ERROR in flags
 
     def losses(self) -> Iterator[Item]:
-        """What is excluded from the build, and what nothing asks for."""
+        """Yield what is excluded from the build, and times and numbers that no code asks for."""
         for chart in _charts(self._chart):
             for step in chart.steps:
                 yield from self._of_step(step)
@@ -208,7 +208,7 @@ class _Chart:
 
 
 def _charts(chart: SfcNetwork) -> Iterator[SfcNetwork]:
-    """A chart, those of its macro-steps, and its partial charts."""
+    """Yield a chart, those of its macro-steps, and its partial charts."""
     yield chart
     for partial in chart.partial_charts:
         yield from _charts(partial.chart)

@@ -13,10 +13,10 @@ from plcopen_sfc.semantics.profile import Profile
 
 
 class Construction(StrEnum):
-    """What a chart is lowered to.
+    """Form of the code of a chart.
 
-    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. REGIONS: one CASE
-    for each part in which one step is active at a time. BITS: step bits in structured text. AUTO: the most readable of
+    FLIPFLOP: a reset-dominant flip-flop for each step. CASE: one CASE on a state variable. REGIONS: one CASE for each
+    part in which one step is active at a time. BITS: step bits in structured text. AUTO: the most readable of
     structured text that is exact.
     """
 
@@ -28,14 +28,14 @@ class Construction(StrEnum):
 
 
 class Style(StrEnum):
-    """EXACT: does what the chart does. CLASSIC: the textbook form, which does not quite."""
+    """EXACT: the code does what the chart does. CLASSIC: the textbook form, which differs in known ways."""
 
     EXACT = "exact"
     CLASSIC = "classic"
 
 
 class Language(StrEnum):
-    """The language of the body that is made."""
+    """Language of the body that is made."""
 
     ST = "ST"
     FBD = "FBD"
@@ -43,7 +43,7 @@ class Language(StrEnum):
 
 
 class States(StrEnum):
-    """What the states of a CASE are written as.
+    """Form of the states of a CASE.
 
     NUMBERS: the numbers of the steps. CONSTANTS: names of constants with these values. ENUMERATION: values of a type.
     """
@@ -54,14 +54,14 @@ class States(StrEnum):
 
 
 class ActionPlace(StrEnum):
-    """Where the actions stand. INLINE: behind the chain. BLOCK: in a block of their own, which the chain calls."""
+    """Place of the actions. INLINE: behind the sequence. BLOCK: in a block of their own, which the sequence calls."""
 
     INLINE = "inline"
     BLOCK = "block"
 
 
 class OperatingMode(StrEnum):
-    """Inputs that lowered code can have besides those of the chart.
+    """Operating modes, for each of which lowered code gets inputs.
 
     ENABLE: transitions fire only while it is TRUE. SINGLE_STEP: while it is on, only a rising edge of the advance input
     lets transitions fire whose conditions are TRUE. ADVANCE: while it is on, that edge lets them fire whatever their
@@ -76,15 +76,15 @@ class OperatingMode(StrEnum):
 
 @dataclass(frozen=True)
 class LoweringRules:
-    """What a lowering obeys.
+    """Rules that a lowering keeps.
 
-    `profile`: what the chart does. `init`: the name of an input to add that starts the chain anew; None is the usual
-    one, which textbook forms have and exact ones have not, an empty text is none for both. `stop`: a condition
-    in the dialect of the project, or the name of an input to add; while it is TRUE initial steps are set and all others
-    reset. `reset_actions`: `init` and `stop` end stored actions too. `flags`: where step flags are: ``local``, an
+    `profile`: how the chart is executed. `init`: the name of an input to add that restarts the sequence; None is the
+    usual one, which textbook forms have and exact ones do not, an empty text is none for both. `stop`: a condition in
+    the dialect of the project, or the name of an input to add; while it is TRUE initial steps are set and all others
+    reset. `reset_actions`: `init` and `stop` end stored actions too. `flags`: the place of step flags: ``local``, an
     address of the first one (``M20.0``), or the name of a data block. `target`: the format that the code is for,
-    without its version. `at_rest`: commands and mode switches of an S7-GRAPH block that nobody operates, ``all`` for
-    all it has: there is no code for them, and it does what the chart does while they are FALSE.
+    without its version. `at_rest`: commands and mode switches of an S7-GRAPH block that are inactive inputs, ``all``
+    for all that it has: there is no code for them, and the code does what the chart does while they are FALSE.
     """
 
     profile: Profile
@@ -111,25 +111,25 @@ _DIALECTS = {Dialect.SCL: Tool.S7, Dialect.CODESYS: Tool.CODESYS, Dialect.TWINCA
 
 
 def tool_of(target: str | None, dialect: Dialect) -> Tool | None:
-    """The tool that a format is for; without a format that of the dialect of the project. None: IEC 61131-3."""
+    """Return the tool that a format is for; without a format that of the dialect of the project. None: IEC 61131-3."""
     return _FORMATS.get(target) if target is not None else _DIALECTS.get(dialect)
 
 
 def has_one_sheet(target: str | None) -> bool:
-    """Whether a format has all networks of a body on one sheet, as TC6 does."""
+    """Return True if a format has all networks of a body on one sheet, as TC6 does."""
     return target is not None and (target == "codesys" or target.startswith("plcopen"))
 
 
 def has_networks(target: str | None) -> bool:
-    """Whether a format can hold networks; in one that is text for another tool they would be comments only."""
+    """Return True if a format can hold networks; in SCL they would only be comments."""
     return target != "scl"
 
 
 def shows_networks(target: str | None) -> bool:
-    """Whether who opens a file of a format sees networks: textual IEC 61131-3 says them in statements of its own."""
+    """Return True if a file of a format shows networks: textual IEC 61131-3 holds them as statements of its own."""
     return has_networks(target) and target != "iec-text"
 
 
 def without_version(target: str) -> str:
-    """The name of a format: ``simaticml`` of ``simaticml-V17``."""
+    """Return the name of a format: ``simaticml`` of ``simaticml-V17``."""
     return re.sub(r"-V?\d.*", "", target)

@@ -32,10 +32,10 @@ _STEP_DATA = frozenset({"x", "t", "_x", "_t"})
 
 
 def with_step_data(pou: Pou, flags: Mapping[str, str], dialect: Dialect) -> Pou:
-    """A copy of `pou` in which `flags` stand for what asks if a step is active; they are by the names of the steps.
+    """Return a copy of `pou` with `flags` (by the names of steps) in the place of step variables in its bodies.
 
-    There are no steps any more, and names of steps would be those of variables that nothing declares. Raises
-    `LoweringError` where the code does not keep what is asked for, or a contact cannot ask for it.
+    There are no steps any more: their names would be those of variables that nothing declares. Raises `LoweringError`
+    where the code does not keep what is asked for, or a contact cannot ask for it.
     """
     declared = {variable.name.casefold() for variable in pou.variables()}
     told = {name: flag for name, flag in flags.items() if name not in declared}
@@ -46,11 +46,11 @@ def with_step_data(pou: Pou, flags: Mapping[str, str], dialect: Dialect) -> Pou:
 
 
 class ContactError(LoweringError):
-    """A contact asks for a step, and no variable of the code tells of it."""
+    """A contact asks for a step that no variable of the code stands for."""
 
 
 class _Replacing:
-    """Replaces step variables in one body, of which `path` tells where it is."""
+    """Replacement of step variables in one body, whose place is `path`."""
 
     def __init__(self, flags: Mapping[str, str], dialect: Dialect, path: str) -> None:
         self._flags, self._dialect, self._path = flags, dialect, path
@@ -102,10 +102,10 @@ class _Replacing:
 def with_actions(
     made: Constructed, dialect: Dialect, rules: LoweringRules, language: Language | None, project: Project
 ) -> Constructed:
-    """The same with code instead of the charts of those actions that its code calls, and that these call.
+    """Return the same with code in the place of the charts of those actions that its code calls, and that these call.
 
-    They have the construction of the chart where it can hold them. What starts a chain anew and operates it concerns
-    the chart itself. What other bodies ask of steps is told by the code of their charts.
+    They have the construction of the chart where it can hold them. Restart and operating modes concern the chart
+    itself. Step variables in other bodies are replaced by the flags of the charts.
     """
     inner = replace(rules, init=None, stop=None, reset_actions=False, flags="local", modes=frozenset())
     pou, data_types, body = made.pou, list(made.data_types), made.pou.body
@@ -142,7 +142,7 @@ def with_actions(
 
 
 def _by_name(flags: Mapping[str, str]) -> dict[str, str]:
-    """What tells of steps, by their names instead of their paths."""
+    """Return the same by the names of steps instead of their paths."""
     return {path.rpartition(".")[2].casefold(): flag for path, flag in flags.items()}
 
 
@@ -155,7 +155,7 @@ _LEAVING = (n.Return, n.Goto, n.Label)
 
 
 def with_actions_inside(pou: Pou, dialect: Dialect) -> Pou:
-    """`pou` with the statements of its actions instead of their calls, each behind a comment with its name.
+    """Return `pou` with the statements of its actions in the place of their calls, each behind a comment with its name.
 
     Calls stay of actions that are drawn, that return or jump, and that call themselves.
     """
@@ -199,7 +199,7 @@ def _inlined(text: str, texts: Mapping[str, str], dialect: Dialect) -> str:
 
 
 def _called_alone(node: n.Node) -> str | None:
-    """The name of what a statement calls without arguments."""
+    """Return the name of what a statement calls without arguments."""
     call = node.call if isinstance(node, n.CallStatement) else None
     if isinstance(call, n.Call) and not call.arguments:
         call = call.callee
@@ -207,7 +207,7 @@ def _called_alone(node: n.Node) -> str | None:
 
 
 def without_leftovers(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
-    """`lowered` without the actions and transitions that the charts of `original` used and its code does not call.
+    """Return `lowered` without the actions and transitions that only the charts of `original` used.
 
     In IEC 61131-3 they are a part of a chart (6.7.4.2, 6.7.3): nothing else can call them, and textual declarations
     with a body of statements have no place for them. In other dialects an action is called from anywhere, and stays.
@@ -225,7 +225,7 @@ def without_leftovers(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
 
 
 def _used(pou: Pou) -> tuple[set[str], set[str]]:
-    """The names of actions and of transition objects in the charts of a POU."""
+    """Return the names of actions and of transition objects in the charts of a POU."""
     actions: set[str] = set()
     transitions: set[str] = set()
     for body in (*pou.bodies, *(action.body for action in pou.actions)):
@@ -237,7 +237,7 @@ def _used(pou: Pou) -> tuple[set[str], set[str]]:
 
 
 def _actions_called(pou: Pou, dialect: Dialect) -> dict[str, Body | None]:
-    """The actions that the code calls, and those that these call: their bodies by name."""
+    """Return the actions that the code calls, and those that these call: their bodies by name."""
     by_name = {action.name.casefold(): action.body for action in pou.actions}
     called: dict[str, Body | None] = {}
     bodies: list[Body | None] = [*pou.bodies]

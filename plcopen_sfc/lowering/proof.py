@@ -54,7 +54,7 @@ in manual mode only, and runs in which everything is operated rarely stay in it:
 
 
 def operating_inputs(chart: Subject, profile: Profile) -> dict[str, int]:
-    """The inputs of a block that operate its sequencer, and their values at rest."""
+    """Return the inputs of a block that operate its sequencer, and their values at rest."""
     if not profile.graph_parameters:
         return {}
     return {v.name: 0 for v in chart.pou.variables(SectionKind.INPUT) if v.name.upper() in PARAMETERS}
@@ -63,7 +63,7 @@ def operating_inputs(chart: Subject, profile: Profile) -> dict[str, int]:
 def compared_while_operated(
     compared: Callable[..., Verdict], operating: Mapping[str, int], fixed: Mapping[str, bool], cap: int, runs: int
 ) -> Verdict:
-    """What `compared` comes to. `operating`: inputs that operate the sequencer; others as in `equivalent`."""
+    """Return the verdict of `compared`. `operating`: inputs that operate the sequencer; others as in `equivalent`."""
     operated = [name for name in operating if name not in fixed]
     if not operated:
         return compared(fixed=fixed, cap=cap, runs=runs)
@@ -99,7 +99,7 @@ def compared_while_operated(
 
 
 def _groups(operated: Sequence[str]) -> list[list[str]]:
-    """The groups of which a block has inputs, without those that are a part of another one."""
+    """Return the groups of which a block has inputs, without those that are a part of another one."""
     found = dict.fromkeys(frozenset(name for name in operated if name.upper() in group) for group in _GROUPS)
     largest = [group for group in found if group and not any(group < other for other in found)]
     return [[name for name in operated if name in group] for group in largest]
@@ -111,7 +111,7 @@ _STATES = 20_000
 
 
 class ProofOptions(NamedTuple):
-    """What a user wants of a proof: to take code of which not all was reached, and how to search (`equivalent`)."""
+    """Wishes for a proof: to take code of which not all was reached, and how to search (`equivalent`)."""
 
     accept_untested: bool = False
     searching: Searching = {}  # noqa: RUF012  # nothing writes it
@@ -130,7 +130,7 @@ def prove(
     scans: int = 200,
     **searching: Unpack[Searching],
 ) -> Verdict:
-    """What comparing `code` with `chart` comes to; arguments as in `equivalent`.
+    """Compare `code` with `chart`; arguments as in `equivalent`.
 
     Raises `LoweringError` where one of them cannot be executed: it calls what the simulator does not know, or its texts
     are wrong in their types.
@@ -185,7 +185,7 @@ def refuse_untested(name: str, found: Verdict, *, accepted: bool = False) -> Non
 
 
 def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[Subject, Subject]:
-    """The same with SFC flags of CODESYS that are local as inputs.
+    """Return the same with local SFC flags of CODESYS as inputs.
 
     A visualisation writes them, or a call of the chart from elsewhere.
     """
@@ -196,7 +196,7 @@ def compared_subjects(chart: Subject, code: Subject, profile: Profile) -> tuple[
 
 
 def _renamed_inputs(chart: Subject, code: Subject, profile: Profile) -> dict[str, str]:
-    """What variables that nobody declares are called in the code, if its dialect does not take their names."""
+    """Return the names of undeclared variables in the chart, by their names in the code."""
     target = code.project.dialect
     if target in (chart.project.dialect, Dialect.SCL):
         return {}
@@ -213,7 +213,7 @@ def _renamed_inputs(chart: Subject, code: Subject, profile: Profile) -> dict[str
 
 
 def _renamed(name: str, target: Dialect) -> str:
-    """A pattern of what a name is called in a dialect."""
+    """Return a pattern of the names that a variable can have in a dialect."""
     if is_identifier(name) and not is_reserved(name, target):
         return re.escape(name)
     return re.escape(identifier(name)) + "(_[0-9]+)?"
@@ -228,7 +228,7 @@ def _incomparable(chart: Subject, why: str) -> LoweringError:
 
 
 def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
-    """The SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
+    """Return the SFC flags that operate a chart, or charts of actions beside it, by their names in lower case."""
     charts = [body.chart for _, _, body in chart.pou.named_bodies() if isinstance(body, SfcBody)]
     own = {v.name.casefold() for v in chart.pou.variables()}
     known = own | names_of(chart.project)
@@ -239,7 +239,7 @@ def _commands(chart: Subject, profile: Profile) -> dict[str, str]:
 
 
 def _with_inputs(subject: Subject, names: Mapping[str, str]) -> Subject:
-    """The same with variables of these names as inputs, if they are local, or if only the tool declares them."""
+    """Return the same with variables of these names as inputs, if they are local, or if only the tool declares them."""
     old = subject.pou.interface
     interface = old.model_copy(deep=True, update={"declaration": None}) if old is not None else Interface()
     declared = {variable.name.casefold() for variable in interface.variables()}

@@ -42,10 +42,10 @@ def prove_written(
     whole: Callable[[], Project],
     **searching: Unpack[Searching],
 ) -> Verdict:
-    """What comparing the code in a file with `chart` comes to. `seen`: the file as its tool sees it (`load(as_tool=)`).
+    """Compare the code in a file with `chart`. `seen`: the file as its tool reads it (`load(as_tool=)`).
 
-    `whole` loads the same file with what we carry in it. Raises `LoweringError` where `seen` lacks what the code needs,
-    where it cannot be executed, and where exact code is different from the chart.
+    `whole` loads the same file with the extension data of this package. Raises `LoweringError` where `seen` lacks what
+    the code needs, where it cannot be executed, and where exact code is different from the chart.
     """
     try:
         found = _proved(chart, seen, lowered, **searching)
@@ -116,7 +116,7 @@ def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> Lo
 
 
 def _places(seen: Project, whole: Project, pou: str) -> Iterator[str]:
-    """What its tool does not see of a file: what stands in the POU first, and what most likely matters."""
+    """Yield the parts of a file that its tool does not see: those in the POU first, and the most likely ones."""
     found = differences(seen, whole, ignore=_NO_CODE)
     for each in sorted(found, key=lambda each: (each.path.partition(" / ")[0] != f"POU {pou}", _rank(each.path))):
         yield f"{each.path} ({_short(each.right)})"

@@ -118,7 +118,7 @@ def _show(screen: Screen, target: str, lowered: Sequence[LoweredPou], report: Co
 
 
 def _beside(source: Path, to: str) -> str:
-    """A name next to `source`: a folder for a folder, if the format has them."""
+    """Return a name next to `source`: a folder for a folder, if the format has them."""
     kind = format_named(to)[0]
     extension = "" if source.is_dir() and kind.folders else kind.extensions[0]
     place = source.resolve() if source.is_dir() else source

@@ -39,9 +39,9 @@ _STORED = {Q.S, Q.SD, Q.DS, Q.SL}
 
 
 class ActionControlCode:
-    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
+    """Action control of one action after the other. `active` gives the flag of a step by its index in the net.
 
-    `ending`: what ends stored actions besides R.
+    `ending`: a condition that ends stored actions besides R.
     """
 
     def __init__(self, memory: Memory, active: StepValue, ending: Expression = FALSE) -> None:
@@ -50,20 +50,20 @@ class ActionControlCode:
         self._ending = ending
 
     def drive(self, action: ActionSource, into: list[Statement]) -> Expression:
-        """Whether the action is active: the output Q of its action control, with its pulses P1 and P0."""
+        """Return the output Q of the action control, with its pulses P1 and P0: TRUE while the action is active."""
         reset = self._input(action, Q.R, Q.R0)
         terms = [*self._lasting(action, reset, into), *self._single(action, into)]
         return self._unless(reset, terms, action)
 
     def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
-        """The same in two parts: what lasts, after whose end an action is executed once more, and P1 and P0."""
+        """Return Q in two parts: one that lasts, after whose end an action is executed once more, and P1 and P0."""
         reset = self._input(action, Q.R, Q.R0)
         lasting = self._unless(reset, self._lasting(action, reset, into), action)
         single = conjunction([disjunction(self._single(action, into)), negation(reset)])
         return lasting, single
 
     def _unless(self, reset: Expression, terms: list[Expression], action: ActionSource) -> Expression:
-        """Any of the terms, and no reset, which flip-flops and what hangs on them have seen already."""
+        """Return any of the terms, without reset: flip-flops and all that depends on them have had it already."""
         if {use.qualifier for use in action.uses} <= _STORED | {Q.R, Q.R0}:
             return disjunction(terms)
         return conjunction([disjunction(terms), negation(reset)])
@@ -82,7 +82,7 @@ class ActionControlCode:
         return found
 
     def _input(self, action: ActionSource, *qualifiers: Qualifier) -> Expression:
-        """The input of the action control for these qualifiers: any step that uses the action with one of them."""
+        """Return the input of the action control for these qualifiers: the steps with such associations."""
         return disjunction(self._of(use) for use in action.uses if use.qualifier in qualifiers)
 
     def _of(self, use: ActionUse) -> Expression:
@@ -133,7 +133,7 @@ class ActionControlCode:
         return found
 
     def _time(self, action: ActionSource, qualifier: Qualifier, into: list[Statement]) -> Expression:
-        """The time of the first use that is on. Where it can change it is kept in a variable."""
+        """Return the time of the first use that is on. Where it can change it is kept in a variable."""
         uses = [use for use in action.uses if use.qualifier is qualifier and use.duration is not None]
         times = [use.duration for use in uses if use.duration is not None]
         kept = qualifier in (Q.SD, Q.SL) and not isinstance(times[0], n.Literal)  # their timers go on without the step
@@ -149,13 +149,13 @@ _STORING = frozenset({Q.S, Q.SD, Q.DS, Q.SL})
 
 
 class Decision(NamedTuple):
-    """When something becomes TRUE, and when FALSE: never both, and in other scans it keeps what it has."""
+    """Conditions under which a value becomes TRUE and FALSE: never both; in other scans it stays."""
 
     on: Expression
     off: Expression
 
     def then(self, later: Decision) -> Decision:
-        """This decision, unless a later one says otherwise."""
+        """Return this decision, unless a later one is made."""
         on = disjunction([later.on, conjunction([self.on, negation(later.off)])])
         off = disjunction([later.off, conjunction([self.off, negation(later.on)])])
         return Decision(on, off)
@@ -165,16 +165,16 @@ _UNDECIDED = Decision(FALSE, FALSE)
 
 
 def stepwise_timed(source: ChartSource) -> list[int]:
-    """The steps whose times this control asks for."""
+    """Return the steps whose times this control asks for."""
     timed = [use for action in source.actions for use in action.uses if use.qualifier in (Q.D, Q.L)]
     return sorted({step for use in timed for step in use.steps})
 
 
 class SequentialControlCode:
-    """Makes the control of one action after the other. `active` gives the flag of a step by its index in the net.
+    """Control of one action after the other. `active` gives the flag of a step by its index in the net.
 
-    `ending`: what ends stored actions besides R. `entered`: the start is an activation of the initial steps. Raises
-    `LoweringError` for what cannot be measured so.
+    `ending`: a condition that ends stored actions besides R. `entered`: the start is an activation of the initial
+    steps. Raises `LoweringError` for times that cannot be measured so.
     """
 
     def __init__(
@@ -193,7 +193,7 @@ class SequentialControlCode:
         self._before: dict[tuple[int, ...], n.Name] = {}
 
     def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
-        """Whether an action with a body is executed; the second part, pulses for which others differ, is FALSE."""
+        """Return when an action with a body is executed; the second part, pulses of other controls, is FALSE."""
         decided = self._decided(action)
         set_, reset = self._set_and_reset(action, into)
         if is_constant(set_, FALSE):
@@ -202,16 +202,16 @@ class SequentialControlCode:
         return disjunction([decided.on, stored]), FALSE
 
     def decision(self, action: ActionSource, into: list[Statement]) -> Decision:
-        """When a Boolean variable is written."""
+        """Return when a Boolean variable is written."""
         set_, reset = self._set_and_reset(action, into)
         return self._decided(action).then(Decision(conjunction([set_, negation(reset)]), reset))
 
     def remember(self) -> list[Statement]:
-        """What must stand behind everything that this control made: the flags of steps for the next scan."""
+        """Return the statements behind all that this control made: the flags of steps for the next scan."""
         return [assignment(before, self._is_active(steps)) for steps, before in self._before.items()]
 
     def never_holds(self, action: ActionSource) -> bool:
-        """Whether a variable is FALSE in every scan in which nothing decides on it, if nothing else writes it.
+        """Return True if a variable is FALSE in every scan in which nothing decides on it, if nothing else writes it.
 
         A D whose time changes can decide on TRUE, and not at all in the next scan.
         """
@@ -223,7 +223,7 @@ class SequentialControlCode:
     # -- what associations decide
 
     def _decided(self, action: ActionSource) -> Decision:
-        """What the associations without memory decide together."""
+        """Return the joint decision of the associations without memory."""
         found = _UNDECIDED
         for use in action.uses:
             found = found.then(self._decides(action, use))
@@ -272,7 +272,7 @@ class SequentialControlCode:
         return conjunction([negation(self._acts(use)), self._acted(use)])
 
     def _is_late(self, action: ActionSource, use: ActionUse) -> Expression:
-        """Whether the step has been active for the time of a D or L."""
+        """Return an expression that is TRUE if the step has been active for the time of a D or L."""
         if use.inverted or len(use.steps) != 1 or use.duration is None:
             raise LoweringError(
                 f"{use.qualifier} is measured by the time of one step while that is active",
@@ -283,7 +283,7 @@ class SequentialControlCode:
     # -- what is stored
 
     def _set_and_reset(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:
-        """What sets a stored action in this scan, and what resets it."""
+        """Return what sets a stored action in this scan, and what resets it."""
         uses = {q: [use for use in action.uses if use.qualifier is q] for q in Q}
         stored = any(uses[q] for q in _STORING)
         set_ = [conjunction([self._acts(use), use.condition]) for use in uses[Q.S]]
@@ -298,7 +298,7 @@ class SequentialControlCode:
         return disjunction(set_), disjunction(reset)
 
     def _timer(self, name: str, uses: Sequence[ActionUse], also: Expression, into: list[Statement]) -> Expression:
-        """TRUE when the time since the last activation of a step is over, and with `also`, which ends the time too.
+        """Return when the time since the last activation of a step is over; `also` ends the time too.
 
         A time of zero never ends in the code of matiec. The time is that of the scan of the activation.
         """
@@ -337,7 +337,7 @@ class SequentialControlCode:
 
 
 def _is_positive(duration: Expression) -> Expression:
-    """Whether a time is longer than zero; what a literal says is decided here."""
+    """Return an expression that is TRUE if a time is longer than zero; of a literal that is known here."""
     if isinstance(duration, n.Literal):
         return TRUE if literal_value(duration, Dialect.IEC).value else FALSE
     return n.Operation(Operator.GREATER, (duration, n.Literal("T#0s")))

@@ -37,7 +37,7 @@ from plcopen_sfc.semantics.profile import ActionOrder, BooleanTargets
 
 
 class OwnVariables:
-    """The variables that only the actions of a chart write. `beside`: what else is executed in the POU."""
+    """Variables that only the actions of a chart write. `beside`: other code that is executed in the POU."""
 
     def __init__(self, source: ChartSource, beside: Iterable[Statement] = ()) -> None:
         blocks = standard_instances(source)
@@ -57,12 +57,12 @@ class OwnVariables:
                 self._variables |= {(variable.name.casefold(),): variable for variable in section.variables}
 
     def has(self, target: Expression) -> bool:
-        """Whether it is such a variable, one that does not outlive a restart."""
+        """Return True if it is such a variable, one that does not outlive a restart."""
         path = path_of(target)
         return path in self._variables and not self._others.touching([path])
 
     def is_false_at_rest(self, target: Expression) -> bool:
-        """Whether it is one that is FALSE anyway while its action is not executed."""
+        """Return True if it is one that is FALSE anyway while its action is not executed."""
         if not self.has(target):
             return False
         initial = self._variables[path_of(target)].initial
@@ -71,7 +71,7 @@ class OwnVariables:
 
 
 class WrittenPaths:
-    """What actions write: finds those that write a path, a part of it, or what it is part of."""
+    """Paths that actions write: finds the actions that write a path, a part of it, or what it is part of."""
 
     def __init__(self) -> None:
         self._whole: dict[tuple[bool, Path], set[int]] = {}
@@ -80,7 +80,7 @@ class WrittenPaths:
         self._all: set[int] = set()
 
     def add(self, index: int, written: Iterable[Path]) -> None:
-        """An action writes these paths."""
+        """Note that an action writes these paths."""
         for path in written:
             self._all.add(index)
             if path == ANYTHING:
@@ -91,7 +91,7 @@ class WrittenPaths:
                     self._starts.setdefault((is_part, form[:length]), set()).add(index)
 
     def touching(self, paths: Iterable[Path]) -> set[int]:
-        """The actions that write something of these paths."""
+        """Return the actions that write something of these paths."""
         found: set[int] = set()
         for path in paths:
             found |= self._all if path == ANYTHING else self._anything
@@ -104,12 +104,12 @@ class WrittenPaths:
 
 
 def _forms(path: Path) -> list[tuple[bool, Path]]:
-    """A path as it is, and without its first name: a global variable may be named with or without its list."""
+    """Return a path as it is, and without its first name: a global variable may be named with or without its list."""
     return [(False, path)] + ([(True, path[1:])] if len(path) > 1 else []) if path else []
 
 
 def standard_instances(source: ChartSource) -> set[Path]:
-    """The instances of standard function blocks of a POU: calling them writes nothing else."""
+    """Return the instances of standard function blocks of a POU: calling them writes nothing else."""
     kinds = {v.name: v.type.name for v in source.pou.variables() if isinstance(v.type, DerivedType)}
     kinds |= {helper.name: helper.type_name for helper in source.helpers if helper.type_name}
     blocks = {name: standard_block(kind) for name, kind in kinds.items()}
@@ -123,7 +123,7 @@ def add_actions(
     memory: Memory,
     rules: LoweringRules,
 ) -> None:
-    """Append what drives and executes the actions, in the order in which the profile does."""
+    """Append the code that drives and executes the actions, in the order of the profile."""
     actions = _in_order(source, rules)
     execution = _Execution(source, code, control, memory, rules)
     acting = [action for action in actions if action.target is not None or action.statements]
@@ -222,7 +222,7 @@ class _Execution:
     # -- all decided on, then all executed
 
     def in_phases(self, actions: Sequence[ActionSource]) -> None:
-        """Append what decides on all actions, what executes those that have ended, and what executes the others."""
+        """Append the decisions on all actions, then the code of those that have ended, then that of the others."""
         deciding: list[Statement] = []
         ending: list[Statement] = []
         acting: list[tuple[ActionSource, Expression]] = []
@@ -262,7 +262,7 @@ class _Execution:
             self._add(action, executed)
 
     def _add(self, action: ActionSource, executed: Expression, before: Sequence[Statement] = ()) -> None:
-        """Append a network that executes an action: with its comments where its text can stand there."""
+        """Append a network that executes an action, with its comments where its text is written as it was."""
         title = self._texts.action(action.name)
         if not self._verbatim or not action.statements or not has_comments(action.text):
             acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
@@ -281,13 +281,13 @@ class _Execution:
             self._code.networks.append(TextNetwork(self._texts.action(action.name), "\n".join(lines)))
 
     def _said(self, action: ActionSource) -> str:
-        """The comments of an action and of its associations."""
+        """Return the comments of an action and of its associations."""
         return self._texts.said(action.comment, *(use.comment for use in action.uses))
 
     # -- whether it matters
 
     def interfere(self, actions: Sequence[ActionSource]) -> bool:
-        """Whether an action may see what another one does: then they cannot be lowered one after the other."""
+        """Return True if an action may see what another one does: then they cannot be lowered one after the other."""
         written, asked, used = WrittenPaths(), [], []
         for index, action in enumerate(actions):
             if action.target is not None:
@@ -313,7 +313,7 @@ class _Execution:
 
 
 def has_comments(text: str) -> bool:
-    """Whether there may be comments in structured text."""
+    """Return True if there may be comments in structured text."""
     return any(start in text for start in ("//", "(*", "/*"))
 
 
@@ -338,7 +338,7 @@ def add_changes(source: ChartSource, code: LoweredCode, memory: Memory, active: 
 
 
 def add_main_actions(source: ChartSource, code: LoweredCode, memory: Memory, active: StepValue, texts: Texts) -> None:
-    """Append what the active steps execute in every scan."""
+    """Append the code that active steps execute in every scan."""
     mains: list[Statement] = []
     for step in source.step_code:
         if step.main:

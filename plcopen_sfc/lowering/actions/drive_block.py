@@ -27,18 +27,18 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 class DriveSignal(NamedTuple):
-    """What a chain says by an expression, as an input of a drive block: its name and comment."""
+    """Input of a drive block in the place of an expression: its name and comment."""
 
     name: str
     comment: str
 
 
 class DriveBlock:
-    """A function block that executes actions of one chain, whose code is `chain`, with a memory like `memory`.
+    """Function block that executes actions of one sequence, whose code is `chain`, with a memory like `memory`.
 
-    Lower actions with its own `code` and `memory`, then call `finish`. `signals` are expressions that become inputs,
-    as flags of steps do. What the actions read and write of the variables of the chain is passed on; other names are
-    seen from everywhere. `wanted` is what the instance is called, `beside` what else writes variables of the chain.
+    Lower actions with its own `code` and `memory`, then call `finish`. `signals` are expressions that become inputs, as
+    flags of steps do. The variables of the sequence that actions read and write are passed on; other names are global.
+    `wanted` is the name of the instance, `beside` other code that writes variables of the sequence.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class DriveBlock:
         self.call: n.CallStatement
 
     def finish(self, surroundings: Collection[str], first_scan: str) -> None:
-        """Declare what the block gets and gives, and make its `call`. `first_scan` is the title of the end of that.
+        """Declare the parameters, and make the `call`. `first_scan`: the title of the end of the first scan.
 
         Raises `LoweringError` for instances and actions of the POU: they stay there.
         """
@@ -90,7 +90,7 @@ class DriveBlock:
         self.call = n.CallStatement(n.Call(instance, tuple(arguments)))
 
     def _replace_signals(self) -> None:
-        """Write inputs for what the chain says by expressions, and for outputs of its instances."""
+        """Write inputs in the place of `signals`, and of outputs of instances outside."""
         own = {system: block for block, system in S7_INSTANCES.items()}
         kinds = {v.name.casefold(): v.type for v in (*self._source.pou.variables(), *self._chain.variables)}
 
@@ -122,7 +122,7 @@ class DriveBlock:
         return self._given[said]
 
     def _passed(self) -> dict[str, Variable]:
-        """The variables of the chain that the actions name, in the order of their declaration."""
+        """Return the variables of the sequence that the actions name, in the order of their declaration."""
         pou = self._source.pou
         declared = [*pou.variables(), *self._chain.inputs, *self._chain.constants, *self._chain.variables]
         own = {v.name.casefold() for v in (*self.code.variables, *self.code.inputs)}
@@ -138,7 +138,7 @@ class DriveBlock:
         return found
 
     def _kind(self, name: str) -> SectionKind:
-        """What a variable of the chain is in the block: only read, only written, or both."""
+        """Return the kind of parameter of a variable: it is only read, only written, or both."""
         written = [each for each in self._targets() if _root(each).casefold() == name.casefold()]
         if not written:
             return SectionKind.INPUT
@@ -155,7 +155,7 @@ class DriveBlock:
         return SectionKind.IN_OUT
 
     def _targets(self) -> Iterator[Expression]:
-        """What is written: by assignments, loops and outputs of calls, and whatever else a call may write."""
+        """Yield what is written: by assignments, loops and outputs of calls, and whatever else a call may write."""
         for statement in self._statements():
             for node in walk(statement):
                 if isinstance(node, n.Assignment | n.AssignmentExpression):
@@ -166,7 +166,7 @@ class DriveBlock:
                     yield from (a.value for a in node.arguments if a.output and a.value is not None)
 
     def _names(self) -> Iterator[n.Name]:
-        """The variables that are named, not members, parameters and functions."""
+        """Yield the names of variables, not of members, parameters and functions."""
         for statement in self._statements():
             nodes = list(walk(statement))
             others = {id(each.name) for each in nodes if isinstance(each, n.Member | n.Argument)}
@@ -182,12 +182,12 @@ class DriveBlock:
 
 
 def without_texts(source: ChartSource) -> ChartSource:
-    """The chart without the texts of its actions as they were written: a block has other names."""
+    """Return the chart without the texts of its actions as they were written: a block has other names."""
     return replace(source, actions=tuple(replace(action, text="") for action in source.actions))
 
 
 def _root(target: Expression) -> str:
-    """The variable that a target is, or is a part of."""
+    """Return the variable that a target is, or is a part of."""
     at = n.bare(target)
     while isinstance(at, n.Member | n.Index | n.Dereference | n.Peripheral):
         at = n.bare(at.base)
@@ -195,6 +195,6 @@ def _root(target: Expression) -> str:
 
 
 def drive_block(drive: DriveBlock, dialect: Dialect, language: Language) -> Pou:
-    """The function block that drives the actions."""
+    """Return the function block that drives the actions."""
     body = body_of(drive.code, dialect, language, drive.interface.variables(), drive.name)
     return Pou(name=drive.name, kind=PouKind.FUNCTION_BLOCK, interface=drive.interface, bodies=[body])

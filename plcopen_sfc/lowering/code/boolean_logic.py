@@ -16,17 +16,17 @@ _OPPOSITES = {Operator.EQUAL: Operator.UNEQUAL, Operator.UNEQUAL: Operator.EQUAL
 
 
 def conjunction(operands: Iterable[Expression]) -> Expression:
-    """All of them: what is TRUE anyway and what stands twice is left out; of none it is TRUE."""
+    """Return the conjunction, without operands that are TRUE or were there before; TRUE for no operand."""
     return _joined(Operator.AND, operands, neutral=TRUE, absorbing=FALSE)
 
 
 def disjunction(operands: Iterable[Expression]) -> Expression:
-    """Any of them: what is FALSE anyway and what stands twice is left out; of none it is FALSE."""
+    """Return the disjunction, without operands that are FALSE or were there before; FALSE for no operand."""
     return _joined(Operator.OR, operands, neutral=FALSE, absorbing=TRUE)
 
 
 def negation(operand: Expression) -> Expression:
-    """NOT of it; of an inverted expression what is inside, of ``a = b`` it is ``a <> b``."""
+    """Return NOT of an expression: of an inverted one the operand, of ``a = b`` ``a <> b``."""
     inner = n.bare(operand)
     if isinstance(inner, n.Unary) and inner.operator is Operator.NOT:
         return inner.operand
@@ -40,12 +40,12 @@ def negation(operand: Expression) -> Expression:
 
 
 def equal(left: Expression, right: Expression) -> Expression:
-    """``left = right``"""
+    """Return ``left = right``."""
     return n.Operation(Operator.EQUAL, (left, right))
 
 
 def simplified(tree: Expression) -> Expression:
-    """The same without parentheses and without operands that are constant."""
+    """Return the same without parentheses and without operands that are constant."""
 
     def simpler(node: n.Node) -> n.Node:
         match node:
@@ -63,24 +63,24 @@ def simplified(tree: Expression) -> Expression:
 
 
 def is_constant(expression: Expression, constant: n.Literal) -> bool:
-    """Whether it is the literal TRUE or FALSE, however it is written."""
+    """Return True if it is the literal TRUE or FALSE, however it is written."""
     inner = n.bare(expression)
     return isinstance(inner, n.Literal) and inner.text.upper().removeprefix("BOOL#") == constant.text
 
 
 def assignment(target: Expression, value: Expression) -> n.Assignment:
-    """``target := value;``"""
+    """Return ``target := value;``."""
     return n.Assignment(target, value)
 
 
 def call(instance: Expression, **inputs: Expression) -> n.CallStatement:
-    """The call of a function block instance with inputs by name."""
+    """Return the call of a function block instance with inputs by name."""
     arguments = tuple(n.Argument(value, n.Name(name)) for name, value in inputs.items())
     return n.CallStatement(n.Call(instance, arguments))
 
 
 def when(condition: Expression, *statements: n.Statement) -> n.If:
-    """``IF condition THEN .. END_IF;``"""
+    """Return ``IF condition THEN .. END_IF;``."""
     return n.If((n.Branch(condition, statements),))
 
 

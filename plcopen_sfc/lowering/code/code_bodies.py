@@ -24,23 +24,23 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 def structured_text(code: LoweredCode, dialect: Dialect) -> StBody:
-    """A paragraph for each network, its title and comment before it."""
+    """Return a paragraph for each network, its title and comment before it."""
     paragraphs = [paragraph(network, dialect) for network in code.networks]
     return StBody(text="\n\n".join(paragraphs))
 
 
 def function_block_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> FbdBody:
-    """A network of FBD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
+    """Return a network of FBD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
     return FbdBody(networks=_drawn(code, draw_fbd, _rules(code, dialect, declared), pou))
 
 
 def ladder_diagram(code: LoweredCode, dialect: Dialect, declared: list[Variable], pou: str) -> LdBody:
-    """A network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
+    """Return a network of LD for each network of `pou`. Raises `LoweringError` for what cannot be drawn."""
     return LdBody(networks=_drawn(code, draw_ld, _rules(code, dialect, declared), pou))
 
 
 def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> DrawingRules:
-    """How networks are drawn. Boxes of S7 have the names of IEC 61131-3; who writes the file knows the others."""
+    """Return how networks are drawn. Boxes of S7 have the names of IEC 61131-3: the writer of the file renames them."""
     rules = declared_rules(declared, dialect, None if code.tool is Tool.S7 else code.tool)
     own = {system: block for block, system in S7_INSTANCES.items()}
     instances = {name: own.get(kind, kind) for name, kind in {**code.instances, **rules.instances}.items()}
@@ -49,7 +49,7 @@ def _rules(code: LoweredCode, dialect: Dialect, declared: list[Variable]) -> Dra
 
 
 def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
-    """The text of a network, with its title and comment before it."""
+    """Return the text of a network, with its title and comment before it."""
     title = " ".join(network.title.split())  # a line break in a name would end the comment
     heading = [*comment_lines(title), *comment_lines(network.comment)]
     if isinstance(network, TextNetwork):
@@ -63,7 +63,7 @@ def paragraph(network: CodeNetwork | TextNetwork, dialect: Dialect) -> str:
 
 
 def comment_lines(text: str) -> list[str]:
-    """A text as comments, a line each."""
+    """Return a text as comments, a line each."""
     return [f"// {line}".rstrip() for line in text.splitlines() if line.strip()]
 
 
@@ -100,7 +100,7 @@ def _drawn(
 
 
 def assemble(original: Pou, code: LoweredCode, dialect: Dialect, language: Language) -> Pou:
-    """A copy of `original` with `code` as its body instead of the chart."""
+    """Return a copy of `original` with `code` as its body instead of the chart."""
     interface = original.interface.model_copy(deep=True) if original.interface is not None else Interface()
     interface.declaration = None
     _declare(interface, SectionKind.INPUT, code.inputs)
@@ -125,7 +125,7 @@ def body_of(code: LoweredCode, dialect: Dialect, language: Language, declared: l
 
 
 def _declare(interface: Interface, kind: SectionKind, variables: list[Variable], *, constant: bool = False) -> None:
-    """Declare variables where others of their kind are: a block of TIA Portal has each section once."""
+    """Declare variables in the section of their kind: a block of TIA Portal has each section once."""
     if not variables:
         return
     plain = VariableSection(kind=kind, constant=constant)

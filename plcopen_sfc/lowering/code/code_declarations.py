@@ -24,7 +24,7 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 
 
 class Naming:
-    """Gives names that nothing else in the POU has. `taken` are all names that occur in it."""
+    """Source of names that nothing else in the POU has. `taken` are all names that occur in it."""
 
     def __init__(self, dialect: Dialect, taken: Iterable[str]) -> None:
         self._local = n.Quoting.LOCAL if dialect is Dialect.SCL else n.Quoting.NONE
@@ -32,12 +32,12 @@ class Naming:
         self._numbers: dict[str, int] = {}
 
     def system_type(self, kind: DerivedType) -> DerivedType:
-        """A function block of the standard as the dialect calls the type of its instances: ``TON_TIME`` in SCL."""
+        """Return the type of instances of a standard function block in the dialect: ``TON_TIME`` in SCL."""
         name = S7_INSTANCES.get(kind.name) if self._local is n.Quoting.LOCAL else None
         return DerivedType(name=name) if name is not None else kind
 
     def fresh(self, wanted: str) -> str:
-        """`wanted` as an identifier, with a number behind it if that is taken."""
+        """Return `wanted` as an identifier, with a number behind it if that is taken."""
         name = candidate = _identifier(wanted)
         number = self._numbers.get(name.casefold(), 2)
         while candidate.casefold() in self._taken:
@@ -48,12 +48,12 @@ class Naming:
         return candidate
 
     def local(self, name: str) -> n.Name:
-        """A name of the POU's interface as the dialect writes it."""
+        """Return a name of the POU's interface as the dialect writes it."""
         return n.Name(name, self._local)
 
 
 def free_name(wanted: str, taken: Container[str]) -> str:
-    """`wanted`, with a number behind it if that is among the names in lower case that are `taken`."""
+    """Return `wanted`, with a number behind it if it is one of the names in lower case that are `taken`."""
     name, number = wanted, 2
     while name.casefold() in taken:
         name, number = f"{wanted}_{number}", number + 1
@@ -67,7 +67,7 @@ def _identifier(wanted: str) -> str:
 
 
 def names_of(project: Project) -> set[str]:
-    """The names of a project in lower case: of POUs, types, data blocks, tags, global variables and their lists."""
+    """Return the names of POUs, types, data blocks, tags, global variables and their lists, in lower case."""
     found = {pou.name for pou in project.pous} | {kind.name for kind in project.data_types}
     found |= {block.name for block in project.data_blocks}
     for table in project.tag_tables:
@@ -90,10 +90,10 @@ _BYTE = 8
 
 
 class FlagPlaces:
-    """Declares the flags of one chart outside of its POU: as tags or global variables, or in a data block.
+    """Declarations of the flags of one chart outside of its POU: as tags or global variables, or in a data block.
 
-    `name` is that of the table, the list or the block, `tool` says which of them flags need. Raises `LoweringError` for
-    a place that there is not, or that something else has.
+    `name` is that of the table, the list or the block; `tool` decides which of them. Raises `LoweringError` for a place
+    that does not exist or that is taken.
     """
 
     def __init__(self, rules: LoweringRules, pou: str, project: Project, tool: Tool | None) -> None:
@@ -120,23 +120,23 @@ class FlagPlaces:
 
     @property
     def have_values(self) -> bool:
-        """Whether flags have their values at the start: tags have none."""
+        """True if flags have their values at the start: tags have none."""
         return self.in_block or self.tool is not Tool.S7
 
     @property
     def following(self) -> str:
-        """The address behind the last flag; empty for flags without addresses."""
+        """Address behind the last flag; empty for flags without addresses."""
         return f"M{self._bit // _BYTE}.{self._bit % _BYTE}" if self._bit is not None else ""
 
     @property
     def external(self) -> list[Variable]:
-        """What the POU must declare to see them (IEC 61131-3, VAR_EXTERNAL); tools do not ask for that."""
+        """Variables that the POU must declare to see them (IEC 61131-3, VAR_EXTERNAL); tools do not ask for that."""
         if self.tool is not None:
             return []
         return [Variable(name=variable.name, type=variable.type) for variable in self.variables]
 
     def declare(self, wanted: str, naming: Naming, *, initial: bool, comment: Text | None) -> Expression:
-        """Declare a flag, and give what reads it."""
+        """Declare a flag, and return the expression that reads it."""
         is_member = self.in_block and self.tool is not None
         name = naming.fresh(wanted)
         if not is_member:
@@ -191,7 +191,7 @@ class FlagPlaces:
 
 
 def flags_of_several(flags: str, pou: str, following: str) -> str:
-    """Where the flags of one of several charts are to be: behind those before it, or in a block of their own."""
+    """Return where the flags of one of several charts go: behind those before it, or into a block of their own."""
     if flags == LOCAL:
         return flags
     if _FIRST.fullmatch(flags.strip()) is not None:
@@ -200,7 +200,7 @@ def flags_of_several(flags: str, pou: str, following: str) -> str:
 
 
 def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
-    """The bits of the memory that have names already. Words count as words in CODESYS, as bytes in S7 and TwinCAT."""
+    """Yield the bits of the memory that have names. Words count words in CODESYS, else bytes."""
     in_bytes = project.dialect in (Dialect.SCL, Dialect.TWINCAT)
     named = [(tag.address, tag.name) for table in project.tag_tables for tag in table.tags]
     sections = [*project.global_sections()]
@@ -217,5 +217,5 @@ def _taken_bits(project: Project) -> Iterator[tuple[int, str]]:
 
 
 def integer(largest: int) -> ElementaryType:
-    """The type of numbers up to `largest`: INT where it holds them, else DINT."""
+    """Return the type of numbers up to `largest`: INT where it holds them, else DINT."""
     return INT if largest <= _LARGEST_INT else ElementaryType(name=Elementary.DINT)

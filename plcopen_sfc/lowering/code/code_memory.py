@@ -26,8 +26,8 @@ from plcopen_sfc.model.types import DataType, DerivedType
 class Memory(ABC):
     """Flip-flops, edges and timers of `code`.
 
-    `ends`: what makes all of them what they were at the start, but for those with a `flag` and edges that are `kept`.
-    `texts`: what variables are called.
+    `ends`: a condition that sets all of them back to their start, but for those with a `flag` and edges that are
+    `kept`. `texts`: names of variables.
     """
 
     has_instances: ClassVar[bool] = False
@@ -42,22 +42,22 @@ class Memory(ABC):
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
-        """A flip-flop whose reset dominates. `flag`: the variable that gets its value."""
+        """Return a flip-flop whose reset dominates. `flag`: the variable that gets its value."""
 
     @abstractmethod
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
-        """Statements that are executed under a condition, which none of them changes unless it is `wanted` by name."""
+        """Return statements executed under a condition, which none of them changes unless it is `wanted` by name."""
 
     @abstractmethod
     def starting(self) -> Expression:
-        """What sets a flip-flop whose `flag` is TRUE at the start; FALSE where that is enough."""
+        """Return what must set a flip-flop whose `flag` is TRUE at the start; FALSE where the flag is enough."""
 
     @abstractmethod
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
-        """TRUE in the scan in which `value` becomes TRUE."""
+        """Return an expression that is TRUE in the scan in which `value` becomes TRUE."""
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """TRUE in the scan in which `value` becomes FALSE.
+        """Return an expression that is TRUE in the scan in which `value` becomes FALSE.
 
         A variable keeps the last value: an F_TRIG sees an edge in the first scan if its input is FALSE.
         """
@@ -66,9 +66,9 @@ class Memory(ABC):
         return pulse
 
     def delayed(self, wanted: str, value: Expression, time: Expression, into: list[Statement]) -> Expression:
-        """TRUE when `value` has been TRUE for `time`.
+        """Return an expression that is TRUE when `value` has been TRUE for `time`.
 
-        A TON, called in every scan: it would not notice otherwise that its input went FALSE.
+        The TON is called in every scan: otherwise it would not notice that its input went FALSE.
         """
         timer = self._code.declare(wanted, DerivedType(name="TON"))
         into.append(call(timer, IN=value, PT=time))
@@ -76,17 +76,17 @@ class Memory(ABC):
         return n.Member(timer, n.Name("Q"))
 
     def named(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """The value as a variable, to be used several times."""
+        """Return the value as a variable, to be used several times."""
         flag = self._code.declare(wanted)
         into.append(assignment(flag, value))
         return flag
 
     def variable(self, wanted: str, kind: DataType) -> n.Name:
-        """A variable that keeps what is assigned to it."""
+        """Return a variable that keeps what is assigned to it."""
         return self._code.declare(wanted, kind)
 
     def finish(self, title: str) -> None:
-        """Append what must stand behind everything else: the end of the first scan."""
+        """Append what must be behind everything else: the end of the first scan."""
         self._code.end_first_scan(title)
 
 
@@ -98,7 +98,7 @@ class BlockMemory(Memory):
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
-        """An RS, whose inputs are ``S`` and ``R1``."""
+        """Return an RS, whose inputs are ``S`` and ``R1``."""
         block = self._code.declare(wanted, DerivedType(name="RS"))
         into.append(call(block, **self._inputs(set_, reset)))
         value = n.Member(block, n.Name("Q1"))
@@ -109,23 +109,23 @@ class BlockMemory(Memory):
         return flag
 
     def _inputs(self, set_: Expression, reset: Expression) -> dict[str, Expression]:
-        """The inputs of an RS, which CODESYS calls ``SET`` and ``RESET1``."""
+        """Return the inputs of an RS, which CODESYS calls ``SET`` and ``RESET1``."""
         names = ("SET", "RESET1") if self._code.tool is Tool.CODESYS else ("S", "R1")
         return dict(zip(names, (set_, reset), strict=True))
 
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
-        """One by one, as networks have them."""
+        """Return the statements one by one, as networks need them."""
         found: list[Statement] = []
         if wanted and len(statements) > 1 and not isinstance(condition, n.Name):
             condition = self.named(wanted, condition, found)
         return [*found, *_apart(condition, statements)]
 
     def starting(self) -> Expression:
-        """A pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
+        """Return a pulse in the first scan: the block keeps its own value, and that is FALSE at the start."""
         return self._code.first_scan_pulse()
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
-        """An R_TRIG."""
+        """Return an R_TRIG."""
         block = self._code.declare(wanted, DerivedType(name="R_TRIG"))
         into.append(call(block, CLK=value))
         if not kept:
@@ -139,7 +139,7 @@ class BitMemory(Memory):
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
-        """``flag := (set OR flag) AND NOT reset``."""
+        """Return the flag, after ``flag := (set OR flag) AND NOT reset``."""
         value = flag or self._code.declare(wanted)
         into.append(assignment(value, conjunction([disjunction([set_, value]), negation(reset)])))
         if flag is None:
@@ -147,15 +147,15 @@ class BitMemory(Memory):
         return value
 
     def conditional(self, wanted: str, condition: Expression, statements: Sequence[Statement]) -> list[Statement]:  # noqa: ARG002
-        """All in one IF."""
+        """Return all statements in one IF."""
         return [when(condition, *statements)] if statements else []
 
     def starting(self) -> Expression:
-        """The flag is the memory itself."""
+        """Return FALSE: the flag is the memory itself."""
         return FALSE
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
-        """The value and not that of the last scan."""
+        """Return ``value AND NOT`` the value of the last scan."""
         pulse, end = _edge(self._code, wanted, value, into, rising=True)
         if not kept:
             self.ends.append(end)
@@ -165,7 +165,7 @@ class BitMemory(Memory):
 def _edge(
     code: LoweredCode, wanted: str, value: Expression, into: list[Statement], *, rising: bool
 ) -> tuple[Expression, Statement]:
-    """An edge, and what makes it forget."""
+    """Return an edge, and the statement that forgets it."""
     pulse, before = code.declare(wanted), code.declare(code.texts.with_suffix(wanted, "old"))
     now, then = (value, negation(before)) if rising else (negation(value), before)
     into.append(assignment(pulse, conjunction([now, then])))
@@ -174,7 +174,7 @@ def _edge(
 
 
 def _apart(condition: Expression, statements: Sequence[Statement]) -> list[Statement]:
-    """Each statement under all its conditions: a network has no place for several, or for one in another one."""
+    """Return each statement under all its conditions: a network holds neither several nor nested ones."""
     found: list[Statement] = []
     for statement in statements:
         if isinstance(statement, n.If) and len(statement.branches) == 1 and statement.otherwise is None:
@@ -187,14 +187,14 @@ def _apart(condition: Expression, statements: Sequence[Statement]) -> list[State
 
 
 class OperandMemory(BlockMemory):
-    """Boxes with an operand. In the statements the operand is called, as if it were an instance."""
+    """Boxes with an operand. The statements call the operand, as if it were an instance."""
 
     has_instances = False
 
     def latch(
         self, wanted: str, set_: Expression, reset: Expression, into: list[Statement], flag: Expression | None = None
     ) -> Expression:
-        """An ``Sr`` on the flag itself."""
+        """Return an ``Sr`` on the flag itself."""
         value = flag
         if value is None:
             value = self._code.declare(wanted)
@@ -204,15 +204,15 @@ class OperandMemory(BlockMemory):
         return n.Member(value, n.Name("Q1")) if flag is None else flag
 
     def starting(self) -> Expression:
-        """The flag is the memory itself."""
+        """Return FALSE: the flag is the memory itself."""
         return FALSE
 
     def rising(self, wanted: str, value: Expression, into: list[Statement], *, kept: bool = False) -> Expression:
-        """A ``PBox``."""
+        """Return a ``PBox``."""
         return self._edge("R_TRIG", wanted, value, into, kept=kept)
 
     def falling(self, wanted: str, value: Expression, into: list[Statement]) -> Expression:
-        """An ``NBox``, which sees no edge in the first scan."""
+        """Return an ``NBox``, which sees no edge in the first scan."""
         return self._edge("F_TRIG", wanted, value, into, kept=False)
 
     def _edge(self, block: str, wanted: str, value: Expression, into: list[Statement], *, kept: bool) -> Expression:

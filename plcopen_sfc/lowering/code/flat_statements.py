@@ -40,7 +40,7 @@ _RISKY = frozenset({Operator.DIVIDE, Operator.MODULO, Operator.POWER})
 
 
 def flatten(code: LoweredCode, declared: Iterable[Variable] = ()) -> None:
-    """Make statements of each network that a network can hold. What it cannot make flat is left as it is.
+    """Replace the statements of each network by those that a network can hold. What cannot be flat is left as it is.
 
     `declared` are variables besides those of `code`.
     """
@@ -57,7 +57,7 @@ class _Flattener:
         self._declare, self._flags = declare, flags
 
     def statements(self, statements: Iterable[Statement], guard: Expression) -> Iterator[Statement]:
-        """Statements that are executed while `guard` is TRUE."""
+        """Yield statements that are executed while `guard` is TRUE."""
         for statement in statements:
             if isinstance(statement, n.Empty):
                 continue
@@ -72,7 +72,7 @@ class _Flattener:
                 yield when(guard, statement)
 
     def _decided(self, branches: Sequence[n.Branch], guard: Expression) -> Iterator[Statement]:
-        """Branches; all is decided on before anything is done, where that could change what is asked."""
+        """Yield branches. All conditions are evaluated first, where a branch could change one of them."""
         guards: list[Expression] = []
         for number, branch in enumerate(branches):
             others = (negation(other.condition) for other in branches[:number])
@@ -88,7 +88,7 @@ class _Flattener:
             yield from self.statements(branch.statements, each)
 
     def _is_switched(self, statement: n.Assignment) -> bool:
-        """Whether it gives a Boolean value that is no constant."""
+        """Return True if it assigns a Boolean value that is no constant."""
         value = n.bare(statement.value)
         match value:
             case n.Operation(operator):
@@ -102,7 +102,7 @@ class _Flattener:
         return False
 
     def _switched(self, statement: n.Assignment, guard: Expression) -> Iterator[Statement]:
-        """Set where the value is TRUE, reset where it is FALSE: TIA Portal has no box that moves a BOOL."""
+        """Yield a set while it is TRUE and a reset while it is FALSE: TIA Portal has no box that moves a BOOL."""
         value = statement.value
         if not _names(value).isdisjoint(_names(statement.target)):
             value = self._declare()
@@ -112,7 +112,7 @@ class _Flattener:
 
 
 def _needs_bits(branches: Sequence[n.Branch], guards: Sequence[Expression]) -> bool:
-    """Whether what is done could change what is asked, or long conditions would stand there again and again."""
+    """Return True if a branch could change a condition, or long conditions would be repeated."""
     statements = [statement for branch in branches for statement in branch.statements]
     if len(statements) == 1 and not isinstance(statements[0], n.If | n.Case):
         return False
@@ -134,7 +134,7 @@ def _names(tree: n.Node) -> set[str]:
 
 
 def _branches(statement: Statement) -> list[n.Branch] | None:
-    """The branches of an IF or CASE, the last one for ELSE; None for what is no such statement, or cannot be asked."""
+    """Return the branches of an IF or CASE with ELSE; None for others, or if a condition cannot be evaluated early."""
     found: list[n.Branch]
     if isinstance(statement, n.If):
         found = list(statement.branches)
@@ -154,7 +154,7 @@ def _branches(statement: Statement) -> list[n.Branch] | None:
 
 
 def _chosen(selector: Expression, branch: n.CaseBranch) -> Expression:
-    """That the value of a CASE is one of the labels of a branch."""
+    """Return the condition that the value of a CASE is one of the labels of a branch."""
     found: list[Expression] = []
     for label in branch.labels:
         if isinstance(label, n.Range):
@@ -166,7 +166,7 @@ def _chosen(selector: Expression, branch: n.CaseBranch) -> Expression:
 
 
 def _may_be_asked(condition: Expression) -> bool:
-    """Whether it does no harm to evaluate it also where the text would not."""
+    """Return True if it does no harm to evaluate it also where the text would not."""
     return not is_impure(condition) and not any(
         isinstance(node, n.Index | n.Dereference) or (isinstance(node, n.Operation) and node.operator in _RISKY)
         for node in walk(condition)

@@ -31,7 +31,7 @@ StepValue: TypeAlias = Callable[[int], n.Expression]
 class CodeNetwork:
     """Statements that belong together: a network of FBD and LD, a paragraph of ST.
 
-    `remarks` are comments inside a paragraph, by the index of the statement that they stand before.
+    `remarks` are comments inside a paragraph, by the index of the statement behind them.
     """
 
     title: str
@@ -51,15 +51,14 @@ class TextNetwork:
 
 @dataclass
 class LoweredCode:
-    """What a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
+    """Code that a lowering has made so far. `variables` and `constants` are local, `inputs` come from outside.
 
-    `data_types` are what the project gets besides. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
-    `tool`: whose, where that matters. `culture` (``de-DE``): that of what is made for people, where the target has
-    another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes. `texts`: what its
-    variables are called.
-    `at_rest`: the values of inputs with which the code does what the chart does; of `left_out`, if there is one, that
-    is FALSE. `flags`: where step flags are; None: among the local variables. `known_types`: the data types of the
-    project, in lower case.
+    `data_types` are new ones of the project. `drawn`: it becomes networks, all on `one_sheet` or each for itself;
+    `tool`: the tool that it is for, where that matters. `culture` (``de-DE``): the language of comments, where the
+    target has another usual one. `operands`: variables in which boxes of S7 keep their state, with these boxes.
+    `texts`: names of variables. `at_rest`: the values of inputs with which the code does what the chart does, in scans
+    in which `left_out`, if there is one, is FALSE. `flags`: the place of step flags; None: among the local variables.
+    `known_types`: the data types of the project, in lower case.
     """
 
     naming: Naming
@@ -83,7 +82,7 @@ class LoweredCode:
     known_types: Collection[str] = ()
 
     def declare(self, wanted: str, kind: DataType = BOOL, *, initial: str | None = None, comment: str = "") -> n.Name:
-        """Declare a local variable that is called `wanted`, if that is free, and give its name."""
+        """Declare a local variable that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
         if isinstance(kind, DerivedType):
             kind = self.naming.system_type(kind)
@@ -92,11 +91,11 @@ class LoweredCode:
         return self.naming.local(name)
 
     def said(self, text: str) -> Text | None:
-        """A title or comment, if there is any."""
+        """Return a title or comment as text of the model, if there is any."""
         return MultilingualText(texts={self.culture: text}) if text and self.culture else text or None
 
     def declare_constant(self, wanted: str, kind: DataType, value: str, comment: str) -> n.Name:
-        """Declare a local constant that is called `wanted`, if that is free, and give its name."""
+        """Declare a local constant that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
         said = self.said(comment)
         self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=said))
@@ -104,29 +103,29 @@ class LoweredCode:
 
     @property
     def needs_flat_statements(self) -> bool:
-        """Whether it becomes networks that hold no IF and CASE; those of CODESYS do, as the text of a box."""
+        """True if it becomes networks that hold no IF and CASE; those of CODESYS do, as the text of a box."""
         return self.drawn and self.tool is not Tool.CODESYS
 
     def beside(self) -> LoweredCode:
-        """Code for another block of the same target, whose names are none of this one."""
+        """Return code for another block of the same target, with variables of its own."""
         return replace(
             self, networks=[], variables=[], inputs=[], constants=[], data_types=[], operands={}, first_scan=None
         )
 
     def declare_flag(self, wanted: str, *, initial: bool, comment: str) -> n.Expression:
-        """Declare the flag of a step where flags are, and give what reads it."""
+        """Declare the flag of a step in its place, and return the expression that reads it."""
         if self.flags is not None:
             return self.flags.declare(wanted, self.naming, initial=initial, comment=self.said(comment))
         return self.declare(wanted, initial="TRUE" if initial else None, comment=comment)
 
     def first_scan_pulse(self) -> n.Name:
-        """A variable that is TRUE until the end of the first scan. What ends it is `Memory.finish`."""
+        """Return a variable that is TRUE until the end of the first scan; `Memory.finish` ends it."""
         if self.first_scan is None:
             self.first_scan = self.declare(self.texts.pulse, initial="TRUE")
         return self.first_scan
 
     def end_first_scan(self, title: str) -> None:
-        """Append the end of that pulse, if anything needs it."""
+        """Append the end of that pulse, if it is used."""
         if self.first_scan is not None:
             self.add(title, [assignment(self.first_scan, FALSE)])
 
@@ -149,7 +148,7 @@ class LoweredCode:
         return self.naming.local(name)
 
     def declare_output(self, wanted: str, comment: str) -> n.Name:
-        """Declare a Boolean output that is called `wanted`, if that is free, and give its name."""
+        """Declare a Boolean output that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
         self.outputs.append(Variable(name=name, type=BOOL, comment=self.said(comment)))
         return self.naming.local(name)

@@ -42,16 +42,16 @@ from plcopen_sfc.semantics.profile import ScanOrder
 
 
 def no_regions(source: ChartSource) -> str:
-    """Why a chart is not built of regions that one CASE each can hold; empty if it is."""
+    """Return why a chart is not built of regions that one CASE each can hold; empty if it is."""
     found = regions_of(source.net)
     return found if isinstance(found, str) else ""
 
 
 class RegionEncoding(ScanSchedule):
-    """Lowers one chart into `code`. Raises `LoweringError` where it is not built of regions."""
+    """Encoding with one CASE for each region. Raises `LoweringError` where the chart is not built of regions."""
 
     def declare_states(self, source: ChartSource) -> None:
-        """A state variable for each region, that of the initial step at the start, else that of no step."""
+        """Declare a state variable for each region, at the start that of its initial step or of no step."""
         self._refuse_rivals(source)
         self._regions = self.structure(source)
         self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
@@ -65,11 +65,11 @@ class RegionEncoding(ScanSchedule):
         self._again: dict[int, n.Name] = {}
 
     def active(self, step: int) -> Expression:
-        """A comparison of the state of its region."""
+        """Return a comparison of the state of its region."""
         return self.states.active(step)
 
     def exact(self) -> None:
-        """One scan, as the chart has it."""
+        """Append one scan, as the chart has it."""
         for machine in self.machines:
             if self._must_wait(machine):
                 self.states.let_wait(machine)
@@ -85,7 +85,7 @@ class RegionEncoding(ScanSchedule):
             self.code.networks.append(TextNetwork(self.states.title(machine), "\n".join(lines)))
 
     def select(self) -> None:
-        """Append what makes the selected step the state of its region, and leaves all others without a step."""
+        """Append the selection: the selected step becomes the state of its region, all other regions have none."""
         selecting, selected = self.modes.selecting, self.modes.selected
         if selecting is None or selected is None:
             return
@@ -109,28 +109,28 @@ class RegionEncoding(ScanSchedule):
         self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
 
     def move(self) -> None:
-        """Append what makes the states those that they are to be, where that had to wait."""
+        """Append the assignments of following states, where these had to wait."""
         waiting = [machine for machine in self.machines if self.states.waits(machine)]
         restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
         self.code.add(self.texts.moves, [*restart, *self.states.moves()])
 
     def any_fires(self) -> Expression:
-        """Whether any state will be another one, or a step is left and entered at once."""
+        """Return an expression that is TRUE if any state will be another one, or a step is left and entered at once."""
         changes = [negation(equal(self.states.following(m), m.state)) for m in self.machines]
         return disjunction([*changes, *self._again.values()])
 
     def reentered(self) -> Mapping[int, Expression]:
-        """Steps that a transition leaves and enters at once: a flag that it sets, where anything asks for that."""
+        """Return, for steps that a transition leaves and enters at once, a flag that it sets, if that is used."""
         return self._again
 
     def text(self, node: n.Node) -> str:
-        """A node in the dialect of the code."""
+        """Return a node in the dialect of the code."""
         return self.states.text(node)
 
     # -- structure
 
     def structure(self, source: ChartSource) -> Regions:
-        """The regions of the chart. Raises `LoweringError` where it is not built of them."""
+        """Return the regions of the chart. Raises `LoweringError` where it is not built of them."""
         found = regions_of(source.net)
         if isinstance(found, str):
             raise LoweringError(
@@ -152,14 +152,14 @@ class RegionEncoding(ScanSchedule):
     # -- states that change behind all CASEs
 
     def _must_wait(self, machine: RegionState) -> bool:
-        """Whether anything looks at the state of a region, or writes it, besides its own CASE."""
+        """Return True if other code than its own CASE reads or writes the state of a region."""
         if self.profile.order is ScanOrder.ACTIONS_FIRST or machine.blocks or machine.region.block is not None:
             return True
         return bool(self._askers.get(machine.state.identifier, set()) - {machine.region.index})
 
     @cached_property
     def _askers(self) -> dict[str, set[int]]:
-        """By the names that conditions ask for: the regions in whose CASE that is done."""
+        """Return the regions in whose CASE conditions ask for a name, by these names."""
         found: dict[str, set[int]] = {}
         for transition in self.net.transitions:
             region = self.states.machine_of(transition.sources[0]).region.index
@@ -170,7 +170,7 @@ class RegionEncoding(ScanSchedule):
         return found
 
     def _guarded(self, machine: RegionState, case: list[str]) -> list[str]:
-        """A CASE that is not executed while no transition may fire."""
+        """Return a CASE that is not executed while no transition may fire."""
         if not self.blocking:
             return case
         blocked = disjunction(self.blocking)
@@ -183,7 +183,7 @@ class RegionEncoding(ScanSchedule):
     # -- transitions whose rivals are tried in another CASE
 
     def _needing_bits(self, source: ChartSource) -> list[int]:
-        """Joins that have rivals, with these; joins before whose condition something must be executed."""
+        """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
         found: set[int] = set()
         for block in self._regions.blocks:
             rivals = self._regions.exit_rivals(block)
@@ -253,7 +253,7 @@ _STORED = (Qualifier.S, Qualifier.R, Qualifier.R0)
 
 
 def one_step_at_a_time(source: ChartSource) -> str:
-    """Why a chart can have several steps active, or none at the start; empty if it is one, until the chart ends."""
+    """Return why a chart can have several steps active, or none at the start; empty if it has one until it ends."""
     initial = [source.net.steps[i].path for i in indexes(source.net.initial)]
     if len(initial) != 1:
         return f"it has {len(initial)} initial steps"
@@ -264,17 +264,20 @@ def one_step_at_a_time(source: ChartSource) -> str:
 
 
 class CaseEncoding(RegionEncoding):
-    """Lowers one chart into `code`. Raises `LoweringError` where several steps can be active."""
+    """Encoding with one CASE. Raises `LoweringError` where several steps can be active."""
 
     def structure(self, source: ChartSource) -> Regions:
-        """All steps in one region, also those that are never active."""
+        """Return all steps in one region, also those that are never active."""
         objection = one_step_at_a_time(source)
         if objection:
             raise LoweringError(f"one CASE cannot hold the chart: {objection}", location=Location(path=source.pou.name))
         return one_region(source.net)
 
     def classic(self) -> None:
-        """Each branch: the actions of the step, then its transitions. `LoweringError` for what it cannot hold."""
+        """Append a CASE whose branches have the actions of the step, then its transitions.
+
+        Raises `LoweringError` for what such branches cannot hold.
+        """
         self._check_classic()
         self.begin_classic()
         self._initialise(*self._stored())
@@ -292,7 +295,7 @@ class CaseEncoding(RegionEncoding):
         self.code.networks.append(TextNetwork(self.texts.init, "\n".join(lines)))
 
     def _stored(self) -> list[str]:
-        """What ends the actions that steps have stored, if starting anew is to end them."""
+        """Return the resets of the actions that steps have stored, if a restart is to end them."""
         if not self.rules.reset_actions:
             return []
         stored = [a for a in self.source.actions if any(use.qualifier is Qualifier.S for use in a.uses)]
@@ -320,7 +323,7 @@ class CaseEncoding(RegionEncoding):
         return [*lines, ""]
 
     def _classic_transitions(self, step: NetStep, ending: list[str]) -> list[str]:
-        """The transitions behind a step, in the order in which they are tried; each ends the actions of the step."""
+        """Return the transitions behind a step in their order; each ends the actions of the step."""
         leaving = [self.net.transitions[i] for i in self.net.leaving[step.index]]
         before = [self.text(each) for t in leaving for each in self.source.preparations[t.index]]
         lines = [line for text in before for line in text.splitlines()]

@@ -40,7 +40,7 @@ from plcopen_sfc.semantics.net import Net, NetStep, NetTransition, indexes
 
 @dataclass(frozen=True)
 class _State:
-    """A state: its number, its name as a value of an enumeration and as a constant, and what it means."""
+    """State: its number, its name as a value of an enumeration and as a constant, and its comment."""
 
     number: int
     name: str
@@ -49,7 +49,7 @@ class _State:
 
 
 class StateNames:
-    """The states of one chart, as its code writes them.
+    """States of one chart, as its code writes them.
 
     Raises `LoweringError` where the user wants an enumeration and the target has none.
     """
@@ -82,19 +82,19 @@ class StateNames:
         self._none = written[-1]
 
     def step(self, step: int) -> Expression:
-        """The state in which a step is active."""
+        """Return the state in which a step is active."""
         return self._steps[step]
 
     def waiting(self, block: ParallelBlock) -> Expression:
-        """The state in which a region waits for the branches of a block."""
+        """Return the state in which a region waits for the branches of a block."""
         return self._waiting[block.index]
 
     def start(self, region: Region) -> Expression:
-        """The state of a region at the start: that of its initial step, else that in which none of its steps is."""
+        """Return the state of a region at the start: that of its initial step, else that of no step."""
         return self._none if region.initial is None else self._steps[region.initial]
 
     def declare(self, region: Region, suffix: str, *, following: bool) -> n.Name:
-        """A variable for the state of a region, or for its `following` one."""
+        """Declare a variable for the state of a region, or for its `following` one."""
         texts = self._texts
         if isinstance(self._type, DerivedType):
             usual = texts.active_step, texts.active_step_comment
@@ -109,7 +109,7 @@ class StateNames:
 
     @property
     def none(self) -> Expression:
-        """The state in which no step of a region is active."""
+        """State in which no step of a region is active."""
         return self._none
 
     def _constant(self, state: _State) -> n.Name:
@@ -118,7 +118,7 @@ class StateNames:
     def _enumeration(
         self, states: Sequence[_State], source: ChartSource, surroundings: Collection[str]
     ) -> list[Expression]:
-        """Declare a type of its own: its values are written with its name, so nothing else can be meant."""
+        """Declare a type of its own: its values are written with its name, so that no other value can be meant."""
         used = {name.casefold() for name in source.names()}
         name = Naming(source.dialect, {*surroundings, *used}).fresh(f"{source.pou.name}_{self._texts.enumeration}")
         naming = Naming(source.dialect, ())
@@ -149,7 +149,7 @@ def _refuse_without_enumerations(source: ChartSource, rules: LoweringRules) -> N
 
 
 def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[list[_State], list[_State], list[_State]]:
-    """The states of the steps, of the waits for joins, and of no step, where that can be: any region can be `left`."""
+    """Return the states of steps, of waits for joins, and of no step, if a region can have none (`left`: any can)."""
     numbers = step_numbers(net)
     # waits have numbers of a hundred of their own: they stay when steps are added
     hundred = 100 * (max(numbers) // 100 + 1)
@@ -173,7 +173,7 @@ def _states(net: Net, regions: Regions, texts: Texts, *, left: bool) -> tuple[li
 
 
 def _short(path: str, number: int) -> str:
-    """A step in the name of a constant: its number where its name says nothing else."""
+    """Return a step in the name of a constant: its number where its name is that number."""
     return str(number) if number_in_name(path) == number else path
 
 
@@ -181,7 +181,7 @@ INDENT = "    "
 
 
 def regions_of(net: Net) -> Regions | str:
-    """The regions of a net, or why it has none that hold all of its steps."""
+    """Return the regions of a net, or why it has none that hold all of its steps."""
     found = find_regions(net)
     if isinstance(found, Unstructured):
         return found.message
@@ -190,7 +190,7 @@ def regions_of(net: Net) -> Regions | str:
 
 
 def one_region(net: Net) -> Regions:
-    """All steps as one region, also those that are never active; the first initial step is that of the region."""
+    """Return all steps as one region, also those that are never active; the first initial step is its own."""
     steps, transitions = (tuple(range(len(each))) for each in (net.steps, net.transitions))
     region = Region(0, steps, transitions, block=None, blocks=(), initial=next(indexes(net.initial)))
     return Regions(net, (region,), (), tuple(0 for _ in steps))
@@ -198,7 +198,7 @@ def one_region(net: Net) -> Regions:
 
 @dataclass(frozen=True)
 class RegionState:
-    """A region and its state variable. `first`: the step with which it starts, `blocks`: what is forked from it."""
+    """Region and its state variable. `first`: the step with which it starts, `blocks`: the divergences in it."""
 
     region: Region
     first: int
@@ -207,7 +207,7 @@ class RegionState:
 
 
 class TriedTransition(NamedTuple):
-    """A transition as the CASE tries it: what must be executed before, its condition, what it does, its comment."""
+    """Transition in a CASE: what must be executed before, its condition, its effect, its comment."""
 
     before: tuple[Statement, ...]
     condition: Expression
@@ -216,7 +216,7 @@ class TriedTransition(NamedTuple):
 
 
 class StateVariables:
-    """The state variables of all regions of a chart, and the text of their CASEs.
+    """State variables of all regions of a chart, and the text of their CASEs.
 
     At the start their states are those of the initial steps, or with `off` those of no step.
     """
@@ -241,7 +241,7 @@ class StateVariables:
         return self.names.declare(at_start, self.suffix(region), following=following)
 
     def suffix(self, region: Region) -> str:
-        """What tells the variables of a region from others: its first step. Those of the first region have none."""
+        """Return the end of the names of a region's variables: its first step, nothing for the first region."""
         return "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
 
     def let_wait(self, machine: RegionState) -> None:
@@ -249,47 +249,47 @@ class StateVariables:
         self._next[machine.region.index] = self._declared(machine.region, following=True)
 
     def waits(self, machine: RegionState) -> bool:
-        """Whether a region has a second variable."""
+        """Return True if a region has a second variable."""
         return self.following(machine) != machine.state
 
     def following(self, machine: RegionState) -> n.Name:
-        """The variable that the CASE of a region writes."""
+        """Return the variable that the CASE of a region writes."""
         return self._next[machine.region.index]
 
     def machine_of(self, step: int) -> RegionState:
-        """The machine in whose states a step, given by its index in the net, is one."""
+        """Return the region whose states a step, given by its index in the net, is one of."""
         return self.machines[self._region_of[step]]
 
     def active(self, step: int) -> Expression:
-        """Whether a step is active: a comparison of the state of its region."""
+        """Return an expression that is TRUE if a step is active: a comparison of the state of its region."""
         return equal(self.machine_of(step).state, self.names.step(step))
 
     def set_back(self, machine: RegionState) -> Statement:
-        """The assignment that starts a region anew."""
+        """Return the assignment that restarts a region."""
         return assignment(self.following(machine), self.names.start(machine.region))
 
     def moves(self) -> list[Statement]:
-        """The assignments that make valid what is to be."""
+        """Return the assignments of the following states."""
         return [assignment(m.state, self.following(m)) for m in self.machines if self.waits(m)]
 
     # -- text
 
     def text(self, node: n.Node) -> str:
-        """A node in the dialect of the code."""
+        """Return a node in the dialect of the code."""
         return print_node(node, self._dialect)
 
     def title(self, machine: RegionState) -> str:
-        """The title of the CASE of a region."""
+        """Return the title of the CASE of a region."""
         if len(self.machines) == 1:
             return self._texts.chain
         return self._texts.part(self._net.steps[machine.first].path)
 
     def heading(self, step: NetStep) -> str:
-        """The comment of a step's branch."""
+        """Return the comment of a step's branch."""
         return self._texts.step(step.step, step.path, initial=bool(self._net.initial & step.bit))
 
     def remarks(self, element: Step | Transition) -> list[str]:
-        """What the chart says of a step or transition, as comments."""
+        """Return the captions of a step or transition as comments."""
         return comment_lines(self._texts.remark(element))
 
     def case(
@@ -298,7 +298,7 @@ class StateVariables:
         leaving: Callable[[NetStep], list[str]],
         joining: Callable[[ParallelBlock], list[str]],
     ) -> list[str]:
-        """The lines of a CASE: what each step tries, and each wait for a join."""
+        """Return the lines of a CASE: the transitions of each step, and the wait for each join."""
         lines = [f"CASE {self.text(machine.state)} OF"]
         for i in machine.region.steps:
             step = self._net.steps[i]
@@ -313,12 +313,12 @@ class StateVariables:
         return [*lines, "END_CASE;"]
 
     def branch(self, label: Expression, heading: str, lines: list[str]) -> list[str]:
-        """A branch of a CASE."""
+        """Return a branch of a CASE."""
         comment = " ".join(heading.split())  # a line break in a name would end it
         return [f"{INDENT}{self.text(label)}: // {comment}", *(INDENT * 2 + line for line in lines)]
 
     def effect(self, machine: RegionState, transition: NetTransition) -> list[str]:
-        """What a transition does that the CASE of a region tries."""
+        """Return the statements of a transition in the CASE of a region."""
         joined = {self._region_of[i] for i in transition.sources} if len(transition.sources) > 1 else set()
         lines = [self.entered(i) for i in transition.targets]
         if len(transition.targets) > 1:
@@ -328,16 +328,16 @@ class StateVariables:
         return lines + [self._becoming(region, self.names.none) for region in left]
 
     def entered(self, step: int) -> str:
-        """The assignment that activates a step."""
+        """Return the assignment that activates a step."""
         return self._becoming(self._region_of[step], self.names.step(step))
 
     def _becoming(self, region: int, state: Expression) -> str:
         return self.text(assignment(self._next[region], state))
 
     def tried(self, choice: Sequence[TriedTransition]) -> list[str]:
-        """IF and ELSIF in the order in which they are tried; ELSE where something must be executed between them.
+        """Return IF and ELSIF in the order of the transitions; ELSE where something must be executed between them.
 
-        The last one stands in ELSE, or alone, if its condition is TRUE.
+        The last one has ELSE, or no condition, if its condition is TRUE.
         """
         lines: list[str] = []
         for number, each in enumerate(choice):

@@ -33,7 +33,7 @@ class StepFlagEncoding(ScanSchedule):
     """A flag for each step, and a bit for each transition that fires."""
 
     def declare_states(self, source: ChartSource) -> None:
-        """The flags, those of initial steps TRUE at the start."""
+        """Declare the flags, those of initial steps TRUE at the start, and the bits of transitions."""
         self.flags: list[Expression] = []
         self.fired: list[n.Name] = []
         for step in source.net.steps:
@@ -51,22 +51,22 @@ class StepFlagEncoding(ScanSchedule):
             self.fired.append(self.code.declare(name, comment=comment))
 
     def flag_comment(self, step: NetStep) -> str:
-        """What is said of the flag of a step where it is declared."""
+        """Return the comment of the flag of a step."""
         return self.texts.flag_of(step.path)
 
     def active(self, step: int) -> Expression:
-        """The flag of a step."""
+        """Return the flag of a step."""
         return self.flags[step]
 
     def enabled(self, transition: NetTransition) -> Expression:
-        """All its steps are active."""
+        """Return the condition that all steps before a transition are active."""
         return conjunction(self.flags[i] for i in transition.sources)
 
     def select(self) -> None:
-        """Nothing: moving does it."""
+        """Append nothing: `move` does it."""
 
     def choose(self) -> None:
-        """Append a bit for each transition: enabled, its condition TRUE, and no rival before it has fired."""
+        """Append a bit for each transition: enabled, condition TRUE, and no competing transition before it fires."""
         parts: list[CodeNetwork] = []
         rivals = exclusive_rivals(self.net, self.profile)
         for transition in self.net.transitions:
@@ -83,20 +83,20 @@ class StepFlagEncoding(ScanSchedule):
         self.code.add_each(self.texts.transitions, parts)
 
     def chosen(self) -> Sequence[n.Name]:
-        """The bits of the transitions."""
+        """Return the bits of the transitions."""
         return self.fired
 
     def any_fires(self) -> Expression:
-        """Any of the bits of the transitions."""
+        """Return the disjunction of the bits of the transitions."""
         return disjunction(self.fired)
 
     @cached_property
     def is_safe(self) -> bool:
-        """Whether a step that a transition enters is never active already, as its structure tells."""
+        """True if a step that a transition enters is never active already, as its structure tells."""
         return firing_together(self.net, self.profile) is None and isinstance(find_regions(self.net), Regions)
 
     def reentered(self) -> Mapping[int, Expression]:
-        """Steps whose time starts anew though they are active, by the bits of the transitions.
+        """Return the steps whose time restarts though they are active, by the bits of the transitions.
 
         They are left and entered in one scan. In a safe chart one transition does both; where it is not known to be
         safe two of them can.
@@ -115,14 +115,18 @@ class StepFlagEncoding(ScanSchedule):
 
 
 class StepBitEncoding(StepFlagEncoding):
-    """Lowers one chart into `code`."""
+    """Encoding with step bits in two phases: all transitions from the old bits, then all resets, then all sets.
+
+    This is the rule of evolution itself (IEC 60848:2013, rules 4 and 5: what is left and entered at once stays active),
+    so it holds for every chart, also for one that is not safe.
+    """
 
     def flag_comment(self, step: NetStep) -> str:
-        """With what the chart says of the step: it has no network of its own."""
+        """Return the comment of a flag with the captions of the step, which has no network of its own."""
         return self.texts.described_flag(step.step, step.path)
 
     def move(self) -> None:
-        """Append all resets, then all sets, and what is stronger than the transitions behind them."""
+        """Append all resets, then all sets, then selection and restart, which override the transitions."""
         resets: list[Statement] = []
         sets: list[Statement] = []
         for transition in self.net.transitions:
@@ -143,7 +147,13 @@ class StepBitEncoding(StepFlagEncoding):
 
 
 class FlipFlopEncoding(StepFlagEncoding):
-    """Lowers one chart into `code`."""
+    """Encoding with one reset-dominant flip-flop and one flag for each step.
+
+    *Exact*: all transitions are computed first, from the flags of the last scan; then each flip-flop is set by the
+    transitions that lead to its step and reset by those that leave it, unless one enters it at the same time. As no
+    flip-flop reads another, neighbours never overlap and no token runs through. *Classic* is the textbook sequence: set
+    by the step before and the condition, reset by the step behind. It differs from the chart; see docs/lowering.md.
+    """
 
     def move(self) -> None:
         """Append a network for each step."""
@@ -161,9 +171,9 @@ class FlipFlopEncoding(StepFlagEncoding):
             self._add_step(step, set_, reset, guarded=guarded)
 
     def classic(self) -> None:
-        """The textbook chain: steps one after the other, each looks at the flags as they are at that moment.
+        """Append the textbook sequence: step by step, each with the flags as they are at that moment.
 
-        The input for starting anew also starts it first; where there is to be none the first scan does.
+        The restart input also starts it first; where there is to be none the first scan does.
         """
         unused = {name.identifier for name in self.fired}
         self.code.variables = [variable for variable in self.code.variables if variable.name not in unused]
@@ -185,7 +195,7 @@ class FlipFlopEncoding(StepFlagEncoding):
         self.memory.finish(self.texts.first_scan)
 
     def _one_at_a_time(self, transition: NetTransition, step: NetStep) -> list[Expression]:
-        """That the steps before those of the transition are left: else a push would lead through the whole chain."""
+        """Return that the steps two before are inactive: else one push would run through the whole sequence."""
         if not self.rules.modes & {OperatingMode.SINGLE_STEP, OperatingMode.ADVANCE}:
             return []
         before = {s for i in transition.sources for t in self.net.entering[i] for s in self.net.transitions[t].sources}

@@ -28,7 +28,7 @@ from plcopen_sfc.semantics.profile import Evolution, Profile, ScanOrder
 
 
 class WatchedPou(NamedTuple):
-    """The copy, and the variables by the index of their transitions: those before all else, and those behind."""
+    """Copy, and the variables by the index of their transitions: those before all other code, and those behind."""
 
     pou: Pou
     before: dict[int, str]
@@ -36,12 +36,12 @@ class WatchedPou(NamedTuple):
 
 
 def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *, behind: bool) -> WatchedPou:
-    """The copy of `code`.
+    """Return a copy of `code` with a variable for each transition.
 
-    A variable is TRUE while the steps before its transition are active and its condition is TRUE. `situation` says what
-    tells in the code that a step is active, by the path of the step. Transitions whose condition can be evaluated
-    nowhere but in its place, because it asks for the time of a step, have no variable. `behind`: there are variables
-    that tell what transitions want at the end of a scan, too.
+    A variable is TRUE while the steps before its transition are active and its condition is TRUE. `situation` has the
+    expressions that are TRUE while steps are active, by the path of the step. Transitions whose condition can be
+    evaluated only in its own place, because it asks for the time of a step, have no variable. `behind`: there are
+    variables for the end of a scan, too.
     """
     flags = {path.casefold(): parse_expression(text, source.dialect).tree for path, text in situation.items()}
     declared = {v.name.casefold() for v in code.variables()}
@@ -62,7 +62,7 @@ def watched_pou(code: Pou, source: ChartSource, situation: Mapping[str, str], *,
 
 
 def _watch(code: LoweredCode, source: ChartSource, flags: Mapping[str, Expression], wanted: str) -> dict[int, str]:
-    """Append what is assigned to the variables."""
+    """Append the assignments of the variables."""
     statements: list[n.Statement] = []
     names: dict[int, str] = {}
     for transition in source.net.transitions:
@@ -78,7 +78,7 @@ def _watch(code: LoweredCode, source: ChartSource, flags: Mapping[str, Expressio
 
 
 def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression | None:
-    """The condition with flags for the step variables in it; None where it asks for anything else of a step."""
+    """Return the condition with flags for the step variables in it; None where it has other data of a step."""
 
     def flag(node: n.Node) -> n.Node:
         match node:
@@ -94,7 +94,7 @@ def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression 
 
 
 def _around(body: Body, first: LoweredCode, last: LoweredCode, source: ChartSource, declared: list[Variable]) -> Body:
-    """The body with code before and behind it."""
+    """Return the body with code before and behind it."""
     if isinstance(body, StBody):
         texts = (structured_text(code, source.dialect).text for code in (first, last))
         return StBody(text=body.text.join(texts))
@@ -115,10 +115,10 @@ FaultPlace = tuple[str, ...]
 
 @dataclass(frozen=True)
 class ObservedScan:
-    """What one scan of the code has done.
+    """Observations in one scan of the code.
 
     `before` and `after` are the active steps, `wanted` the transitions that were enabled with a TRUE condition at its
-    beginning, `waiting` those that are at its end, where that was asked; all as bits. `restarted`: the chain was
+    beginning, `waiting` those that are at its end, where that was asked; all as bits. `restarted`: the sequence was
     initialised. `was` and `now` are the outputs of `ChartFacts.outputs` before and after it.
     """
 
@@ -134,7 +134,7 @@ class ObservedScan:
 
 @dataclass(frozen=True)
 class ObservedOutput:
-    """A variable that is driven by qualifier N only: by the steps `always`, and by `sometimes` under conditions."""
+    """Variable that is driven by qualifier N only: by the steps `always`, and by `sometimes` under conditions."""
 
     name: str
     always: int
@@ -142,7 +142,7 @@ class ObservedOutput:
 
 
 class ChartFacts:
-    """What is known of a chart and its code before anything runs. `waits`: there is an initialisation."""
+    """Facts about a chart and its code before anything runs. `waits`: there is an initialisation."""
 
     def __init__(
         self,
@@ -167,7 +167,7 @@ class ChartFacts:
         self.following = [mask(x for t in each for x in net.transitions[t].targets) for each in net.leaving]
 
     def together(self, a: int, b: int) -> bool:
-        """Whether the chart can have both steps active, as far as was searched."""
+        """Return True if the chart can have both steps active, as far as was searched."""
         together = self.graph.concurrency
         if together is not None:
             return bool(together[a] >> b & 1)
@@ -175,12 +175,12 @@ class ChartFacts:
         return any(marking & both == both for marking in self.graph)
 
     def names(self, *steps: int) -> FaultPlace:
-        """The paths of steps."""
+        """Return the paths of steps."""
         return tuple(self.net.steps[step].path for step in steps)
 
 
 def outputs_of(actions: Sequence[ActionSource]) -> list[ObservedOutput]:
-    """The Boolean variables that nothing but qualifier N drives."""
+    """Return the Boolean variables that nothing but qualifier N drives."""
     found: list[ObservedOutput] = []
     for action in actions:
         plain = all(use.qualifier in (Qualifier.N, Qualifier.NONE) and not use.inverted for use in action.uses)

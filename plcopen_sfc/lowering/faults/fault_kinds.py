@@ -16,7 +16,7 @@ __all__ = ["Fault", "FaultKind", "FaultScan"]
 
 
 class FaultKind(Enum):
-    """A way in which a textbook chain does something else than its chart. The codes are stable."""
+    """Way in which a textbook sequence differs from its chart. The codes are stable."""
 
     def __init__(self, code: str, title: str, why: str) -> None:
         self.code = code
@@ -100,7 +100,7 @@ class FaultKind(Enum):
 
 @dataclass(frozen=True)
 class FaultScan:
-    """One scan of the inputs that show a fault, and what both do with them.
+    """One scan of the inputs that show a fault, and the reaction of both.
 
     `inputs` are all that the code reads. `chart` and `code` are the steps that are active at its end, `chart_outputs`
     and `code_outputs` the values of the outputs concerned.
@@ -115,7 +115,7 @@ class FaultScan:
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that the code of a chart has.
+    """Fault of the code of a chart.
 
     `place`: the steps, and the output, that `trace` shows it with; `others` has it in other places. `shortest`: no
     shorter sequence of inputs shows any. `signals` are the types of the inputs.
@@ -130,22 +130,22 @@ class Fault:
 
     @property
     def code(self) -> str:
-        """``LOW101`` ..: stable."""
+        """Stable code: ``LOW101`` ..."""
         return self.kind.code
 
     @property
     def message(self) -> str:
-        """What is wrong, and where."""
+        """Error and its place."""
         return f"{self.kind.title}: {_listed(self.place)}"
 
     def diagnostic(self, pou: str) -> Diagnostic:
-        """The fault as a finding about a POU."""
+        """Return the fault as a finding about a POU."""
         return Diagnostic(
             self.code, Severity.WARNING, self.message, Location(path=pou), "The exact style does what the chart does."
         )
 
     def table(self) -> list[str]:
-        """The trace as lines of a table: the inputs that are not 0, and what the chart and the code make of them."""
+        """Return the trace as lines of a table: inputs that are not 0, and the steps and outputs of chart and code."""
         outputs = list(self.trace[0].code_outputs)
         rows = [["scan", "|", "inputs", "|", "chart", *outputs, "|", "code", *outputs]]
         for number, scan in enumerate(self.trace, 1):
@@ -156,13 +156,13 @@ class Fault:
         return [" ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in rows]
 
     def _given(self, inputs: Mapping[str, Value]) -> str:
-        """The inputs that are not 0: the names of Boolean ones, the values of all others."""
+        """Return the inputs that are not 0: the names of Boolean ones, the values of all others."""
         given = [(name, value) for name, value in inputs.items() if value]
         texts = [n if value is True else f"{n}={self.signals[n].text(value)}" for n, value in given]
         return " ".join(texts) or "-"
 
     def __str__(self) -> str:
-        """What is wrong, why, and the table."""
+        """Return the error, the reason for it, and the table."""
         lines = [f"{self.code}: {self.message}", f"  {self.kind.why}"]
         if self.others:
             more = len(self.others) - _OTHERS_SHOWN
@@ -171,7 +171,7 @@ class Fault:
         return "\n".join([*lines, *(f"  {line}" for line in self.table())])
 
     def as_dict(self) -> dict[str, Any]:
-        """The fault as plain data, for JSON."""
+        """Return the fault as plain data, for JSON."""
         return {
             "code": self.code,
             "title": self.kind.title,

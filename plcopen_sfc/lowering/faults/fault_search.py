@@ -64,12 +64,12 @@ def find_faults(
     at_rest: Mapping[str, bool],
     left_out: str | None = None,
 ) -> tuple[Fault, ...]:
-    """The faults of `code`, which is the textbook form of `chart`, each with a trace that shows it.
+    """Return the faults of `code`, which is the textbook form of `chart`, each with a trace that shows it.
 
-    `source` is the chart as it was read, `situation` says what tells in the code that a step is active, by the path of
-    the step; `at_rest` and `left_out` are those of `Constructed`. All that the code can do is searched. Where that is
-    too much, the steps are gone through one after the other; and where the inputs cannot be enumerated, typical and
-    random ones are tried. What is found then is true, but its trace need not be the shortest.
+    `source` is the chart as it was read, `situation` has the expressions that are TRUE while steps are active, by the
+    path of the step; `at_rest` and `left_out` are those of `Constructed`. The whole state space of the code is
+    searched. Where it is too large, the search goes from step to step; and where the inputs cannot be enumerated,
+    typical and random ones are tried. A fault that is found so is one, but its trace need not be the shortest.
     """
     looked_for = FLIP_FLOP_RULES if construction is Construction.FLIPFLOP else CASE_RULES
     restarts = {rules.init, rules.stop} & set(at_rest) | ({left_out} if left_out is not None else set())
@@ -113,7 +113,7 @@ def _connect(code: ProgramSystem, chart: ProgramSystem, fixed: Mapping[str, bool
 
 
 class _Seen(NamedTuple):
-    """The end of a scan: active steps, transitions that wanted to fire and still do (bits), a restart, and outputs."""
+    """End of a scan: active steps, transitions that wanted to fire and still do (bits), a restart, and outputs."""
 
     marking: int
     wanted: int
@@ -123,7 +123,7 @@ class _Seen(NamedTuple):
 
 
 class _Observed:
-    """The code, and what of it the rules look at."""
+    """Code, and its variables that the detection of faults reads."""
 
     def __init__(
         self,
@@ -150,7 +150,7 @@ class _Observed:
         return None if failure_of(self.program, read, first=first) is not None else self._seen()
 
     def snapshot(self) -> Any:
-        """The state, to which the variables that were added do not belong."""
+        """Return the state, to which the variables that were added do not belong."""
         for cells, index in self._cells:
             cells[index] = False
         return self.program.snapshot()
@@ -173,7 +173,7 @@ def _bits(places: Iterable[int], values: Iterable[bool]) -> int:
 
 @dataclass(frozen=True)
 class _Found:
-    """The inputs that show a fault in one place. `shortest`: no fewer scans do."""
+    """Inputs that show a fault in one place. `shortest`: no fewer scans do."""
 
     inputs: Inputs
     shortest: bool
@@ -181,7 +181,7 @@ class _Found:
 
 @dataclass(frozen=True)
 class _State:
-    """A state that the search goes on from: how it was reached, and what was seen at its end."""
+    """State from which the search continues: the inputs that lead to it, and the observations at its end."""
 
     snapshot: Any
     origin: int
@@ -193,14 +193,14 @@ _Faults = dict[tuple[FaultKind, FaultPlace], _Found]
 
 
 class _FewInputs(Branching):
-    """Not more than a few Boolean inputs are TRUE together: the chain goes step by step."""
+    """Inputs of which only a few Boolean ones are TRUE together: the sequence goes step by step."""
 
     def __init__(self, domains: Mapping[str, Domain], most: int) -> None:
         super().__init__(domains)
         self._most = most
 
     def read(self, name: str) -> Any:
-        """The value of an input in this scan."""
+        """Return the value of an input in this scan."""
         enough = sum(value is True for value in self.values.values()) >= self._most
         if enough and name not in self.values and self._domains[name].signal.kind is SignalKind.BOOL:
             self.values[name] = False
@@ -215,7 +215,7 @@ class _Search:
         self._domains = {name: Domain(name, signal) for name, signal in signals.items()}
 
     def all(self) -> _Faults:
-        """The faults by kind and place."""
+        """Return the faults by kind and place."""
         found: _Faults = {}
         most = _WORK // (len(self._facts.net.steps) + len(self._facts.net.transitions) + 1)
         try:
@@ -232,7 +232,7 @@ class _Search:
         return found
 
     def _is_calm(self, marking: int) -> bool:
-        """Whether the chain is where the chart can be, or there and in the steps just before."""
+        """Return True if the code is in a situation of the chart, or in one with the steps just before besides."""
         following, graph = self._facts.following, self._facts.graph
         behind = [step for step in indexes(marking) if following[step] & marking]
         ahead = marking & ~mask(behind)
@@ -241,7 +241,7 @@ class _Search:
     def _breadth_first(
         self, found: _Faults, branching: Branching, goes_on: Callable[[int], bool], most: int, *, shortest: bool
     ) -> bool:
-        """Search the states of the code, up to `most` scans. Whether all were seen from which it shall go on."""
+        """Search the states of the code, up to `most` scans. Returns True if all states were expanded."""
         while True:
             for domain in self._domains.values():
                 domain.grown = False
@@ -316,13 +316,13 @@ class _Search:
 
 
 class _Showing:
-    """Makes the report of a fault, with what the chart does. It starts anew where the code is initialised."""
+    """Report of a fault, with the reaction of the chart, which restarts where the code is initialised."""
 
     def __init__(self, code: _Observed, chart: ProgramSystem, facts: ChartFacts, signals: Mapping[str, Signal]) -> None:
         self._code, self._chart, self._facts, self._signals = code, chart, facts, signals
 
     def fault(self, kind: FaultKind, places: Mapping[FaultPlace, _Found]) -> Fault:
-        """A fault with the trace of the place where the fewest scans show it."""
+        """Return a fault with the trace of the place where the fewest scans show it."""
         place = min(places, key=lambda each: len(places[each].inputs))
         others = tuple(each for each in places if each != place)
         names = {name.casefold() for name in place}
@@ -363,7 +363,7 @@ class _Showing:
 
 
 def _inputs(states: Sequence[_State], last: _State) -> Inputs:
-    """The inputs of the scans that lead to a state."""
+    """Return the inputs of the scans that lead to a state."""
     rows: list[Mapping[str, Value]] = []
     state = last
     while state.origin >= 0:

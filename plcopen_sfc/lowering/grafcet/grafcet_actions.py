@@ -29,9 +29,9 @@ from plcopen_sfc.semantics.net import indexes
 
 
 class StepViews(NamedTuple):
-    """What can be seen of a step: whether it is `active`, and was so `before` the present evolution.
+    """Views of a step: it is `active`, and it was so `before` the present evolution.
 
-    `fresh`: whether the evolution before this one has activated it.
+    `fresh`: the evolution before this one has activated it.
     """
 
     active: StepValue
@@ -40,18 +40,21 @@ class StepViews(NamedTuple):
 
 
 class StoredActionEvent(NamedTuple):
-    """What tells that an event happens, and the action that it executes."""
+    """Condition that an event happens, and the action that it executes."""
 
     happens: Expression
     action: StoredAction
 
     def named(self, memory: Memory, wanted: str, into: list[Statement]) -> StoredActionEvent:
-        """The same with a variable that says so."""
+        """Return the same with a variable for the condition."""
         return StoredActionEvent(memory.named(wanted, self.happens, into), self.action)
 
 
 class StoredActions:
-    """`bits`: names of BOOL variables, in lower case, that are assigned by logic and not under a condition."""
+    """Code of the stored actions (IEC 60848:2013, 4.8), each executed in the evolution of its event.
+
+    `bits`: names of BOOL variables, in lower case, that are assigned by logic and not under a condition.
+    """
 
     def __init__(
         self, actions: Sequence[StoredAction], memory: Memory, sights: StepViews, bits: Collection[str] = ()
@@ -60,7 +63,7 @@ class StoredActions:
         self._active, self._before, self._fresh = sights
 
     def events(self) -> list[StoredActionEvent]:
-        """What happens to active steps, but for the event that has activated them, and what it executes."""
+        """Return the events of active steps, but for the activation itself, and the actions that they execute."""
         found: list[StoredActionEvent] = []
         for action in self._actions:
             if action.event is not None:
@@ -69,11 +72,11 @@ class StoredActions:
         return found
 
     def on_events(self, events: Iterable[StoredActionEvent]) -> list[Statement]:
-        """What events execute."""
+        """Return the statements that events execute."""
         return [statement for event in events for statement in self._executed(*event)]
 
     def on_changes(self) -> list[Statement]:
-        """What deactivations execute, then what activations do."""
+        """Return the statements of deactivations, then those of activations."""
         found: list[Statement] = []
         for kind, was, is_ in (
             (ActionKind.ON_DEACTIVATION, self._before, self._active),
@@ -87,9 +90,9 @@ class StoredActions:
         return found
 
     def ended(self, restart: Expression, initial: Iterable[int], booleans: Collection[str]) -> list[Statement]:
-        """What makes the stored Boolean variables what they are at the start: FALSE, or what `initial` steps store.
+        """Return the statements that set the stored Boolean variables back: to FALSE, or to what `initial` steps store.
 
-        `booleans` are names of variables in lower case; others are known by what they get.
+        `booleans` are names of variables in lower case; others are known by their values.
         """
         started = set(initial)
         values: dict[Expression, Expression] = {}
@@ -107,7 +110,7 @@ class StoredActions:
         return self._memory.conditional("", restart, done)
 
     def at_the_start(self, initial: Iterable[int], starting: Expression) -> list[Statement]:
-        """What the activation of the initial steps executes, in the scan that is `starting`."""
+        """Return the statements of the activation of the initial steps, in the scan that is `starting`."""
         started = set(initial)
         found: list[Statement] = []
         for action in self._actions:
@@ -125,7 +128,7 @@ class StoredActions:
 
 
 def written_if(condition: Expression, target: Expression, value: Expression) -> Statement:
-    """The assignment of a BOOL variable under a condition, as plain logic."""
+    """Return the assignment of a BOOL variable under a condition, as plain logic."""
     kept = conjunction([target, negation(condition)])
     return assignment(target, disjunction([conjunction([condition, value]), kept]))
 
@@ -135,13 +138,13 @@ _PULSES = frozenset({Qualifier.P, Qualifier.P1, Qualifier.P0})
 
 
 def passed_steps(actions: Sequence[ActionSource]) -> set[int]:
-    """The steps of which it matters that a scan has passed them: also where blocks in conditions look at them."""
+    """Return the steps whose passing within a scan matters: also where blocks in conditions look at them."""
     uses = (use for action in actions for use in action.uses)
     return {i for use in uses if use.qualifier in _PASSING | _PULSES or use.preparation for i in use.steps}
 
 
 class PassingActionCode(ActionControlCode):
-    """The action control of IEC 61131-3. `seen` tells whether a step was active in any evolution of the scan."""
+    """Action control of IEC 61131-3. `seen`: a step was active in any evolution of the scan."""
 
     def __init__(
         self, code: LoweredCode, memory: Memory, active: StepValue, seen: StepValue, ending: Expression = FALSE
@@ -163,7 +166,7 @@ class PassingActionCode(ActionControlCode):
         return self._edges(action, into, Qualifier.P1, Qualifier.P0)
 
     def _edges(self, action: ActionSource, into: list[Statement], *qualifiers: Qualifier) -> list[Expression]:
-        """Pulses when a step becomes active or no longer is, also if it is so in between only."""
+        """Return pulses when a step becomes active or no longer is, also if it is so in between only."""
         found: list[Expression] = []
         for qualifier in qualifiers:
             now, passed = (self._asked(active, action, qualifier) for active in (self._stable, self._seen))
@@ -179,10 +182,10 @@ class PassingActionCode(ActionControlCode):
 
 
 class ContinuousActionCode(ActionControlCode):
-    """Each association acts on its own, with the time of its step (IEC 60848:2013, 4.8.4).
+    """Control in which each association acts on its own, with the time of its step (IEC 60848:2013, 4.8.4).
 
-    `timers`: those of macro-steps, with what starts each and its time. Like those of steps (`times`) they are to be
-    called behind the evolutions.
+    `timers`: those of macro-steps, with the condition and the time of each. Like those of steps (`times`) they are to
+    be called behind the evolutions.
     """
 
     def __init__(
@@ -194,11 +197,11 @@ class ContinuousActionCode(ActionControlCode):
         self._driven = {a.name: disjunction(self._of_step(use, a) for use in a.uses) for a in actions}
 
     def drive(self, action: ActionSource, into: list[Statement]) -> Expression:  # noqa: ARG002
-        """Whether any association wants it."""
+        """Return an expression that is TRUE if any association wants it."""
         return self._driven[action.name]
 
     def outputs(self, action: ActionSource, into: list[Statement]) -> tuple[Expression, Expression]:  # noqa: ARG002
-        """The same; there are no pulses."""
+        """Return the same; there are no pulses."""
         return self._driven[action.name], FALSE
 
     def _of_step(self, use: ActionUse, action: ActionSource) -> Expression:
@@ -209,7 +212,7 @@ class ContinuousActionCode(ActionControlCode):
         return conjunction(terms)
 
     def _is_over(self, use: ActionUse, duration: Expression, action: ActionSource) -> Expression:
-        """Whether the step, or any step of the macro-step, has been active for the time."""
+        """Return when the step, or any step of the macro-step, has been active for the time."""
         if len(use.steps) == 1:
             if isinstance(duration, n.Literal):
                 return self._times.is_over(use.steps[0], duration)
@@ -220,7 +223,7 @@ class ContinuousActionCode(ActionControlCode):
 
 
 def events_asked_early(source: ChartSource, grafcet: GrafcetSource, active: StepValue) -> str:
-    """Why actions on events cannot be executed behind the transitions of their evolution; empty if they can."""
+    """Return why actions on events cannot be executed behind the transitions of their evolution; empty if they can."""
     events = [stored for stored in grafcet.stored if stored.event is not None]
     used = _used(events)
     asked = next((name for name in _identifiers(_conditions(source)) if name.casefold() in used), None)
@@ -232,9 +235,9 @@ def events_asked_early(source: ChartSource, grafcet: GrafcetSource, active: Step
 
 
 def asked_in_between(source: ChartSource, grafcet: GrafcetSource, initial: int) -> bool:
-    """Whether anything asks, between an evolution and the outputs, for what stored actions write.
+    """Return True if code between an evolution and the outputs reads what stored actions write.
 
-    That is also so where it is asked for before the first evolution what the `initial` steps store.
+    That is also so where code before the first evolution reads what the `initial` steps store.
     """
     started = set(indexes(initial))
     at_start = [s for s in grafcet.stored if s.kind is ActionKind.ON_ACTIVATION and started.intersection(s.steps)]
@@ -253,7 +256,7 @@ def _identifiers(trees: Iterable[Node]) -> Iterator[str]:
 
 
 def _names(trees: Iterable[Node]) -> set[str]:
-    """The names in some texts, in lower case."""
+    """Return the names in some texts, in lower case."""
     return {name.casefold() for name in _identifiers(trees)}
 
 

@@ -33,7 +33,7 @@ from plcopen_sfc.semantics.profile import Profile
 
 
 def no_case(source: ChartSource, profile: Profile) -> str:
-    """Why one CASE cannot hold a GRAFCET; empty if it can."""
+    """Return why one CASE cannot hold a GRAFCET; empty if it can."""
     objection = one_step_at_a_time(source)
     if objection:
         return objection
@@ -50,7 +50,7 @@ def no_case(source: ChartSource, profile: Profile) -> str:
 
 
 class GrafcetCase(CaseEncoding):
-    """Lowers one chart into `code`. Raises `LoweringError` for what one CASE cannot hold."""
+    """Encoding of a GRAFCET with one CASE. Raises `LoweringError` for what one CASE cannot hold."""
 
     def __init__(
         self,
@@ -77,9 +77,10 @@ Situation: TypeAlias = Mapping[int, "Expression | None"]
 
 
 class ForcingCode:
-    """What rules one chart. `active` tells whether a step is active, `before` whether it was before the evolution.
+    """Code of the forcing orders and enclosing steps (IEC 60848:2013, 7.1 and 7.3) that act on one chart.
 
-    `entered` tells whether a transition has activated a step that may have been active before.
+    `active`: a step is active, `before`: it was so before the evolution, `entered`: a transition has activated a step
+    that may have been active before.
     """
 
     def __init__(self, chart: RuledChart, active: StepValue, before: StepValue, entered: StepValue) -> None:
@@ -88,11 +89,11 @@ class ForcingCode:
         self.steps = tuple(indexes(chart.steps))
 
     def forced(self) -> Expression:
-        """Whether an order holds the chart."""
+        """Return an expression that is TRUE if an order holds the chart."""
         return disjunction(self._active(i) for order in self._chart.orders for i in indexes(order.steps))
 
     def situations(self) -> Iterator[tuple[Expression, Situation]]:
-        """What the chart becomes and when; the first that is TRUE counts."""
+        """Yield the situations imposed on the chart with their conditions; the first that is TRUE counts."""
         for order in self._chart.orders:
             acting = disjunction(self._active(i) for i in indexes(order.steps))
             if order.imposed is None:
@@ -120,7 +121,7 @@ class ForcingCode:
 
 
 def forced_assignments(ruling: ForcingCode, flags: Sequence[Expression], before: StepValue) -> Statement:
-    """The assignment of the situation that a chart is ruled into, if it is."""
+    """Return the assignment of the situation that is imposed on a chart, if one is."""
     branches = [
         n.Branch(when, tuple(assignment(flags[i], before(i) if value is None else value) for i, value in steps.items()))
         for when, steps in ruling.situations()
@@ -129,9 +130,10 @@ def forced_assignments(ruling: ForcingCode, flags: Sequence[Expression], before:
 
 
 class GrafcetFlipFlops(FlipFlopEncoding):
-    """Lowers one chart into `code`. `ruled` are the charts that others rule, those above first.
+    """Encoding of a GRAFCET with reset-dominant flip-flops, although in GRAFCET activation dominates.
 
-    `first`: TRUE in the first evolution only, where a scan can have several of them.
+    `ruled` are the charts that others force or enclose, those above first. `first`: TRUE in the first evolution only,
+    where a scan can have several of them.
     """
 
     ruled: Sequence[ForcingCode] = ()
@@ -139,7 +141,7 @@ class GrafcetFlipFlops(FlipFlopEncoding):
     first: Expression | None = None
 
     def move(self) -> None:
-        """Append a network for each step, those of ruled charts behind those of the charts that rule them."""
+        """Append a network for each step, those of forced charts behind those of the charts above them."""
         below = {step: ruling for ruling in self.ruled for step in ruling.steps}
         for step in self.net.steps:
             if step.index not in below:
@@ -166,7 +168,7 @@ class GrafcetFlipFlops(FlipFlopEncoding):
     def _ruled(
         self, step: int, ruling: ForcingCode, set_: list[Expression], reset: list[Expression]
     ) -> tuple[list[Expression], list[Expression]]:
-        """The inputs of a flip-flop with what orders and enclosing steps want; reset dominates."""
+        """Return the inputs of a flip-flop with those of orders and enclosing steps; reset dominates."""
         earlier: list[Expression] = []
         sets: list[Expression] = []
         resets: list[Expression] = []
@@ -191,22 +193,22 @@ class GrafcetFlipFlops(FlipFlopEncoding):
 
 
 class EvolvingEncoding(Protocol):
-    """What the scan of a GRAFCET asks of a construction."""
+    """Interface of an encoding for the scan of a GRAFCET."""
 
     def before(self, step: int) -> Expression:
-        """Whether a step was active before the present evolution."""
+        """Return an expression that is TRUE if a step was active before the present evolution."""
 
     def remembered(self) -> list[Statement]:
-        """What keeps that: to be executed before anything changes. Complete when everything has been asked."""
+        """Return the copies for `before`, to be made before all changes. Complete after all calls of `before`."""
 
     def signals(self) -> dict[Expression, DriveSignal]:
-        """What tells of steps before the evolution by more than a variable, as far as it has been asked."""
+        """Return the expressions of `before` that are more than a variable, so far."""
 
     def fired(self, transition: int) -> Expression:
-        """Whether a transition was cleared in this evolution."""
+        """Return an expression that is TRUE if a transition has fired in this evolution."""
 
     def moving(self) -> Expression:
-        """Whether any was."""
+        """Return an expression that is TRUE if any transition has fired."""
 
 
 class EvolvingStepFlags:
@@ -217,31 +219,31 @@ class EvolvingStepFlags:
         self._olds: dict[int, n.Name] = {}
 
     def before(self, step: int) -> Expression:
-        """A copy of the flag."""
+        """Return a copy of the flag."""
         if step not in self._olds:
             name = self._chain.texts.flag_name(self._chain.net.steps[step].step)
             self._olds[step] = self._chain.code.declare(self._chain.texts.with_suffix(name, "old"))
         return self._olds[step]
 
     def remembered(self) -> list[Statement]:
-        """The flags that anyone asks for."""
+        """Return the copies of flags that are in use."""
         return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
 
     def signals(self) -> dict[Expression, DriveSignal]:
-        """None: all of them are variables."""
+        """Return none: all of them are variables."""
         return {}
 
     def fired(self, transition: int) -> Expression:
-        """Its bit."""
+        """Return the bit of the transition."""
         return self._chain.fired[transition]
 
     def moving(self) -> Expression:
-        """Any of the bits."""
+        """Return the disjunction of the bits."""
         return disjunction(self._chain.fired)
 
 
 class EvolvingCaseState:
-    """The state of a CASE, in which no transition leads back to its own step."""
+    """State of a CASE, in which no transition leads back to its own step."""
 
     def __init__(self, chain: GrafcetCase) -> None:
         self._chain = chain
@@ -249,26 +251,26 @@ class EvolvingCaseState:
         self._old: n.Name | None = None
 
     def before(self, step: int) -> Expression:
-        """A comparison of a copy of the state."""
+        """Return a comparison of a copy of the state."""
         return equal(self._copy(), self._chain.names.step(step))
 
     def remembered(self) -> list[Statement]:
-        """The state, if anyone asks for it."""
+        """Return the copy of the state, if it is in use."""
         return [assignment(self._old, self._state)] if self._old is not None else []
 
     def signals(self) -> dict[Expression, DriveSignal]:
-        """Comparisons of the copy."""
+        """Return the comparisons of the copy."""
         if self._old is None:
             return {}
         flags = ((self.before(s.index), self._chain.texts.flag_name(s.step)) for s in self._chain.net.steps)
         return {before: DriveSignal(self._chain.texts.with_suffix(flag, "old"), "") for before, flag in flags}
 
     def fired(self, transition: int) -> Expression:  # noqa: ARG002
-        """Nothing tells, and nobody asks where steps are not left and entered at once."""
+        """Return FALSE: no code asks where steps are not left and entered at once."""
         return FALSE
 
     def moving(self) -> Expression:
-        """The state is another one."""
+        """Return an expression that is TRUE if the state is another one."""
         return negation(equal(self._state, self._copy()))
 
     def _copy(self) -> n.Name:

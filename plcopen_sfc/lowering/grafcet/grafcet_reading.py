@@ -40,7 +40,7 @@ Owned = tuple[Owner, SfcNetwork, ActionAssociation]
 
 
 def is_grafcet(chart: SfcNetwork, profile: Profile) -> bool:
-    """Whether a chart is read by `read_grafcet`: it has something of GRAFCET, or the profile searches for stability."""
+    """Return True if a chart has something of GRAFCET, or the profile searches for stability."""
     net = Net.of(chart)
     owned = [(owner, model) for owner, _, model in _owned(net)]
     return profile.evolution is Evolution.UNTIL_STABLE or has_grafcet(net, owned, profile)
@@ -69,14 +69,14 @@ def read_grafcet(
 
 
 def _owned(net: Net) -> list[Owned]:
-    """Every association with what it belongs to, in the order of the interpreter."""
+    """Return every association with what it belongs to, in the order of the interpreter."""
     owners = [(Owner(s.path, s.bit, 0, s.step.negated), s.chart, s.step.actions) for s in net.steps]
     owners += [(Owner(m.path, m.steps, 0, m.step.negated), m.chart, m.step.actions) for m in net.macros]
     return [(owner, chart, model) for owner, chart, models in owners for model in models if not model.exclude]
 
 
 class _Reader(TextReader):
-    """Takes everything out of a copy of the chart that `read_chart` does not know."""
+    """Reader that takes everything out of a copy of the chart that `read_chart` does not know."""
 
     def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile, targets: ActionTargets) -> None:
         super().__init__(pou, chart, dialect)
@@ -92,7 +92,7 @@ class _Reader(TextReader):
             raise LoweringError(error.message, location=error.location, hint=error.hint) from error
 
     def grafcet(self) -> GrafcetSource:
-        """What is taken out; conditions have the names of their terms then."""
+        """Return the parts that were taken out; conditions have the names of their terms then."""
         for transition in self._net.transitions:
             if transition.transition.condition is not None:
                 transition.transition.condition = self._termless(transition.transition.condition)
@@ -144,7 +144,7 @@ class _Reader(TextReader):
                 yield StoredAction(model.kind, tuple(indexes(owner.steps)), event, statements)
 
     def _continuous(self) -> Iterator[ActionSource]:
-        """Associations with the same target are one action, every body in place is one of its own."""
+        """Yield the actions: associations with the same target are one, every body in place is one of its own."""
         found: list[tuple[ActionSource, list[ActionUse]]] = []
         by_target: dict[str, list[ActionUse]] = {}
         for owner, chart, model in self._owned:
@@ -198,7 +198,7 @@ class _Reader(TextReader):
 
 
 def _words(tree: n.Expression) -> tuple[str, ...]:
-    """The names in the operand of a term, but those that stand for other terms."""
+    """Return the names in the operand of a term, but those of other terms."""
     names = (node.identifier for node in walk(tree) if isinstance(node, n.Name))
     return tuple(name for name in names if not is_term(name))
 
@@ -211,7 +211,7 @@ def read_plain(pou: Pou, chart: SfcNetwork, dialect: Dialect, profile: Profile) 
 
 
 def plain_chart(source: ChartSource) -> ChartSource:
-    """The chart without what only GRAFCET has. Raises `LoweringError` for what textbook forms have no place for."""
+    """Return the chart without what only GRAFCET has. Raises `LoweringError` for what textbook forms cannot hold."""
     grafcet = source.grafcet
     if grafcet is None:
         return source
@@ -233,7 +233,7 @@ def plain_chart(source: ChartSource) -> ChartSource:
 
 
 def _use(source: ChartSource, stored: StoredAction) -> tuple[n.Expression, ActionUse]:
-    """The output that a stored action sets or resets, and the association that does so."""
+    """Return the output that a stored action sets or resets, and the association that does so."""
     if stored.kind is not ActionKind.ON_ACTIVATION:
         refuse_classic(source, "stored actions on deactivation or on an event")
     only = stored.statements[0]

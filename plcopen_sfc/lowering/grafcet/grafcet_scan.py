@@ -58,7 +58,7 @@ _INDENT = "    "
 
 
 class GrafcetScan:
-    """Lowers the chart of a chain. Makes one scan with one evolution, or up to stability."""
+    """Schedule of one scan with one evolution, or with evolutions up to stability, for the chart of `chain`."""
 
     def __init__(self, chain: StepFlagEncoding | GrafcetCase) -> None:
         self._chain = chain
@@ -124,7 +124,7 @@ class GrafcetScan:
         chain.memory.finish(texts.first_scan)
 
     def _add_actions(self) -> None:
-        """Append what the profile executes besides: actions of steps, and those with qualifiers of IEC 61131-3."""
+        """Append the actions of steps, and those with qualifiers of IEC 61131-3."""
         chain = self._chain
         add_changes(chain.source, self._code, chain.memory, chain.active, self._texts)
         add_main_actions(chain.source, self._code, chain.memory, chain.active, self._texts)
@@ -139,7 +139,7 @@ class GrafcetScan:
     # -- blocks of their own for actions
 
     def _drive_blocks(self) -> tuple[DriveBlock | None, DriveBlock | None]:
-        """The block for what is executed behind the evolutions, and that for stored actions: the same if it can be."""
+        """Return the block for actions behind the evolutions, and that for stored actions: one block if possible."""
         chain = self._chain
         if chain.rules.actions is not ActionPlace.BLOCK:
             return None, None
@@ -169,18 +169,18 @@ class GrafcetScan:
     # -- steps
 
     def _seen(self, step: int) -> Expression:
-        """Whether a step was active in any situation of the scan but the one that it began with."""
+        """Return an expression that is TRUE if a step was active in any situation of the scan but its first."""
         if self._stable:
             return self._passed[step]
         started = self._searches and self._net.initial >> step & 1
         return disjunction([self._chain.active(step), self._starting() if started else FALSE])
 
     def _driving(self, step: int) -> Expression:
-        """Whether a step drives its actions in any situation of the scan."""
+        """Return an expression that is TRUE if a step drives its actions in any situation of the scan."""
         return self._seen(step) if not self._stable or step in self._passed else self._chain.active(step)
 
     def _fresh(self, step: int) -> Expression:
-        """Whether the evolution before has activated a step; at the start that of the initial steps counts."""
+        """Return when the evolution before has activated a step; the start activates initial ones."""
         initial = self._net.initial >> step & 1
         if self._stable:
             starting = self._in_first_evolution() if initial else FALSE
@@ -188,24 +188,24 @@ class GrafcetScan:
         return self._starting() if initial else FALSE
 
     def _reentered(self, step: int) -> Expression:
-        """Whether a transition has entered a step that was active before."""
+        """Return an expression that is TRUE if a transition has entered a step that was active before."""
         entering = (self._net.transitions[i] for i in self._net.entering[step])
         again = [t.index for t in entering if self._concurrency.enters_active(t, step)]
         return disjunction(self._evolving.fired(i) for i in again)
 
     def _again(self, step: int) -> Expression:
-        """Whether transitions have left and entered a step at once."""
+        """Return an expression that is TRUE if transitions have left and entered a step at once."""
         leaving, entering = leaving_and_entering(self._net, step)
         fired = self._evolving.fired
         pairs = [(t, u) for t in leaving for u in entering if t is u or self._concurrency.both_fire(t, u)]
         return disjunction(conjunction([fired(t.index), fired(u.index)]) for t, u in pairs)
 
     def _starting(self) -> Expression:
-        """Whether it is the first scan."""
+        """Return an expression that is TRUE if it is the first scan."""
         return self._code.first_scan_pulse()
 
     def _in_first_evolution(self) -> n.Name:
-        """A variable that is TRUE in the first evolution of the first scan only."""
+        """Return a variable that is TRUE in the first evolution of the first scan only."""
         if self._first is None:
             self._first = self._code.declare(self._texts.first_evolution, initial="TRUE")
         return self._first
@@ -213,7 +213,7 @@ class GrafcetScan:
     # -- evolutions
 
     def _hold(self) -> None:
-        """Let no transition of a chart be cleared while an order holds the chart."""
+        """Let no transition of a chart fire while an order holds the chart."""
         conditions = list(self._chain.source.conditions)
         preparations = list(self._chain.source.preparations)
         for ruling in self._ruled:
@@ -228,7 +228,7 @@ class GrafcetScan:
         self._chain.source = replace(self._chain.source, conditions=tuple(conditions), preparations=tuple(preparations))
 
     def _evolve(self, continuous: ContinuousActionCode) -> None:
-        """One evolution."""
+        """Append one evolution."""
         chain, code, texts = self._chain, self._code, self._texts
         events = self._stored.events()
         happening: list[Statement] = []
@@ -262,14 +262,14 @@ class GrafcetScan:
         code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
 
     def _ended(self) -> list[Statement]:
-        """What starting the chain anew does to what is stored."""
+        """Return the effect of a restart on what is stored."""
         chain = self._chain
         if chain.init is None or not chain.rules.reset_actions:
             return []
         return self._stored.ended(chain.init, indexes(self._net.initial), _bits(chain.source))
 
     def _restarts(self, continuous: ContinuousActionCode) -> list[Statement]:
-        """Let the times of steps begin anew that are left and entered again before the scan ends."""
+        """Return the restarts of the times of steps that are left and entered again before the scan ends."""
         chain = self._chain
         found: list[Statement] = []
         for step in range(len(self._net.steps)):
@@ -282,7 +282,7 @@ class GrafcetScan:
         return found
 
     def _start(self) -> None:
-        """What is executed once, before the first evolution."""
+        """Append what is executed once, before the first evolution."""
         statements: list[Statement] = []
         for variable, value in self._terms.starts:
             if self._code.drawn:
@@ -297,7 +297,7 @@ class GrafcetScan:
         self._code.add(self._texts.start, statements)
 
     def _at_the_start(self) -> list[Statement]:
-        """What the activation of the initial steps executes."""
+        """Return what the activation of the initial steps executes."""
         initial = set(indexes(self._net.initial))
         activated = (s.steps for s in self._grafcet.stored if s.kind is ActionKind.ON_ACTIVATION)
         if not any(initial.intersection(steps) for steps in activated):
@@ -331,7 +331,7 @@ class GrafcetScan:
             code.add(texts.stability, [assignment(unstable, moving)])
 
     def _counted(self) -> tuple[n.Name, n.Name, Statement]:
-        """The number of evolutions, what tells that they are too many, and what counts them."""
+        """Return the number of evolutions, the condition that they are too many, and the statements that count them."""
         number = self._code.declare(self._texts.evolutions, INT)
         unstable = self._code.declare_output(self._texts.unstable, self._texts.unstable_comment)
         return number, unstable, assignment(number, n.Operation(n.Operator.ADD, (number, n.Literal("1"))))
@@ -341,7 +341,7 @@ class GrafcetScan:
         return n.Literal(str(self._chain.profile.max_evolutions))
 
     def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
-        """Repeat an evolution until no transition is cleared any more."""
+        """Repeat an evolution until no transition fires any more."""
         texts, dialect = self._texts, self._chain.source.dialect
         moving = self._code.declare(texts.moving, comment=texts.moving_comment)
         goes_on = assignment(moving, moves)
@@ -363,17 +363,17 @@ class GrafcetScan:
 
 
 def _bits(source: ChartSource) -> set[str]:
-    """The names of the BOOL variables of the POU, in lower case."""
+    """Return the names of the BOOL variables of the POU, in lower case."""
     return {variable.name.casefold() for variable in source.pou.variables() if variable.type == BOOL}
 
 
 def _outputs(profile: Profile) -> Profile:
-    """How continuous actions are executed: each output in every scan, in the order of the chart (4.8.2)."""
+    """Return the profile with outputs written in every scan, in the order of the chart (4.8.2)."""
     return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, action_order=ActionOrder.FIRST_USE)
 
 
 def add_grafcet(chain: ScanSchedule) -> None:
-    """Lower a GRAFCET with a construction. Raises `LoweringError` for what cannot be said so."""
+    """Lower a GRAFCET in an encoding. Raises `LoweringError` for what it cannot express."""
     path = Location(path=chain.source.pou.name)
     if not isinstance(chain, StepFlagEncoding | GrafcetCase):
         raise LoweringError(

@@ -23,9 +23,9 @@ _MOST_TOGETHER = 8
 
 
 class Concurrency:
-    """What the situations of a chart allow. Where they are too many to be looked at, anything is possible.
+    """Situations of a chart, as far as they allow transitions to fire together. Too many to explore: all are possible.
 
-    Each part of the chart that no transition connects with others is looked at alone, from its initial situation and
+    Each part of the chart that no transition connects with others is explored alone, from its initial situation and
     from those that the charts above impose on it.
     """
 
@@ -38,13 +38,13 @@ class Concurrency:
         self._part_of = {step: part for part in self._parts for step in indexes(part.steps)}
 
     def both_fire(self, one: NetTransition, other: NetTransition) -> bool:
-        """Whether two transitions can be cleared in the same evolution."""
+        """Return True if two transitions can fire in the same evolution."""
         if one.pre & other.pre and self._rivals is Rivals.PRIORITY:
             return False
         return self._is_there(one.pre | other.pre)
 
     def enters_active(self, transition: NetTransition, step: int) -> bool:
-        """Whether a transition can be cleared while a step that it activates is active."""
+        """Return True if a transition can fire while a step that it activates is active."""
         return self._is_there(transition.pre | 1 << step)
 
     def _is_there(self, active: int) -> bool:
@@ -53,7 +53,7 @@ class Concurrency:
 
 
 class _Part:
-    """The situations that a part can be in, by the steps that are active in them; `complete` if these are all."""
+    """Situations that a part can be in, by the steps that are active in them; `complete` if these are all."""
 
     def __init__(self, net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> None:
         self.steps = steps
@@ -65,18 +65,18 @@ class _Part:
                 self._with.setdefault(step, []).append(marking)
 
     def can_be(self, active: int) -> bool:
-        """Whether all these steps can be active together."""
+        """Return True if all these steps can be active together."""
         first = next(indexes(active))
         return not self._complete or any(not active & ~marking for marking in self._with.get(first, ()))
 
 
 def leaving_and_entering(net: Net, step: int) -> tuple[list[NetTransition], list[NetTransition]]:
-    """The transitions that leave a step, and those that enter it."""
+    """Return the transitions that leave a step, and those that enter it."""
     return [net.transitions[i] for i in net.leaving[step]], [net.transitions[i] for i in net.entering[step]]
 
 
 def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
-    """Whether two conditions can never be TRUE together."""
+    """Return True if two conditions can never be TRUE together."""
     if is_constant(one, FALSE) or is_constant(other, FALSE):
         return True
     names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
@@ -91,7 +91,7 @@ def _rivals_exclude_each_other(source: ChartSource) -> bool:
 
 
 def _parts(net: Net) -> list[int]:
-    """The steps of each part as bits."""
+    """Return the steps of each part as bits."""
     part = list(range(len(net.steps)))
 
     def root(step: int) -> int:
@@ -110,7 +110,7 @@ def _parts(net: Net) -> list[int]:
 
 
 def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals) -> set[int] | None:
-    """The situations that a part can be in; None where there are too many."""
+    """Return the situations that a part can be in; None where there are too many."""
     imposed = (start for chart in ruled if chart.steps & steps for start in _imposed(chart))
     waiting = [start & steps for start in (net.initial, *imposed)]
     found = set(waiting)
@@ -130,7 +130,7 @@ def _markings(net: Net, steps: int, ruled: Sequence[RuledChart], rivals: Rivals)
 
 
 def _imposed(chart: RuledChart) -> Iterator[int]:
-    """The situations that the charts above can put a chart into."""
+    """Yield the situations that the charts above can put a chart into."""
     yield from (order.imposed for order in chart.orders if order.imposed is not None)
     opened = {0} if chart.enclosures else set()
     for enclosing in chart.enclosures:  # several can become active at once
@@ -139,15 +139,15 @@ def _imposed(chart: RuledChart) -> Iterator[int]:
 
 
 def _subsets(indices: Sequence[int]) -> Iterator[int]:
-    """Every non-empty set of some indexes, as bits."""
+    """Yield every non-empty set of some indexes, as bits."""
     for chosen in range(1, 1 << len(indices)):
         yield mask(index for place, index in enumerate(indices) if chosen >> place & 1)
 
 
 class Stability:
-    """What is known of the evolutions of a chart, whose texts have the variables of steps and terms already.
+    """Evolutions of a chart in a scan; its texts have the variables of steps and terms already.
 
-    `active` tells of each step, in the order of the net, whether it is; `own` are the variables of the lowered code.
+    `active` are the flags of steps in the order of the net; `own` are the variables of the lowered code.
     """
 
     def __init__(
@@ -176,12 +176,12 @@ class Stability:
 
     @property
     def once(self) -> bool:
-        """Whether one evolution in each scan does the same as the search for stability."""
+        """True if one evolution in each scan does the same as the search for stability."""
         return not self.several
 
     @cached_property
     def several(self) -> str:
-        """Why a scan may need several evolutions; empty if one is enough."""
+        """Reason why a scan may need several evolutions; empty if one is enough."""
         if self._objection:
             return self._objection
         events = [stored.event for stored in self._grafcet.stored if stored.event is not None]
@@ -193,7 +193,7 @@ class Stability:
         return ""
 
     def _most(self) -> int | None:
-        """The longest chain of transitions that can follow each other."""
+        """Return the length of the longest run of transitions that can follow each other; None if there is no end."""
         if self._grafcet.ruled:
             self._objection = "charts that are ruled by others are held and set free again"
             return None
@@ -225,7 +225,7 @@ class Stability:
     def _followers(
         self, before: NetTransition, later: Sequence[Expression], readers: Mapping[int, Sequence[int]]
     ) -> set[int]:
-        """The transitions that can be cleared in the evolution behind that which clears `before`."""
+        """Return the transitions that can fire in the evolution behind that in which `before` fires."""
         found = {index for step in indexes(before.pre | before.post) for index in readers.get(step, ())}
         left = before.pre & ~before.post  # what needs these steps does not follow, unless another one enters them again
         found = {index for index in found if not self._source.net.transitions[index].pre & left}
@@ -242,14 +242,14 @@ class Stability:
     # -- what changes between two evolutions
 
     def _is_volatile(self, transition: NetTransition, later: Expression) -> bool:
-        """Whether a condition can become TRUE between two evolutions by something else than the activity of steps."""
+        """Return True if something else than the activity of steps can make a condition TRUE between two evolutions."""
         condition = self._source.conditions[transition.index]
         if self._source.preparations[transition.index] or self._changes(condition):
             return True
         return later != simplified(condition) and not exclude(later, negation(condition), self._source.dialect)
 
     def _changes(self, tree: Expression) -> bool:
-        """Whether it depends on what is called, or on what stored actions or the lowered code write."""
+        """Return True if it depends on what is called, or on what stored actions or the lowered code write."""
         for node in walk(tree):
             if isinstance(node, n.Call | n.AssignmentExpression):
                 return True
@@ -269,7 +269,7 @@ class Stability:
         return self._delays.get(node) if isinstance(node, n.Member) else None
 
     def _reads(self, condition: Expression) -> int:
-        """The steps whose activity can make a condition TRUE, as bits."""
+        """Return the steps whose activity can make a condition TRUE, as bits."""
         for term in [node for node in walk(condition) if isinstance(node, n.Member) and node in self._delays]:
             if self._only_falls(self._delays[term]) and _rises_with(condition, term, self._source):
                 condition = _with(condition, term, TRUE)
@@ -285,21 +285,21 @@ class Stability:
         return bits
 
     def _step_bits(self, node: n.Name | n.Member | n.Address | n.Operation) -> int:
-        """The step whose activity a node tells, or the opposite of it (``step_number <> 2``), as a bit."""
+        """Return the step whose activity a node is, or the opposite of it (``step_number <> 2``), as a bit."""
         step = self._steps.get(node, self._steps.get(negation(node)))
         return 0 if step is None else 1 << step
 
     def _only_falls(self, delay: DelayInCondition) -> bool:
-        """Whether the term cannot become TRUE between two evolutions: its time has still to pass."""
+        """Return True if the term cannot become TRUE between two evolutions: its time has still to pass."""
         return delay.last is None and not self._changes(delay.operand)
 
     def _later(self, tree: Expression) -> Expression:
-        """The condition in every evolution but the first: edges of inputs are over."""
+        """Return the condition in every evolution but the first: edges of inputs are over."""
         over = self._over
         return simplified(transform(tree, lambda node: FALSE if isinstance(node, n.Name) and node in over else node))
 
     def _just_entered(self, tree: Expression, step: int) -> Expression:
-        """The condition when a step has just become active: times since then have not passed."""
+        """Return the condition when a step has just become active: times since then have not passed."""
 
         def fresh(node: Node) -> Node:
             delay = self._delays.get(node) if isinstance(node, n.Member) else None
@@ -310,7 +310,7 @@ class Stability:
         return simplified(transform(tree, fresh))
 
     def _renamed(self, tree: Expression) -> Expression:
-        """With other names for what may have changed since the evolution before."""
+        """Return a condition with other names for what may have changed since the evolution before."""
 
         def other(node: Node) -> Node:
             if isinstance(node, n.Name) and (node.identifier.casefold() in self._states or node in self._edges):
@@ -327,7 +327,7 @@ def _path(member: n.Member) -> str:
 
 
 def _rises_with(condition: Expression, atom: Expression, source: ChartSource) -> bool:
-    """Whether a condition that is TRUE while a term is FALSE is also TRUE when the term is TRUE."""
+    """Return True if a condition that is TRUE while a term is FALSE is also TRUE when the term is TRUE."""
     without, with_ = _with(condition, atom, FALSE), _with(condition, atom, TRUE)
     return without != with_ and exclude(without, negation(with_), source.dialect)
 

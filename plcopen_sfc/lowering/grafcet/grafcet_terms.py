@@ -24,10 +24,10 @@ from plcopen_sfc.model.types import DerivedType
 
 
 class TermCode:
-    """The variables that stand for the terms of a chart, and the statements that bring them up to date.
+    """Variables for the terms of a chart, and the statements that bring them up to date.
 
     `times` and `edges` are to be executed in this order before the transitions are tested; `starts` are values of
-    variables before the first evolution. `active` tells of each step whether it is.
+    variables before the first evolution. `active` gives the flag of a step.
     """
 
     def __init__(self, grafcet: GrafcetSource, code: LoweredCode, texts: Texts, active: Collection[Expression]) -> None:
@@ -51,11 +51,11 @@ class TermCode:
             self._add_edge(edge)
 
     def named(self, node: Node) -> Node:
-        """The variable of a term instead of the name that stands for it."""
+        """Return the variable of a term in the place of its name."""
         return self._values.get(node.identifier.casefold(), node) if isinstance(node, n.Name) else node
 
     def value_of(self, term: EdgeInCondition | DelayInCondition) -> Expression:
-        """The value of a term."""
+        """Return the value of a term."""
         return self._values[term.name.casefold()]
 
     def _declare_delay(self, delay: DelayInCondition) -> Expression:
@@ -88,7 +88,7 @@ class TermCode:
         self.edges += [assignment(pulse, conjunction([now, then])), assignment(before, operand)]
 
     def _at_the_start(self, operand: Expression) -> Expression | None:
-        """The value of an operand before the first evolution, when no step is active yet; None: that of then."""
+        """Return the value of an operand before the first evolution, with no active step; None: its present one."""
         hidden = {*self._values.values(), *self._active}
         found = False
 
@@ -105,6 +105,6 @@ class TermCode:
 
 
 def _written_early(grafcet: GrafcetSource) -> set[str]:
-    """What stored actions name, in lower case: they may change it before the first evolution."""
+    """Return the names in stored actions, in lower case: they may change them before the first evolution."""
     trees = [tree for stored in grafcet.stored for tree in stored.statements]
     return {node.identifier.casefold() for tree in trees for node in walk(tree) if isinstance(node, n.Name)}

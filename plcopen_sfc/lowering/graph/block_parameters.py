@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.charts.graph.parameters import MODES, Mode
 
 
 class BlockCommands:
-    """The commands and the mode of one cycle. Names are those of the parameters."""
+    """Commands and the mode of one cycle. Names are those of the parameters."""
 
     def __init__(self, source: GraphSource, code: LoweredCode, memory: Memory, texts: GraphTexts) -> None:
         self._parameters, self._code, self._texts = source.parameters, code, texts
@@ -44,12 +44,12 @@ class BlockCommands:
                 self._statements.append(when(self.edge(name), assignment(self._mode, number)))
 
     def variable(self, name: str) -> n.Name | None:
-        """The variable of a parameter; None where the block does not have it."""
+        """Return the variable of a parameter; None where the block does not have it."""
         declared = self._parameters.get(name)
         return self._code.naming.local(declared) if declared is not None else None
 
     def edge(self, name: str) -> Expression:
-        """Whether a parameter rises; FALSE where the block does not have it."""
+        """Return an expression that is TRUE if a parameter rises; FALSE where the block does not have it."""
         if name not in self._edges:
             variable = self.variable(name)
             wanted = self._code.texts.with_suffix(name, "edge")
@@ -58,15 +58,15 @@ class BlockCommands:
 
     @property
     def told(self) -> str:
-        """What people must know of the mode, where there are several."""
+        """Return the comment on the mode, where there are several."""
         return self._texts.mode_comment if self._mode is not None else ""
 
     def statements(self) -> Sequence[Statement]:
-        """Finds the edges that were asked for, and the mode. Stands before all that asks."""
+        """Return the edges in use, and the mode, for a place before all code that reads them."""
         return self._statements
 
     def is_on(self, mode: Mode) -> Expression:
-        """Whether the sequencer is in this mode."""
+        """Return an expression that is TRUE if the sequencer is in this mode."""
         if self._mode is None:
             return TRUE if mode is Mode.AUTOMATIC else FALSE
         if mode is not Mode.AUTOMATIC and mode not in self._modes:
@@ -74,14 +74,14 @@ class BlockCommands:
         return equal(self._mode, n.Literal(str(int(mode))))
 
     def permitted(self) -> Expression:
-        """Whether transitions that are satisfied switch."""
+        """Return an expression that is TRUE if transitions that are satisfied switch."""
         inching = negation(conjunction([self.is_on(Mode.INCHING), negation(self.edge("T_PUSH"))]))
         if Mode.INCHING not in self._modes:
             inching = TRUE
         return conjunction([negation(self.is_on(Mode.MANUAL)), inching])
 
     def pushed(self) -> Expression:
-        """Whether transitions switch although they are not satisfied."""
+        """Return an expression that is TRUE if transitions switch although they are not satisfied."""
         if Mode.AUTOMATIC_OR_STEP_BY_STEP not in self._modes:
             return FALSE
         return conjunction([self.is_on(Mode.AUTOMATIC_OR_STEP_BY_STEP), self.edge("T_PUSH")])
@@ -101,7 +101,7 @@ def add_reports(
     *,
     state: n.Name | None,
 ) -> None:
-    """Append what writes the outputs that the block has. `steps`: what tells that they are active, and their checks.
+    """Append the outputs that the block has. `steps`: the flags of steps, and their checks.
 
     `state` is the number of the only active step, 0 where none is, if there is such a variable.
     """
@@ -123,7 +123,7 @@ def add_reports(
 
 
 def _one_displayed(commands: BlockCommands, state: n.Name) -> Iterator[Statement]:
-    """Of one active step at most: the one selected by hand, else that one."""
+    """Yield the display of at most one active step: the one selected by hand, else that one."""
     number, more, active = (commands.variable(name) for name in ("S_NO", "S_MORE", "S_ACTIVE"))
     selection, by_hand = commands.variable("S_SEL"), commands.is_on(Mode.MANUAL)
     some = negation(equal(state, _NONE))
@@ -143,7 +143,7 @@ def _one_displayed(commands: BlockCommands, state: n.Name) -> Iterator[Statement
 
 
 class _Display:
-    """The step displayed: the one selected by hand, else the one shown before while it is active, else the first."""
+    """Step displayed: the one selected by hand, else the one shown before while it is active, else the first."""
 
     def __init__(
         self,
@@ -160,7 +160,7 @@ class _Display:
         self._shown = code.declare(texts.shown, INT, comment=texts.shown_comment)
 
     def statements(self) -> Iterator[Statement]:
-        """In this order: which step, then what is told of it."""
+        """Yield the choice of the step, then the outputs about it."""
         commands = self._commands
         yield from self._choice()
         number = commands.variable("S_NO")
@@ -194,7 +194,7 @@ class _Display:
         yield n.If(tuple(branches))
 
     def _shown_is_active(self) -> tuple[Sequence[Statement], Expression]:
-        """Whether the step displayed is active, and what finds that out."""
+        """Return an expression that is TRUE if the step displayed is active, and the statements that find that out."""
         if len(self._steps) <= _FEW or self._code.drawn:
             return (), disjunction(
                 conjunction([flag, equal(self._shown, n.Literal(str(number)))]) for number, flag in self._steps
@@ -216,7 +216,7 @@ class _Display:
         return [n.If(tuple(branches), (none,)) if branches else none]
 
     def _other(self, steps: Sequence[tuple[int, Expression]], beyond: n.Operator) -> list[Statement]:
-        """The next active step behind the one shown; behind the last one the first."""
+        """Return the next active step behind the one shown; behind the last one the first."""
         further = [
             n.Branch(
                 conjunction([flag, n.Operation(beyond, (n.Literal(str(number)), self._shown))]), (self._show(number),)
@@ -230,7 +230,7 @@ class _Display:
         return assignment(self._shown, n.Literal(str(number)))
 
     def _several(self, more: n.Name) -> Iterator[Statement]:
-        """Whether more than one step is active."""
+        """Yield the report that more than one step is active."""
         flags = [flag for _, flag in self._steps]
         if len(flags) <= _FEW:
             pairs = (conjunction([a, disjunction(flags[i + 1 :])]) for i, a in enumerate(flags[:-1]))

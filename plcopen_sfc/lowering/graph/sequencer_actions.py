@@ -50,7 +50,7 @@ class S5Timer:
         self._time = code.declare(called(name, "time"), TIME)
 
     def started(self, qualifier: Qualifier, time: Expression | None) -> list[Statement]:
-        """What TL, TD and TR do."""
+        """Return the statements of TL, TD and TR."""
         statements: list[Statement] = [assignment(self._mode, n.Literal(_MODES[qualifier]))]
         if time is not None and qualifier is not Qualifier.TR:
             statements.append(assignment(self._time, time))
@@ -58,13 +58,13 @@ class S5Timer:
         return [*statements, assignment(self._output, FALSE)]
 
     def falls_off(self, time: Expression, *, active: bool) -> list[Statement]:
-        """What TF does: its time begins when the step is left."""
+        """Return the statements of TF: its time begins when the step is left."""
         run = [assignment(self._runs, FALSE)] if active else [assignment(self._runs, TRUE)]
         mode = assignment(self._mode, n.Literal(_MODES[Qualifier.TF]))
         return [mode, assignment(self._time, time), *run]
 
     def runs(self) -> list[Statement]:
-        """What happens at the end of each cycle."""
+        """Return the statements at the end of each cycle."""
         begins = when(self._starts, call(self._timer, IN=FALSE, PT=self._time), assignment(self._starts, FALSE))
         is_on = n.Operation(Operator.UNEQUAL, (self._mode, _STOPPED))
         over = n.Member(self._timer, n.Name("Q"))
@@ -82,10 +82,10 @@ _LAST_COUNT = "999"
 
 @dataclass(frozen=True)
 class StepSignals:
-    """What tells of steps, by their indexes: that one is active, an event of one, that its interlock is satisfied.
+    """Expressions about steps by their indexes: one is active, an event of one happens, its interlock is satisfied.
 
-    `touched`: that one is active or was left in this cycle, `gone`: that it was left in the cycle before. `over`: that
-    one has been active for a time.
+    `touched`: one is active or was left in this cycle, `gone`: it was left in the cycle before. `over`: one has been
+    active for a time.
     """
 
     active: StepValue
@@ -105,7 +105,7 @@ class SequencerStepCode:
 
 
 class SequencerActions:
-    """Makes the code of all actions."""
+    """Code of all actions of a sequencer."""
 
     def __init__(
         self, source: GraphSource, code: LoweredCode, texts: Texts, own_texts: GraphTexts, signals: StepSignals
@@ -116,7 +116,7 @@ class SequencerActions:
         self._timers: dict[str, S5Timer] = {}
 
     def leaving(self) -> list[SequencerStepCode]:
-        """What steps execute that were left."""
+        """Return the code of steps that were left."""
         found: list[SequencerStepCode] = []
         for step in self._source.net.steps:
             rows = [row for row in self._executed(step) if row.event is ActionEvent.S0 or _falls_off(row)]
@@ -124,7 +124,7 @@ class SequencerActions:
         return [each for each in found if each.statements]
 
     def acting(self) -> list[SequencerStepCode]:
-        """What steps execute that are active."""
+        """Return the code of active steps."""
         found: list[SequencerStepCode] = []
         for step in self._source.net.steps:
             rows = [row for row in self._executed(step) if row.event is not ActionEvent.S0]
@@ -137,7 +137,7 @@ class SequencerActions:
             self._code.add(self._own_texts.timer(name), timer.runs())
 
     def switched(self, qualifier: Qualifier, target: int) -> Expression:
-        """Whether an action switches a step on or off."""
+        """Return an expression that is TRUE if an action switches a step on or off."""
         return disjunction(
             self._condition(step, row)
             for step in self._source.net.steps
@@ -151,7 +151,7 @@ class SequencerActions:
         return [row for row in self._source.rows[step.index] if not row.is_coil and not row.switched]
 
     def _condition(self, step: NetStep, row: ActionRow) -> Expression:
-        """When an action acts."""
+        """Return when an action acts."""
         what = self._signals.active(step.index) if row.event is None else self._signals.event(step.index, row.event)
         if not row.interlock:
             return what
@@ -162,7 +162,7 @@ class SequencerActions:
     # -- coils
 
     def add_coils(self) -> None:
-        """Append what writes the coils."""
+        """Append the assignments of the coils."""
         coils: dict[str, list[tuple[NetStep, ActionRow]]] = {}
         for step in self._source.net.steps:
             for row in self._source.rows[step.index]:
@@ -178,7 +178,7 @@ class SequencerActions:
                 self._code.add(self._texts.action(row.name), [when(self._written(found), drive)])
 
     def _wanted(self, step: NetStep, row: ActionRow) -> Expression:
-        """Whether a coil is to be TRUE."""
+        """Return an expression that is TRUE if a coil is to be TRUE."""
         condition = self._condition(step, row)
         if row.value is None or row.event is not None:
             return condition
@@ -186,7 +186,7 @@ class SequencerActions:
         return conjunction([condition, over if row.qualifier is Qualifier.D else negation(over)])
 
     def _written(self, found: Sequence[tuple[NetStep, ActionRow]]) -> Expression:
-        """Whether any step drives a coil or was left; what S0 has set is reset a cycle later."""
+        """Return when any step drives a coil or was left; a coil of S0 is reset a cycle later."""
         steps = list(dict.fromkeys(step.index for step, _ in found))
         leaving = list(dict.fromkeys(step.index for step, row in found if row.event is ActionEvent.S0))
         return disjunction([*map(self._signals.touched, steps), *map(self._signals.gone, leaving)])
@@ -194,7 +194,7 @@ class SequencerActions:
     # -- what is executed
 
     def _step(self, step: NetStep, rows: Sequence[ActionRow], *, left: bool = False) -> list[Statement]:
-        """What a step executes, or when it is left; under one condition what has the same."""
+        """Return the code of a step, or of its end; actions with the same condition share it."""
         groups: list[tuple[Expression, list[Statement]]] = []
         for row in rows:
             condition = self._condition(step, replace(row, event=ActionEvent.S0) if left else row)
@@ -247,7 +247,7 @@ def _falls_off(row: ActionRow) -> bool:
 
 
 def _only_written_by_coils(source: GraphSource) -> set[str]:
-    """The operands (lower case, as in the chart) of coils that are variables of the block, and that no text writes."""
+    """Return the operands (lower case) of coils that are variables of the block and that no text writes."""
     interface = source.pou.interface
     own = {
         variable.name.casefold(): variable
@@ -269,7 +269,7 @@ def _only_written_by_coils(source: GraphSource) -> set[str]:
 
 
 def _written_names(source: GraphSource, rows: Sequence[ActionRow]) -> Iterator[str]:
-    """The names of variables that anything but coils could write."""
+    """Yield the names of variables that anything but coils could write."""
     for row in rows:
         if not row.is_coil and isinstance(row.target, n.Name):
             yield row.target.identifier

@@ -33,10 +33,10 @@ from plcopen_sfc.semantics.net import NetStep, NetTransition, Rivals
 
 
 class BitSequencer(Sequencer):
-    """Lowers one sequencer into `code`. It holds every one, whatever switches its steps."""
+    """Encoding of a sequencer with bits; it holds every one, whatever switches its steps."""
 
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:  # noqa: ARG002
-        """The flags of steps, the bits of transitions, and what actions want of the steps that they switch."""
+        """Declare the flags of steps, the bits of transitions, and bits for the steps that actions switch."""
         code, texts = self.code, self.texts
         self.flags = [
             code.declare_flag(texts.flag_name(step.step), initial=False, comment=self.flag_comment(step))
@@ -61,15 +61,15 @@ class BitSequencer(Sequencer):
         return names
 
     def flag_comment(self, step: NetStep) -> str:
-        """What is said of the flag of a step, which has no network of its own, where it is declared."""
+        """Return the comment of the flag of a step, with the captions of the step."""
         return self.texts.described_flag(step.step, step.path)
 
     def active(self, step: int) -> Expression:
-        """The flag of a step."""
+        """Return the flag of a step."""
         return self.flags[step]
 
     def add_switched(self, actions: SequencerActions) -> None:
-        """What is to be in the next cycle: a step that is switched on is so in any case."""
+        """Append the steps of the next cycle: one that is switched on is active in any case."""
         changes = [assignment(wanted, self._next(actions, step)) for step, wanted in self.wanted.items()]
         self.code.add(self.own_texts.switched, changes)
 
@@ -80,7 +80,7 @@ class BitSequencer(Sequencer):
     # -- events
 
     def changed(self, step: int, event: ActionEvent) -> Expression:
-        """A bit for each event that anything asks for."""
+        """Return a bit for each event that anything asks for."""
         if (step, event) not in self._events:
             flag = self.signs[step].name
             self._events[step, event] = self.code.declare(f"{flag}_{event.value}")
@@ -89,11 +89,11 @@ class BitSequencer(Sequencer):
         return self._events[step, event]
 
     def touched(self, step: int) -> Expression:
-        """The flag, or the event that the step was left."""
+        """Return the flag, or the event that the step was left."""
         return disjunction([self.flags[step], self.changed(step, ActionEvent.S0)])
 
     def gone(self, step: int) -> Expression:
-        """A bit that keeps the event of the last cycle."""
+        """Return a bit that keeps the event of the last cycle."""
         left = self.changed(step, ActionEvent.S0)
         if step not in self._left_before:
             name = self.texts.with_suffix(f"{self.signs[step].name}_S0", "old")
@@ -114,11 +114,11 @@ class BitSequencer(Sequencer):
     # -- transitions
 
     def enabled(self, transition: NetTransition) -> Expression:
-        """Whether all steps before a transition are active."""
+        """Return an expression that is TRUE if all steps before a transition are active."""
         return conjunction(self.wanted.get(i, self.flags[i]) for i in transition.sources)
 
     def add_transitions(self) -> None:
-        """Append a bit for each transition: enabled, satisfied or pushed, not held, no rival before it has fired."""
+        """Append a bit for each transition: enabled, satisfied or pushed, not held, first of those competing."""
         statements: list[Statement] = []
         permitted, pushed = self.commands.permitted(), self.commands.pushed()
         if not is_constant(permitted, TRUE):
@@ -144,12 +144,12 @@ class BitSequencer(Sequencer):
         self.code.add_each(self.texts.transitions, parts)
 
     def _held(self, step: int) -> Expression:
-        """Whether its supervision keeps a step active; one that was only just switched on is not supervised yet."""
+        """Return when its supervision holds a step; one just switched on is not supervised yet."""
         held = self.checks[step].held(self.resolve)
         return conjunction([self.flags[step], held]) if step in self.wanted else held
 
     def stays(self, step: int) -> Expression:
-        """Whether a step is active and no transition leaves it."""
+        """Return an expression that is TRUE if a step is active and no transition leaves it."""
         leaving = [negation(self.fired[t]) for t in self.net.leaving[step]]
         return conjunction([self.wanted.get(step, self.flags[step]), *leaving])
 
@@ -185,7 +185,7 @@ class BitSequencer(Sequencer):
         return [when(condition, *(assignment(self.flags[i], value) for i in steps))] if steps else []
 
     def _selected(self, command: str, value: Expression) -> list[Statement]:
-        """S_ON and S_OFF: the step whose number S_SEL says."""
+        """Return S_ON and S_OFF for the step whose number S_SEL has."""
         by_hand = self.commands.is_on(Mode.MANUAL)
         selection = self.commands.variable("S_SEL")
         edge = self.commands.edge(command) if not is_constant(by_hand, FALSE) else FALSE
@@ -203,7 +203,7 @@ class BitSequencer(Sequencer):
 
 
 def _name_of(flag: Expression) -> str:
-    """The name of a flag, also of one that is a member of a data block."""
+    """Return the name of a flag, also of one that is a member of a data block."""
     if isinstance(flag, n.Member):
         flag = flag.name
     assert isinstance(flag, n.Name)  # noqa: S101  # so flags are declared
@@ -211,7 +211,7 @@ def _name_of(flag: Expression) -> str:
 
 
 def add_skips(sequencer: BitSequencer) -> list[Statement]:
-    """Append what finds out which steps become active; gives what activates them. Conditions see the old situation."""
+    """Append the search for the steps that become active; returns their activation. Conditions are those before."""
     net, code = sequencer.net, sequencer.code
     entering = {step.index: net.entering[step.index] for step in net.steps if net.entering[step.index]}
     entered = {i: code.declare(sequencer.texts.with_suffix(sequencer.signs[i].name, "entered")) for i in entering}
@@ -237,13 +237,13 @@ def add_skips(sequencer: BitSequencer) -> list[Statement]:
 
 
 def _onward(sequencer: BitSequencer, step: int) -> list[int]:
-    """The transitions that can lead on from a step that is alone."""
+    """Return the transitions that can lead on from a step that is alone."""
     net = sequencer.net
     return [t for t in net.leaving[step] if net.transitions[t].sources == (step,)]
 
 
 def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], again: n.Name) -> list[Statement]:
-    """Go on behind a step if a transition is satisfied: the first one wins."""
+    """Return the way on behind a step if a transition is satisfied: the first one wins."""
     source = sequencer.source
     following: list[Statement] = []
     for index in reversed(_onward(sequencer, step)):
@@ -264,10 +264,10 @@ def _passing(sequencer: BitSequencer, step: int, entered: dict[int, n.Name], aga
 
 
 class FlipFlopSequencer(BitSequencer):
-    """Lowers one sequencer into `code`."""
+    """Encoding of a sequencer with a reset-dominant flip-flop for each step."""
 
     def exact(self) -> None:
-        """One cycle, in statements that networks can have."""
+        """Append one cycle, in statements that networks can have."""
         if self.source.skips:
             self._refuse("steps that are skipped need a loop, which networks do not have")
         super().exact()
@@ -276,7 +276,7 @@ class FlipFlopSequencer(BitSequencer):
         raise LoweringError(message, location=Location(path=self.source.pou.name))
 
     def flag_comment(self, step: NetStep) -> str:
-        """What is said of the flag of a step; what the chart says of that stands at its flip-flop."""
+        """Return the comment of the flag of a step; the captions of the step are those of its flip-flop."""
         return self.texts.flag_of(step.path)
 
     def add_step_change(self) -> None:
@@ -316,12 +316,12 @@ class FlipFlopSequencer(BitSequencer):
 
     @cached_property
     def _is_safe(self) -> bool:
-        """Whether a step that a transition enters is never active already: nothing else switches steps on."""
+        """True if a step that a transition enters is never active already: nothing else switches steps on."""
         switched = self.wanted or not is_constant(self.commands.is_on(Mode.MANUAL), FALSE)
         return not switched and isinstance(find_regions(self.net), Regions)
 
     def _by_hand(self, command: str, step: NetStep) -> Expression:
-        """Whether a command by hand means a step."""
+        """Return an expression that is TRUE if a command by hand concerns a step."""
         selection, number = self.commands.variable("S_SEL"), step.step.number
         by_hand = self.commands.is_on(Mode.MANUAL)
         first = next((s.index for s in self.net.steps if s.step.number == number), None)

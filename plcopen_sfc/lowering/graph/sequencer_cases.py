@@ -51,12 +51,12 @@ ON_BY_HAND = "S_ON"
 
 
 def one_sequence(source: GraphSource, profile: Profile) -> Regions | str:
-    """All steps as one region, or in words why a CASE cannot hold them."""
+    """Return all steps as one region, or in words why a CASE cannot hold them."""
     return several_steps(source, profile) or one_step_at_a_time(source) or one_region(source.net)
 
 
 def sequences(source: GraphSource, profile: Profile) -> Regions | str:
-    """A region for each sequence and each simultaneous branch, or in words why CASEs cannot hold them."""
+    """Return a region for each sequence and each simultaneous branch, or in words why CASEs cannot hold them."""
     objection = several_steps(source, profile)
     if objection:
         return objection
@@ -67,13 +67,13 @@ def sequences(source: GraphSource, profile: Profile) -> Regions | str:
 
 
 def _endless(net: Net) -> Net:
-    """The same net, but what ends a sequence or a branch leads back to its own step: regions do not differ."""
+    """Return the same net, but the end of a sequence or a branch leads back to its own step: regions do not differ."""
     transitions = (replace(t, targets=t.targets or t.sources) if len(t.sources) == 1 else t for t in net.transitions)
     return replace(net, transitions=tuple(transitions))
 
 
 def several_steps(source: GraphSource, profile: Profile) -> str:
-    """What can leave several steps of a sequence active whatever its structure is; empty if nothing can."""
+    """Return why several steps of a sequence can be active whatever its structure is; empty if they cannot."""
     if not source.net.initial:
         return "no step is initial"
     for step in source.net.steps:
@@ -94,12 +94,12 @@ def several_steps(source: GraphSource, profile: Profile) -> str:
 
 
 def with_hands_off(source: GraphSource) -> GraphSource:
-    """The same where nobody switches steps on by hand."""
+    """Return the same without the switching of steps by hand."""
     return replace(source, parameters={k: v for k, v in source.parameters.items() if k != ON_BY_HAND})
 
 
 def on_by_hand(source: GraphSource) -> bool:
-    """Whether the parameters of the block can switch steps on."""
+    """Return True if the parameters of the block can switch steps on."""
     return not source.locked and {"SW_MAN", "S_SEL", ON_BY_HAND} <= set(source.parameters)
 
 
@@ -107,17 +107,17 @@ _LARGEST_INT = 32_767
 
 
 class _Selected(NamedTuple):
-    """What a CASE looks at, and what is known in the branch of a step."""
+    """Selector of a CASE, and the expressions that are known in the branch of a step."""
 
     selector: Expression
     known: list[Expression]
 
 
 class RegionSequencer(Sequencer):
-    """Lowers one sequencer into `code`. Raises `LoweringError` where several steps of a region can be active."""
+    """Encoding of a sequencer with CASEs. Raises `LoweringError` where several steps of a region can be active."""
 
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:
-        """A state variable for each region, at the start that of no step."""
+        """Declare a state variable for each region, at the start that of no step."""
         regions = self.structure()
         if isinstance(regions, str):
             hint = "Step bits can hold every sequencer."
@@ -142,23 +142,23 @@ class RegionSequencer(Sequencer):
         return [self.texts.flag_name(step.step) for step in self.net.steps]
 
     def _in_order(self, region: Region) -> Region:
-        """The same with its steps in the order of their numbers, in which people look for them."""
+        """Return the same with its steps in the order of their numbers, as readers look for them."""
         numbers = step_numbers(self.net)
         return replace(region, steps=tuple(sorted(region.steps, key=numbers.__getitem__)))
 
     def structure(self) -> Regions | str:
-        """The regions, or why there are none."""
+        """Return the regions, or why there are none."""
         return sequences(self.source, self.rules.profile)
 
     def active(self, step: int) -> Expression:
-        """A comparison of the state of its region."""
+        """Return a comparison of the state of its region."""
         return self.states.active(step)
 
     def add_switched(self, actions: SequencerActions) -> None:
-        """Nothing: no action switches steps."""
+        """Append nothing: no action switches steps."""
 
     def only_state(self) -> n.Name | None:
-        """The number of the active step, 0 where none is, if all steps are of one region and have numbers."""
+        """Return the number of the active step, 0 where none is, if all steps are of one region and have numbers."""
         numbers = step_numbers(self.net)
         if len(self.states.machines) > 1 or max(numbers) > _LARGEST_INT:
             return None
@@ -166,7 +166,7 @@ class RegionSequencer(Sequencer):
         return machine.state if self._has_numbers_of_steps(machine) else None
 
     def _has_numbers_of_steps(self, machine: RegionState) -> bool:
-        """Whether the states of a region are the numbers that its steps have for the user."""
+        """Return True if the states of a region are the numbers that its steps have for the user."""
         numbers = step_numbers(self.net)
         own = all(self.net.steps[i].step.number == numbers[i] != 0 for i in machine.region.steps)
         return own and not machine.blocks and self.rules.states is not States.ENUMERATION
@@ -174,16 +174,16 @@ class RegionSequencer(Sequencer):
     # -- events
 
     def changed(self, step: int, event: ActionEvent) -> Expression:
-        """A comparison of the states now and before."""
+        """Return a comparison of the states now and before."""
         now, before = self.active(step), equal(self._state_before(step), self.states.names.step(step))
         return conjunction([now, negation(before)] if event is ActionEvent.S1 else [before, negation(now)])
 
     def touched(self, step: int) -> Expression:
-        """The step is the state now or before."""
+        """Return a comparison: the step is the state now, or was it before."""
         return disjunction([self.active(step), equal(self._state_before(step), self.states.names.step(step))])
 
     def gone(self, step: int) -> Expression:
-        """A bit that keeps the event of the last cycle."""
+        """Return a bit that keeps the event of the last cycle."""
         if step not in self._gone:
             self._gone[step] = self.code.declare(self.texts.with_suffix(f"{self.signs[step].name}_S0", "old"))
         return self._gone[step]
@@ -198,7 +198,7 @@ class RegionSequencer(Sequencer):
         return self._old[machine.region.index]
 
     def add_events(self, place: int, registered: Sequence[Statement]) -> None:
-        """Insert what keeps the states before they change."""
+        """Insert the copies of the states before they change."""
         self.code.add(self.own_texts.events, registered, place=place)
         kept = [assignment(bit, self.changed(step, ActionEvent.S0)) for step, bit in self._gone.items()]
         kept += [assignment(old, self.states.machines[region].state) for region, old in sorted(self._old.items())]
@@ -207,7 +207,7 @@ class RegionSequencer(Sequencer):
     # -- what belongs to one step each: where there is one active step, in the branches of a CASE
 
     def add_checks(self, cleared: list[Statement], checked: Sequence[SequencerStepCode], alarms: str) -> None:
-        """As it is, or with a CASE."""
+        """Append the checks as they are, or in a CASE."""
         if self._is_one_of(checked):
             lines = [self.states.text(statement) for statement in cleared]
             text = "\n".join([*lines, *self._case_of(checked, self._while_active)])
@@ -218,7 +218,7 @@ class RegionSequencer(Sequencer):
     def add_checks_behind(
         self, forgotten: Sequence[SequencerStepCode], checked: Sequence[SequencerStepCode], alarms: str
     ) -> None:
-        """As it is, or with a CASE each for what was left and entered."""
+        """Append the checks as they are, or in a CASE each for what was left and entered."""
         entered = [part for part in checked if self.checks[part.step.index].early]
         if not self._is_one_of(entered):
             super().add_checks_behind(forgotten, checked, alarms)
@@ -229,7 +229,7 @@ class RegionSequencer(Sequencer):
         self.code.networks.append(TextNetwork(self.own_texts.checks_behind, "\n".join(lines), alarms))
 
     def add_leaving(self, parts: Sequence[SequencerStepCode]) -> None:
-        """As it is, or with a CASE."""
+        """Append the code as it is, or in a CASE."""
         if self._is_one_of(parts):
             lines = self._when_changed(self._case_of(parts, self._when_left))
             self.code.networks.append(TextNetwork(self.own_texts.leaving_one, "\n".join(lines)))
@@ -237,7 +237,7 @@ class RegionSequencer(Sequencer):
             super().add_leaving(parts)
 
     def add_acting(self, parts: Sequence[SequencerStepCode]) -> None:
-        """As it is, or with a CASE. No event happens in a step that is not active, but that it was left."""
+        """Append the code as it is, or in a CASE. An inactive step has no event but that it was left."""
         if self._is_one_of(parts):
             lines = self._case_of(parts, self._while_active)
             self.code.networks.append(TextNetwork(self.own_texts.acting_one, "\n".join(lines)))
@@ -259,7 +259,7 @@ class RegionSequencer(Sequencer):
         return _Selected(self._state_before(step), known)
 
     def _case_of(self, parts: Sequence[SequencerStepCode], selected: Callable[[int], _Selected]) -> list[str]:
-        """A CASE with what each step has; what its branch says need not be asked in it."""
+        """Return a CASE with the code of each step, without the conditions that its branch implies."""
         if not parts:
             return []
         lines = [f"CASE {self.states.text(selected(parts[0].step.index).selector)} OF"]
@@ -280,7 +280,7 @@ class RegionSequencer(Sequencer):
     # -- transitions
 
     def add_transitions(self) -> None:
-        """Append what all transitions have in common, and a bit for each that rivals of other CASEs ask for."""
+        """Append what all transitions share, and a bit for each that competing transitions in other CASEs need."""
         statements: list[Statement] = []
         permitted, pushed = self.commands.permitted(), self.commands.pushed()
         if not is_constant(pushed, FALSE):
@@ -306,7 +306,7 @@ class RegionSequencer(Sequencer):
         self.code.add(self.texts.transitions, statements)
 
     def _prepare(self, transition: NetTransition, permitted: Expression, pushed: Expression) -> None:
-        """Find what is executed before the condition of a transition, and when this lets the transition switch."""
+        """Find the statements before the condition of a transition, and when they let the transition switch."""
         index = transition.index
         self._before[index] = tuple(self.resolved(self.source.preparations[index], CyclePhase.SWITCH))
         condition: Expression = self.resolve(self.source.conditions[index], CyclePhase.SWITCH)
@@ -315,10 +315,10 @@ class RegionSequencer(Sequencer):
         self._conditions[index] = conjunction([switches, *held])
 
     def _needing_bits(self) -> list[int]:
-        """Joins that have rivals, with these; transitions before whose conditions something must be executed.
+        """Return joins with their competing transitions, and transitions whose conditions need statements before them.
 
-        All conditions of active steps are evaluated one after the other, also of rivals of one that switches: then all
-        of them need one, those of one step, or where there are several regions all.
+        All conditions of active steps are evaluated one after the other, also of those that compete with one that
+        switches: then all of them need a bit, those of one step, or where there are several regions all.
         """
         if any(self.source.preparations) and len(self.states.machines) > 1:
             return list(range(len(self.net.transitions)))
@@ -358,7 +358,7 @@ class RegionSequencer(Sequencer):
         self.code.add(self.texts.moves, self.states.moves())
 
     def _must_wait(self, machine: RegionState) -> bool:
-        """Whether anything looks at the state of a region, or writes it, between its CASE and the step change."""
+        """Return True if code between its CASE and the step change reads or writes the state of a region."""
         if machine.blocks or machine.region.block is not None or self.source.skips:
             return True
         others = (t for t in self.net.transitions if t.index not in machine.region.transitions)
@@ -366,13 +366,13 @@ class RegionSequencer(Sequencer):
         return any(node == machine.state for tree in trees for node in walk(tree))
 
     def _leaving(self, step: NetStep) -> list[str]:
-        """What is tried while a step is active."""
+        """Return the transitions of an active step."""
         leaving = [self.net.transitions[t] for t in self.net.leaving[step.index]]
         machine = self.states.machine_of(step.index)
         return self.states.tried([self._try(machine, t) for t in leaving if len(t.sources) == 1])
 
     def _joining(self, block: ParallelBlock) -> list[str]:
-        """What is tried while branches are waited for."""
+        """Return the transitions that wait for branches."""
         machine = self.states.machines[block.parent]
         return self.states.tried([self._try(machine, self.net.transitions[t]) for t in block.joins])
 
@@ -388,7 +388,7 @@ class RegionSequencer(Sequencer):
         return TriedTransition(before, conjunction([*enabled, self._conditions[transition.index]]), effect, remarks)
 
     def _off_by_hand(self) -> list[Statement]:
-        """S_OFF: the step whose number S_SEL says."""
+        """Return S_OFF for the step whose number S_SEL has."""
         by_hand = self.commands.is_on(Mode.MANUAL)
         selection = self.commands.variable("S_SEL")
         edge = self.commands.edge("S_OFF") if not is_constant(by_hand, FALSE) else FALSE
@@ -402,7 +402,7 @@ class RegionSequencer(Sequencer):
         ]
 
     def _selected(self, machine: RegionState, selection: n.Name) -> Expression:
-        """Whether the active step of a region is the one selected."""
+        """Return an expression that is TRUE if the active step of a region is the one selected."""
         if self._has_numbers_of_steps(machine):
             return equal(machine.state, selection)
         firsts: dict[int | None, int] = {}
@@ -445,15 +445,15 @@ class RegionSequencer(Sequencer):
 
 
 class CaseSequencer(RegionSequencer):
-    """All steps in one region, also those that are never active."""
+    """Encoding with all steps in one region, also those that are never active."""
 
     def structure(self) -> Regions | str:
-        """One region, or why it cannot be one."""
+        """Return one region, or why it cannot be one."""
         return one_sequence(self.source, self.rules.profile)
 
 
 def _without(known: Sequence[Expression], statement: Statement) -> tuple[Statement, ...]:
-    """A statement without the conditions that are known to be satisfied."""
+    """Return a statement without the conditions that are known to be satisfied."""
     match statement:
         case n.If((n.Branch(n.Operation(n.Operator.AND, operands), statements),), None):
             rest = conjunction(operand for operand in operands if operand not in known)

@@ -50,7 +50,7 @@ Asked = tuple[int, str]
 
 
 def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> tuple[Asked, ...]:
-    """What other blocks of `project` ask of the steps of `pou`.
+    """Return the data of steps of `pou` that other blocks of `project` ask for.
 
     Raises `LoweringError` for what is no single quantity, and where `target` has no structures in blocks that others
     could read.
@@ -81,7 +81,7 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
 
 
 def _outside(names: Names, pou: Pou, steps: Collection[str]) -> Iterator[Occurrence]:
-    """Every place in other POUs where one of these names (lower case) stands."""
+    """Yield every occurrence of one of these names (lower case) in other POUs."""
     words = {word for step in steps for word in _WORD.findall(step)}
     for piece in pieces(names.project):
         if piece.site.pou is pou or words.isdisjoint(_WORD.findall(piece.text.casefold())):
@@ -92,7 +92,7 @@ def _outside(names: Names, pou: Pou, steps: Collection[str]) -> Iterator[Occurre
 
 
 def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code: LoweredCode) -> list[n.Statement]:
-    """Declare structures that are called as the steps are; gives what writes their members."""
+    """Declare structures that are called as the steps are; returns the statements that write their members."""
     statements: list[n.Statement] = []
     members: dict[int, list[Variable]] = {}
     for (step, quantity), value in zip(asked, values, strict=True):
@@ -110,7 +110,7 @@ _SYSTEM_TYPE = re.compile(r"G7_\w+", re.IGNORECASE)
 
 
 def without_step_data(pou: Pou) -> Pou:
-    """The POU without the variables that TIA Portal declares for steps and transitions, which no other block has."""
+    """Return the POU without the variables that only TIA Portal declares, for steps and transitions."""
     if pou.interface is None:
         return pou
     interface = pou.interface.model_copy(deep=True)
@@ -149,7 +149,7 @@ def read_sequencer(
 
 
 def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
-    """The same without the inputs that nobody operates. Raises `LoweringError` for a name that no such input has."""
+    """Return the same without the inactive inputs. Raises `LoweringError` for a name that no such input has."""
     names = {name.upper() for name in wanted}
     unknown = sorted(names - {*OPERATING, _ALL})
     if unknown:
@@ -174,7 +174,7 @@ class _Reader(TextReader):
         self._variables = {v.name.casefold(): v for v in pou.interface.variables()} if pou.interface else {}
 
     def source(self) -> GraphSource:
-        """The sequencer."""
+        """Return the sequencer."""
         net, chart = self._net, self.chart
         if net.problems:
             self.refuse(f"the chart is broken: {net.problems[0].message}", net.problems[0].path)
@@ -218,7 +218,7 @@ class _Reader(TextReader):
         return name.casefold() in self._variables
 
     def _stated(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText | None:
-        """A condition; None for an empty network, which is satisfied."""
+        """Return a condition; None for an empty network, which is satisfied."""
         stated = programmed(condition)
         if stated is None:
             return None
@@ -258,7 +258,7 @@ class _Reader(TextReader):
         return self._completed(row, model, path)
 
     def _completed(self, row: ActionRow, model: ActionAssociation, path: str) -> ActionRow:
-        """The row with what it does."""
+        """Return the row with its statements."""
         name, qualifier, event, interlock = row.name, row.qualifier, row.event, row.interlock
         if qualifier in SWITCHES:
             switched = self._steps_named(model.target or "", path)
@@ -285,7 +285,7 @@ class _Reader(TextReader):
         return ActionRow(name, qualifier, event, interlock, target, value=read)
 
     def _called(self, target: str, qualifier: Qualifier, path: str) -> tuple[n.Statement, ...]:
-        """What is executed where the target is no Boolean operand: an action of the POU, or the call of an instance."""
+        """Return the code of a target that is no Boolean operand: an action of the POU, or the call of an instance."""
         action = self.pou.action(target)
         if action is not None:
             return self.statements(action.body, f"action {target}")

@@ -42,10 +42,10 @@ _LIMITS = {"T_MAX": "max_time", "T_WARN": "warning_time"}
 
 
 class Sequencer(ABC):
-    """Lowers one sequencer into `code`.
+    """Schedule of one cycle in the order of S7-GRAPH, appended to `code`.
 
-    A construction says what tells that a step is active (`active`), how that changes (`add_transitions`,
-    `add_step_change`), and what tells of its changes (`changed`, `touched`, `gone`).
+    An encoding has an expression for each active step (`active`), changes the situation (`add_transitions`,
+    `add_step_change`), and has expressions for its changes (`changed`, `touched`, `gone`).
     """
 
     def __init__(
@@ -83,19 +83,19 @@ class Sequencer(ABC):
 
     @abstractmethod
     def declare_states(self, surroundings: Collection[str]) -> Sequence[str]:
-        """Declare the variables that keep the situation. Gives the beginning of the names of what belongs to steps."""
+        """Declare the variables of the situation. Returns the beginning of the names of each step's variables."""
 
     @abstractmethod
     def active(self, step: int) -> Expression:
-        """What tells that a step, given by its index in the net, is active."""
+        """Return an expression that is TRUE if a step, given by its index in the net, is active."""
 
     def only_state(self) -> n.Name | None:
-        """The number of the active step, 0 where none is, if a variable has that; None where there can be several."""
+        """Return the number of the active step, 0 for none, if a variable has that; None where there can be several."""
         return None
 
     @abstractmethod
     def add_transitions(self) -> None:
-        """Append the networks that tell which transitions fire."""
+        """Append the networks that decide which transitions fire."""
 
     @abstractmethod
     def add_step_change(self) -> None:
@@ -103,15 +103,15 @@ class Sequencer(ABC):
 
     @abstractmethod
     def changed(self, step: int, event: ActionEvent) -> Expression:
-        """What tells, from the step change on, that a step was entered (S1) or left (S0)."""
+        """Return an expression that is TRUE from the step change on if a step was entered (S1) or left (S0)."""
 
     @abstractmethod
     def touched(self, step: int) -> Expression:
-        """Whether a step is active or was left in this cycle."""
+        """Return an expression that is TRUE if a step is active or was left in this cycle."""
 
     @abstractmethod
     def gone(self, step: int) -> Expression:
-        """Whether a step was left in the cycle before."""
+        """Return an expression that is TRUE if a step was left in the cycle before."""
 
     @abstractmethod
     def add_events(self, place: int, registered: Sequence[Statement]) -> None:
@@ -119,14 +119,14 @@ class Sequencer(ABC):
 
     @abstractmethod
     def add_switched(self, actions: SequencerActions) -> None:
-        """Append what actions do that switch steps on and off."""
+        """Append the effect of actions that switch steps on and off."""
 
     def tells(self) -> dict[str, Expression]:
-        """What tells that a step is active, by its path."""
+        """Return expressions that are TRUE while a step is active, by its path."""
         return {step.path: self.active(step.index) for step in self.net.steps}
 
     def exact(self) -> None:
-        """One cycle."""
+        """Append one cycle."""
         code, own_texts = self.code, self.own_texts
         code.add(own_texts.before, [*self.resolved(self.source.before, CyclePhase.BEFORE)])
         code.add(self.texts.logic, [*self.resolved(self.source.logic, CyclePhase.BEFORE)])
@@ -143,7 +143,7 @@ class Sequencer(ABC):
         self._insert_commands(place)
 
     def _insert_commands(self, place: int) -> None:
-        """Edges stand before everything that asks for them; what does is only known in the end."""
+        """Insert edges before all code that reads them; which ones these are is only known at the end."""
         rest = self.code.networks[place:]
         del self.code.networks[place:]
         self.code.add(self.own_texts.commands, self.commands.statements(), self.commands.told)
@@ -152,11 +152,11 @@ class Sequencer(ABC):
     # -- texts
 
     def resolved(self, statements: tuple[n.Statement, ...], phase: CyclePhase) -> list[Statement]:
-        """Texts with what stands for the data of steps."""
+        """Return texts with variables in the place of the data of steps."""
         return [self.resolve(statement, phase) for statement in statements]
 
     def resolve(self, tree: Any, phase: CyclePhase) -> Any:
-        """A text with what stands for the data of steps."""
+        """Return a text with variables in the place of the data of steps."""
 
         def change(node: n.Node) -> n.Node:
             found = step_quantity(node, self.questions.steps)
@@ -181,7 +181,7 @@ class Sequencer(ABC):
         return self.checks[step].value(quantity)
 
     def event(self, step: int, event: ActionEvent) -> Expression:
-        """What tells of an event of a step, from the step change on."""
+        """Return an expression that is TRUE from the step change on if an event of a step has happened."""
         if event in (ActionEvent.S1, ActionEvent.S0):
             return self.changed(step, event)
         if event is not ActionEvent.R1:
@@ -206,12 +206,12 @@ class Sequencer(ABC):
         self.code.add(self.own_texts.undisturbed, self.clock.counted(self.checks))
 
     def evolves(self) -> Expression:
-        """Whether conditions of transitions are evaluated in this cycle."""
+        """Return an expression that is TRUE if conditions of transitions are evaluated in this cycle."""
         idle = (self.commands.is_on(Mode.MANUAL), self.started(), self.commands.edge("OFF_SQ"))
         return conjunction(map(negation, idle))
 
     def started(self) -> Expression:
-        """Whether the sequence is started anew."""
+        """Return an expression that is TRUE if the sequence is restarted."""
         return disjunction([self.commands.edge("INIT_SQ"), *([self.init] if self.init is not None else [])])
 
     # -- behind the step change
@@ -238,7 +238,7 @@ class Sequencer(ABC):
         self.add_events(place, registered)
 
     def _with_resolved_rows(self) -> GraphSource:
-        """The sequencer with what stands for the data of steps in its actions."""
+        """Return the sequencer with variables in the place of the data of steps in its actions."""
 
         def resolved(row: ActionRow) -> ActionRow:
             target, value = (
@@ -254,7 +254,7 @@ class Sequencer(ABC):
         return self.clock.restarted(lambda step: self.event(step, ActionEvent.S1))
 
     def _add_checks_behind(self, alarms: str) -> None:
-        """Append the checks behind the step change: what is left is forgotten before anything asks for it."""
+        """Append the checks behind the step change: what is left is forgotten before anything reads it."""
 
         def signal(step: int, event: ActionEvent) -> Callable[[], Expression]:
             return lambda: self.event(step, event)
@@ -264,7 +264,7 @@ class Sequencer(ABC):
         self.add_checks_behind(self._of_steps(forgotten), self._of_steps(behind), alarms)
 
     def _of_steps(self, statements: Iterable[list[Statement]]) -> list[SequencerStepCode]:
-        """The code of each step that has some."""
+        """Return the code of each step that has some."""
         pairs = zip(self.net.steps, statements, strict=True)
         return [SequencerStepCode(step, tuple(own)) for step, own in pairs if own]
 
@@ -281,22 +281,22 @@ class Sequencer(ABC):
         self.code.add(self.own_texts.checks_behind, [*_all(forgotten), *_all(checked)], alarms)
 
     def add_leaving(self, parts: Sequence[SequencerStepCode]) -> None:
-        """Append what steps execute that were left."""
+        """Append the code of steps that were left."""
         for part in parts:
             self.code.add(self.own_texts.leaving(part.step.path), part.statements)
 
     def add_acting(self, parts: Sequence[SequencerStepCode]) -> None:
-        """Append what steps execute that are active."""
+        """Append the code of active steps."""
         for part in parts:
             self.code.add(self.own_texts.acting(part.step.path), part.statements)
 
     @property
     def _checked_late(self) -> bool:
-        """Whether there are no checks before the step change."""
+        """True if there are no checks before the step change."""
         return not any(check.early for check in self.checks)
 
     def _alarms(self) -> str:
-        """What people are told when a check finds something: lowered code makes no alarms."""
+        """Return the comment on checks: lowered code makes no alarms."""
         language = self.own_texts.language
         lines: list[str] = []
         for step in self.net.steps:

@@ -27,10 +27,10 @@ TIMERS = frozenset({Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF})
 
 @dataclass(frozen=True)
 class ActionRow:
-    """An action of a step. `event` is None where it acts while the step is active, `interlock`: only if that allows.
+    """Action of a step. `event` is None where it acts while the step is active, `interlock`: only if that allows.
 
-    `target` is an operand, `statements` what is executed instead. `value` is the time, or the number a counter is set
-    to. `switched` are the steps that ON and OFF switch.
+    `target` is an operand, `statements` are executed instead. `value` is the time, or the number a counter is set to.
+    `switched` are the steps that ON and OFF switch.
     """
 
     name: str
@@ -44,19 +44,19 @@ class ActionRow:
 
     @property
     def is_coil(self) -> bool:
-        """Whether it is TRUE or FALSE with its step, and not executed."""
+        """True if it is TRUE or FALSE with its step, and not executed."""
         return self.qualifier in COILS and self.target is not None
 
 
 @dataclass(frozen=True, kw_only=True)
 class GraphSource(ChartSource):
-    """What is lowered. Of `ChartSource` it uses all but actions, step code and minimum times.
+    """Sequencer that is lowered. Of `ChartSource` it uses all but actions, step code and minimum times.
 
     `interlocks` and `supervisions` are those of steps, by index; `rows` the actions of each step; `before` and `after`
-    the permanent operations. `parameters` are those that the block declares, by their names in upper case.
+    the permanent instructions. `parameters` are those that the block declares, by their names in upper case.
     `acknowledged`: disturbances must be; `locked`: the operating mode cannot be changed; `skips`: steps can be skipped.
-    `shown` are the quantities of steps that other blocks ask for. `at_rest`: the inputs of the block that are
-    parameters and have no code, since nobody operates them.
+    `shown` are the quantities of steps that other blocks ask for. `at_rest`: the parameters of the block that are
+    inactive inputs and have no code.
     """
 
     interlocks: dict[int, ConditionText]
@@ -73,7 +73,7 @@ class GraphSource(ChartSource):
 
     @cached_property
     def prepared_names(self) -> frozenset[str]:
-        """The names (lower case) in what is executed before conditions of transitions: it may change them."""
+        """Names (lower case) in what is executed before conditions of transitions: it may change them."""
         trees = chain.from_iterable(self.preparations)
         return frozenset(node.identifier.casefold() for t in trees for node in walk(t) if isinstance(node, n.Name))
 
@@ -104,16 +104,16 @@ _COMPARING = frozenset(
 
 @dataclass(frozen=True)
 class StepNames:
-    """How code speaks of a step: what tells that it is `active`, and how the names of its variables begin."""
+    """Names of a step in code: the expression that is TRUE while it is `active`, and the beginning of its variables."""
 
     active: n.Expression
     name: str
 
 
 class CyclePhase(Enum):
-    """Where in a cycle a text stands.
+    """Place of a text in a cycle.
 
-    BEFORE: permanent operations before the sequence. CHECK: interlocks and supervisions. SWITCH: conditions of
+    BEFORE: permanent instructions before the sequence. CHECK: interlocks and supervisions. SWITCH: conditions of
     transitions. ENTERED: interlocks and supervisions of steps that were entered. ACT: actions and all behind them.
     """
 
@@ -126,7 +126,7 @@ class CyclePhase(Enum):
 
 @dataclass(frozen=True)
 class SequencerText:
-    """A text of the sequencer, and the steps that are active whenever it is executed."""
+    """Text of the sequencer, and the steps that are active whenever it is executed."""
 
     tree: n.Node
     phase: CyclePhase
@@ -135,7 +135,7 @@ class SequencerText:
 
 
 def texts_of(source: GraphSource) -> Iterator[SequencerText]:
-    """All texts of a sequencer."""
+    """Yield all texts of a sequencer."""
     tree: n.Node
     # conditions are also evaluated for steps that are not active yet
     ahead = {i for rows in source.rows for row in rows for i in row.switched}
@@ -168,12 +168,12 @@ def texts_of(source: GraphSource) -> Iterator[SequencerText]:
 
 
 def steps_by_name(source: GraphSource) -> dict[str, int]:
-    """The indexes of the steps by their names in lower case."""
+    """Return the indexes of the steps by their names in lower case."""
     return {step.step.name.casefold(): step.index for step in source.net.steps}
 
 
 def step_quantity(node: n.Node, steps: dict[str, int]) -> tuple[int, str] | None:
-    """The step and the quantity (upper case) that a node asks for; None where it asks for none."""
+    """Return the step and the quantity (upper case) that a node asks for; None where it asks for none."""
     match node:
         case n.Member(n.Name(name, quoting), n.Name(quantity)) if name.casefold() in steps:
             return None if quoting is n.Quoting.GLOBAL else (steps[name.casefold()], quantity.upper())
@@ -181,7 +181,7 @@ def step_quantity(node: n.Node, steps: dict[str, int]) -> tuple[int, str] | None
 
 
 class AskedStepData:
-    """What is asked of steps, and where."""
+    """Data of steps that texts ask for, and where."""
 
     def __init__(self, source: GraphSource) -> None:
         self.steps = steps_by_name(source)
@@ -205,11 +205,11 @@ class AskedStepData:
         return quantity in self._asked
 
     def of(self, step: int) -> set[str]:
-        """All that is asked of a step."""
+        """Return the quantities of a step that are asked for."""
         return {quantity for index, quantity in self._asked if index == step}
 
     def asked(self, step: int, quantities: Collection[str], *phases: CyclePhase) -> bool:
-        """Whether one of these is asked for in these phases."""
+        """Return True if one of these is asked for in these phases."""
         return any(
             text.phase in phases
             for (index, quantity), texts in self._asked.items()
@@ -218,7 +218,7 @@ class AskedStepData:
         )
 
     def compared(self, step: int, quantities: Collection[str]) -> Iterator[n.Expression | None]:
-        """What some quantities of a step are compared with, each time that one is asked for; None: nothing."""
+        """Yield the operands that some quantities of a step are compared with; None where one is read alone."""
         trees = {id(t.tree): t.tree for q in quantities for t in self._asked.get((step, q), ())}
         wanted = {(step, quantity) for quantity in quantities}
         for tree in trees.values():
@@ -235,16 +235,16 @@ class AskedStepData:
         return None
 
     def only_while_active(self, step: int, quantity: str) -> bool:
-        """Whether it is asked for only where the step is active."""
+        """Return True if it is asked for only where the step is active."""
         return all(step in text.active for text in self._asked.get((step, quantity), ()))
 
     def asks(self, tree: n.Node) -> bool:
-        """Whether a text of the source asks for anything of a step."""
+        """Return True if a text of the source asks for anything of a step."""
         return id(tree) in self._asking
 
 
 def _check_names(text: SequencerText, node: n.Node, names: Collection[str], steps: dict[str, int]) -> None:
-    """Refuse what names a step or a transition, but for reading a single quantity of a step."""
+    """Refuse all uses of steps and transitions, but for reading a single quantity of a step."""
     found = step_quantity(node, steps)
     if found is not None:
         if found[1] not in QUANTITIES:

@@ -54,23 +54,23 @@ class GraphTexts:
     first_cycle = "the sequence has not been started yet"
 
     def wanted_of(self, path: str) -> str:
-        """The comment of what tells that a step is active at the start of the next cycle."""
+        """Return the comment of the bit that a step is active at the start of the next cycle."""
         return f"step {path} is active at the start of the next cycle"
 
     def leaving(self, path: str) -> str:
-        """The title of what a step does when it is left."""
+        """Return the title of the code of a step that was left."""
         return f"Step {path}: actions when it is left"
 
     def acting(self, path: str) -> str:
-        """The title of what a step does."""
+        """Return the title of the code of a step."""
         return f"Step {path}: actions"
 
     def check(self, path: str, what: str) -> str:
-        """The comment of what a check of a step has found."""
+        """Return the comment of the result of a step's check."""
         return f"step {path}: {self.checks_of[what]}"
 
     def timer(self, name: str) -> str:
-        """The title of a timer's network."""
+        """Return the title of a timer's network."""
         return f"Timer {name}"
 
 
@@ -121,26 +121,26 @@ class GermanGraphTexts(GraphTexts):
     first_cycle = "die Kette wurde noch nicht gestartet"
 
     def wanted_of(self, path: str) -> str:
-        """The comment of what tells that a step is active at the start of the next cycle."""
+        """Return the comment of the bit that a step is active at the start of the next cycle."""
         return f"Schritt {path} ist zu Beginn des nächsten Zyklus aktiv"
 
     def leaving(self, path: str) -> str:
-        """The title of what a step does when it is left."""
+        """Return the title of the code of a step that was left."""
         return f"Schritt {path}: Aktionen beim Verlassen"
 
     def acting(self, path: str) -> str:
-        """The title of what a step does."""
+        """Return the title of the code of a step."""
         return f"Schritt {path}: Aktionen"
 
     def check(self, path: str, what: str) -> str:
-        """The comment of what a check of a step has found."""
+        """Return the comment of the result of a step's check."""
         return f"Schritt {path}: {self.checks_of[what]}"
 
     def timer(self, name: str) -> str:
-        """The title of a timer's network."""
+        """Return the title of a timer's network."""
         return f"Zeitglied {name}"
 
 
 def graph_texts(texts: Texts) -> GraphTexts:
-    """The texts in the language of `texts`."""
+    """Return the texts in the language of `texts`."""
     return GermanGraphTexts() if isinstance(texts, GermanTexts) else GraphTexts()

@@ -37,9 +37,9 @@ Resolve = Callable[[Any, CyclePhase], Any]
 
 @dataclass(frozen=True)
 class CheckedStep:
-    """What is asked of a step, and how code speaks of it; `needed` is what of its checks is wanted anywhere.
+    """Step with checks: its names in code, and the results (`needed`) that any code asks for.
 
-    `comment` says what a variable of them means.
+    `comment` is that of a variable of them.
     """
 
     sign: StepNames
@@ -49,7 +49,7 @@ class CheckedStep:
 
 
 class StepChecks:
-    """The checks of one step. `early`: they are evaluated before the step change."""
+    """Checks of one step. `early`: they are evaluated before the step change."""
 
     def __init__(self, source: GraphSource, step: int, code: LoweredCode, asked: CheckedStep) -> None:
         needed, questions = asked.needed, asked.questions
@@ -94,7 +94,7 @@ class StepChecks:
         }
 
     def value(self, quantity: str) -> Expression:
-        """What tells of a quantity that is needed."""
+        """Return the expression for a quantity that is needed."""
         if quantity in INTERLOCK and self._interlock is None:
             return self._flag if quantity == "LS" else FALSE
         if quantity in SUPERVISION and self._supervision is None:
@@ -104,7 +104,7 @@ class StepChecks:
         return self._variables[quantity]
 
     def held(self, resolve: Resolve) -> Expression:
-        """Whether the supervision keeps the step from being left."""
+        """Return an expression that is TRUE if the supervision keeps the step from being left."""
         if self._supervision is None:
             return FALSE
         if self.early:
@@ -113,30 +113,30 @@ class StepChecks:
         return fault
 
     def disturbed(self) -> Expression:
-        """Whether there is an error of the interlock or the supervision while the step is active."""
+        """Return an expression that is TRUE if the active step has an error of its interlock or supervision."""
         interlock = conjunction([self._flag, negation(self.value("LS"))]) if self._interlock is not None else FALSE
         return disjunction([interlock, self.value("VA")])
 
     def cleared(self) -> list[Statement]:
-        """Ends the events of the last cycle, for checks that ask for them before they happen anew."""
+        """Return the end of the events of the last cycle, for checks that read them before they happen again."""
         if not self._asked_between:
             return []
         return [assignment(self._variables[event], FALSE) for event in _EVENTS if event in self._variables]
 
     def before(self, resolve: Resolve, acknowledge: Expression) -> list[Statement]:
-        """The checks of the active step before the step change."""
+        """Return the checks of the active step before the step change."""
         if not self.early:
             return []
         return [when(self._flag, *self._evaluated(resolve, CyclePhase.CHECK, acknowledge))]
 
     def forgotten(self, left: Callable[[], Expression]) -> list[Statement]:
-        """What ends when the step is left."""
+        """Return the end of what belongs to a step that is left."""
         if not self.early or not self._variables:
             return []
         return [when(left(), *(assignment(variable, FALSE) for variable in self._variables.values()))]
 
     def behind(self, resolve: Resolve, entered: Callable[[], Expression]) -> list[Statement]:
-        """The checks behind the step change."""
+        """Return the checks behind the step change."""
         if not self._variables:
             return []
         if not self.early:
@@ -193,7 +193,7 @@ class StepChecks:
         into.append(assignment(v["VS"], v["fault"]))
 
     def _remembered(self, acknowledge: Expression, into: list[Statement]) -> None:
-        """An error stays until it is gone and acknowledged."""
+        """Append the memory of an error, which stays until it is gone and acknowledged."""
         v = self._variables
         into.append(when(v["V1"], assignment(v["VA"], TRUE), assignment(v["acknowledged"], FALSE)))
         event = conjunction([acknowledge, v["VA"], negation(v["acknowledged"])])
@@ -215,7 +215,7 @@ _ORDER = ("LS", "L1", "L0", "LA", "fault", "V1", "V0", "VS", "VA", "A1", "acknow
 
 
 def _called(name: str, step: str, texts: Texts) -> str:
-    """The variable of a step: as S7-GRAPH calls it, else by a word."""
+    """Return the name of a variable of a step: that of S7-GRAPH, else a word."""
     word = _WORDS.get(name)
     return f"{step}_{name}" if word is None else texts.with_suffix(step, word)
 
@@ -227,7 +227,7 @@ _NONE = n.Literal("T#0ms")
 
 
 class StepClock:
-    """The times of the steps of one sequencer."""
+    """Times of the steps of one sequencer."""
 
     def __init__(
         self, source: GraphSource, code: LoweredCode, signs: Sequence[StepNames], texts: Texts, questions: AskedStepData
@@ -255,11 +255,11 @@ class StepClock:
                 self._undisturbed[index] = sum_, code.declare(before, TIME)
 
     def _is_checked(self, step: int) -> bool:
-        """Whether anything could disturb a step; where nothing does, its times T and U are the same."""
+        """Return True if anything could disturb a step; where nothing does, its times T and U are the same."""
         return step in self._source.interlocks or step in self._source.supervisions
 
     def _limit(self, step: int, asked: set[str], durations: Sequence[Expression]) -> Expression:
-        """The time that the timer of a step measures: one that is beyond all that it is compared with."""
+        """Return the time that the timer of a step measures: one that is beyond all that it is compared with."""
         first = durations[0] if durations else None
         # a TON whose PT changes while it runs is another one in every controller
         if not asked and isinstance(first, n.Literal) and all(duration == first for duration in durations):
@@ -275,29 +275,29 @@ class StepClock:
         return n.Member(self._timers[step], n.Name("ET"))
 
     def value(self, step: int, quantity: str) -> Expression:
-        """The time T of a step, or its time without disturbance U."""
+        """Return the time T of a step, or its time without disturbance U."""
         if quantity == "U" and step in self._undisturbed:
             return self._undisturbed[step][0]
         return self._kept.get(step, self._elapsed(step))
 
     def over(self, step: int, time: Expression) -> Expression:
-        """Whether an active step has been so for `time`."""
+        """Return an expression that is TRUE if an active step has been so for `time`."""
         if self._limits[step] == time and isinstance(time, n.Literal):
             return n.Member(self._timers[step], n.Name("Q"))
         return n.Operation(Operator.GREATER_OR_EQUAL, (self._elapsed(step), time))
 
     def stated(self, text: str | None) -> Expression:
-        """A limit that a step states, T_MAX or T_WARN."""
+        """Return a limit that a step has, T_MAX or T_WARN."""
         return n.Literal(text) if text else _NONE
 
     def calls(self) -> list[Statement]:
-        """The calls of the timers."""
+        """Return the calls of the timers."""
         calls = [call(timer, IN=self._signs[i].active, PT=self._limits[i]) for i, timer in self._timers.items()]
         kept = [when(self._signs[i].active, assignment(name, self._elapsed(i))) for i, name in self._kept.items()]
         return [*calls, *kept]
 
     def counted(self, checks: Sequence[StepChecks]) -> list[Statement]:
-        """The times without disturbance, behind the checks of the active steps."""
+        """Return the times without disturbance, behind the checks of the active steps."""
         found: list[Statement] = []
         for step, (sum_, old) in self._undisturbed.items():
             elapsed = self._elapsed(step)
@@ -308,7 +308,7 @@ class StepClock:
         return found
 
     def restarted(self, entered: StepValue) -> list[Statement]:
-        """The times without disturbance of steps that were entered begin anew."""
+        """Return the restarts of the times without disturbance of steps that were entered."""
         return [
             when(entered(step), assignment(sum_, _NONE), assignment(old, _NONE))
             for step, (sum_, old) in self._undisturbed.items()
@@ -316,7 +316,7 @@ class StepClock:
 
 
 def _nanoseconds(time: Expression | None) -> int | None:
-    """A duration that is a constant."""
+    """Return a duration that is a constant."""
     if not isinstance(time, n.Literal):
         return None
     try:

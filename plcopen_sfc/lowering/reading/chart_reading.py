@@ -52,7 +52,7 @@ def read_chart(
 
 
 class _Owner(NamedTuple):
-    """A step or macro-step with associations: its model, what people call it, and its steps in the net."""
+    """Step or macro-step with associations: its model, its name in messages, and its steps in the net."""
 
     step: Step
     chart: SfcNetwork
@@ -82,7 +82,7 @@ class _Reader(TextReader):
         self._net = Net.of(chart)
 
     def _check_profile(self) -> None:
-        """Refuse what only profiles have that people make of others."""
+        """Refuse rules of profiles that users write themselves and that no tool has."""
         profile = self._profile
         if profile.initial_situation_held:
             self.refuse(f"the initial situation is held under the profile {profile.name}: that is not lowered", "")
@@ -96,7 +96,7 @@ class _Reader(TextReader):
                     self.refuse("the entry action of an initial step is not executed: that is not lowered", step.path)
 
     def source(self) -> ChartSource:
-        """The chart."""
+        """Return the chart."""
         if self._net.problems:
             self.refuse(f"the chart is broken: {self._net.problems[0].message}", self._net.problems[0].path)
         if self._profile.evolution is Evolution.UNTIL_STABLE:
@@ -130,7 +130,7 @@ class _Reader(TextReader):
         return replace(source, undeclared_flags=self._undeclared(source.names()))
 
     def _undeclared(self, names: set[str]) -> frozenset[SfcFlag]:
-        """The flags that are used or named, and that only the tool declares."""
+        """Return the flags that are used or named, and that only the tool declares."""
         settings = self.chart.settings
         stated = settings.flags if settings is not None else {}
         named = {name.casefold() for name in names}
@@ -145,7 +145,7 @@ class _Reader(TextReader):
         return found._replace(value=self._boolean(found.value, path))
 
     def _boolean(self, condition: n.Expression, path: str) -> n.Expression:
-        """The same, if no variable of another type stands where it must be of type BOOL."""
+        """Return the same, if no variable of another type is where it must be of type BOOL."""
         for operand in _logical(condition):
             kind = self._types.get(operand.identifier.casefold())
             if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
@@ -161,7 +161,7 @@ class _Reader(TextReader):
             yield _Owner(macro.step, macro.chart, macro.path, tuple(indexes(macro.steps)))
 
     def _actions(self) -> Iterator[ActionSource]:
-        """Associations with the same target are one action, every body in place is one of its own; as in the chart."""
+        """Yield the actions: associations with the same target are one, every body in place is one of its own."""
         targets: dict[str, tuple[str, str, str, list[ActionUse]]] = {}
         found: list[str | ActionSource] = []
         for owner in self._owners():
@@ -203,12 +203,12 @@ class _Reader(TextReader):
                 yield ActionSource(name, self.variable(name, self._targets, path), (), tuple(uses))
 
     def _statements_of(self, action: Action) -> tuple[n.Statement, ...]:
-        """What an action does; one with a chart of its own is called, and one that RETURN leaves."""
+        """Return the code of an action; one with a chart of its own is called, and one that RETURN leaves."""
         path = f"action {action.name}"
         return self.read(f"{action.name}();", path) if self._stays(action) else self.statements(action.body, path)
 
     def _stays(self, action: Action) -> bool:
-        """Whether the code of an action has to stay where it is, and is called."""
+        """Return True if the code of an action has to stay where it is, and is called."""
         if isinstance(action.body, SfcBody):
             return True
         if not isinstance(action.body, StBody) or self.dialect not in _WITH_CALLS:
@@ -278,7 +278,7 @@ class _Reader(TextReader):
                     yield StepTimeLimit(step.index, time, reasons)
 
     def _reasons(self, step: int) -> Iterator[HoldingOperand]:
-        """The operands that can keep the transitions behind a step from being TRUE."""
+        """Yield the operands that can keep the transitions behind a step from being TRUE."""
         for index in self._net.leaving[step]:
             condition = self._net.transitions[index].transition.condition
             if isinstance(condition, TextCondition):
@@ -287,7 +287,7 @@ class _Reader(TextReader):
 
 
 def _logical(node: n.Expression) -> Iterator[n.Name]:
-    """The names that stand where a value of type BOOL must: alone, and below AND, OR, XOR and NOT."""
+    """Yield the names where a value of type BOOL must be: alone, and below AND, OR, XOR and NOT."""
     match n.bare(node):
         case n.Name() as name:
             yield name
@@ -302,7 +302,7 @@ _LOGICAL = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Oper
 
 
 def _reasons(node: n.Expression, text: str, wanted: bool, given: tuple[n.Expression, ...]) -> Iterator[HoldingOperand]:
-    """What can keep `node` from being `wanted`, if all that is `given` is TRUE."""
+    """Yield the operands that keep `node` from being `wanted`, if all that is `given` is TRUE."""
     match node:
         case n.Parenthesized():
             yield from _reasons(node.inner, text, wanted, given)

@@ -22,9 +22,9 @@ from plcopen_sfc.semantics.net import Net
 
 @dataclass(frozen=True)
 class EdgeInCondition:
-    """``↑operand``, or ``↓operand`` where it is not `rising`. In conditions `name` stands for it.
+    """Edge ``↑operand``, or ``↓operand`` where it is not `rising`; conditions have `name` for it.
 
-    `words` are the names in it, as people wrote them.
+    `words` are the names in it, as they were written.
     """
 
     name: str
@@ -35,9 +35,9 @@ class EdgeInCondition:
 
 @dataclass(frozen=True)
 class DelayInCondition:
-    """``first/operand/last``: TRUE `first` after the operand became TRUE, until `last` after it became FALSE.
+    """Delay ``first/operand/last``: TRUE `first` after the operand became TRUE, until `last` after it became FALSE.
 
-    In conditions `name` stands for it. None: no delay at this end. `words` are the names in it, as people wrote them.
+    Conditions have `name` for it. None: no delay at this end. `words` are the names in it, as they were written.
     """
 
     name: str
@@ -49,7 +49,7 @@ class DelayInCondition:
 
 @dataclass(frozen=True)
 class StoredAction:
-    """What is executed when `steps` (several in a macro-step) become active or no longer are, or on an `event`."""
+    """Action executed when `steps` (several in a macro-step) become active or no longer are, or on an `event`."""
 
     kind: ActionKind
     steps: tuple[int, ...]
@@ -59,10 +59,10 @@ class StoredAction:
 
 @dataclass(frozen=True)
 class GrafcetSource:
-    """`edges` and `delays` of all conditions, the `stored` and `continuous` actions, and the charts that others rule.
+    """Contents of a GRAFCET beyond IEC 61131-3: terms of conditions, `stored` and `continuous` actions, forced charts.
 
-    Edges and delays stand in an order in which each needs only those before it, `ruled` in one in which each chart is
-    ruled only by those before it. `step_variables` are the names that mean steps (``X5``), in lower case.
+    `edges` and `delays` have an order in which each needs only those before it, `ruled` one in which each chart is
+    forced or enclosed only by those before it. `step_variables` are the names that mean steps (``X5``), in lower case.
     """
 
     edges: tuple[EdgeInCondition, ...]
@@ -73,7 +73,7 @@ class GrafcetSource:
     step_variables: frozenset[str]
 
     def changed(self, change: Change) -> GrafcetSource:
-        """The same with `change` applied to every text but the targets of actions."""
+        """Return the same with `change` applied to every text but the targets of actions."""
 
         def optional(node: Any) -> Any:
             return change(node) if node is not None else None
@@ -94,7 +94,7 @@ class GrafcetSource:
         )
 
     def trees(self) -> Iterator[n.Node]:
-        """Every text."""
+        """Yield every text."""
         yield from (edge.operand for edge in self.edges)
         for delay in self.delays:
             yield from (each for each in (delay.operand, delay.first, delay.last) if each is not None)
@@ -114,8 +114,8 @@ Change: TypeAlias = Callable[[Any], Any]
 class ActionUse:
     """One association of an action: `steps` (indexes of the net; several in a macro-step) drive it by `qualifier`.
 
-    `inverted`: they do while none of them is active. `condition` is TRUE where there is none, `duration` None.
-    `preparation` is what must be executed before the condition is evaluated, once in each scan in which they drive it.
+    `inverted`: they drive it while none of them is active. `condition` is TRUE where there is none, `duration` None.
+    `preparation` is executed before the condition is evaluated, once in each scan in which they drive it.
     """
 
     steps: tuple[int, ...]
@@ -129,10 +129,11 @@ class ActionUse:
 
 @dataclass(frozen=True)
 class ActionSource:
-    """An action: a Boolean variable (`target`), or code (`statements`), with all its uses in the order of the chart.
+    """Action: a Boolean variable (`target`) or code (`statements`), with its associations in the order of the chart.
 
-    `in_place`: its code stands at its only use, where it has no name. `text`: its code as it was written, as long as it
-    says the same; empty for code that is drawn. `comment` is that of the action, where it is one of the POU.
+    `in_place`: its code is that of its only association, and it has no name. `text`: its code as it was written, as
+    long as it means the same; empty for code that is drawn. `comment` is that of the action, where it is one of the
+    POU.
     """
 
     name: str
@@ -144,7 +145,7 @@ class ActionSource:
     comment: Text | None = None
 
     def changed(self, change: Change) -> ActionSource:
-        """The same action with `change` applied to every text but its target."""
+        """Return the same action with `change` applied to every text but its target."""
 
         def used(use: ActionUse) -> ActionUse:
             duration = change(use.duration) if use.duration is not None else None
@@ -156,7 +157,7 @@ class ActionSource:
         return replace(self, statements=statements, uses=tuple(used(use) for use in self.uses), text=text)
 
     def trees(self) -> Iterator[n.Node]:
-        """Every text."""
+        """Yield every text."""
         yield from self.statements
         if self.target is not None:
             yield self.target
@@ -169,7 +170,7 @@ class ActionSource:
 
 @dataclass(frozen=True)
 class StepStatements:
-    """What a step executes when it becomes active, while it is, and when it no longer is."""
+    """Code that a step executes when it becomes active, while it is, and when it no longer is."""
 
     step: int
     entry: tuple[n.Statement, ...] = ()
@@ -179,7 +180,7 @@ class StepStatements:
 
 @dataclass(frozen=True)
 class HoldingOperand:
-    """An operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does.
+    """Operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does.
 
     `value` is that of the operand meanwhile.
     """
@@ -191,7 +192,7 @@ class HoldingOperand:
 
 @dataclass(frozen=True)
 class StepTimeLimit:
-    """The longest time that a step may be active, and why it still is."""
+    """Longest time that a step may be active, and the reasons why it still is."""
 
     step: int
     time: n.Expression
@@ -200,14 +201,14 @@ class StepTimeLimit:
 
 @dataclass(frozen=True)
 class ChartSource:
-    """What is lowered.
+    """Chart that is lowered, with its texts as syntax trees.
 
-    `conditions` are those of `net.transitions`; `preparations` is what must be executed before each of them is
-    evaluated, `logic` what is drawn in the chart and executed in every scan, `helpers` are the variables that both
-    need. `minimum_times` are those of steps, by index; `watches` their longest times where these are watched. `flags`
-    are the SFC flags in use, `undeclared_flags` those that only the tool declares. `waited` are, by transition, the
-    minimum times of its steps that have passed; they are known when step variables are. `grafcet`: what only IEC 60848
-    has. `instances` are the types of the instances in drawings by name.
+    `conditions` are those of `net.transitions`; `preparations` are executed before each of them is evaluated, `logic`
+    is drawn in the chart and executed in every scan, `helpers` are the variables that both need. `minimum_times` are
+    those of steps, by index; `watches` their longest times where these are watched. `flags` are the SFC flags in use,
+    `undeclared_flags` those that only the tool declares. `waited` are, by transition, the minimum times of its steps
+    that have passed; they are known when step variables are. `grafcet`: what only IEC 60848 has. `instances` are the
+    types of the instances in drawings by name.
     """
 
     pou: Pou
@@ -227,7 +228,7 @@ class ChartSource:
     instances: Mapping[str, str] = field(default_factory=dict)
 
     def changed(self, change: Change) -> ChartSource:
-        """The same chart with `change` applied to every text but the targets of actions."""
+        """Return the same chart with `change` applied to every text but the targets of actions."""
 
         def each(nodes: tuple[Any, ...]) -> tuple[Any, ...]:
             return tuple(change(node) for node in nodes)
@@ -250,7 +251,7 @@ class ChartSource:
         )
 
     def names(self) -> set[str]:
-        """Every name that occurs in the POU or in its chart."""
+        """Return every name that occurs in the POU or in its chart."""
         found = {self.pou.name, *(variable.name for variable in self.pou.variables())}
         found |= {action.name for action in self.pou.actions}
         found |= {step.step.name for step in self.net.steps} | {each.name for each in self.pou.transitions}
@@ -259,7 +260,7 @@ class ChartSource:
         return found | {name for name in self.names_in_texts() if name.casefold() not in steps}
 
     def names_in_texts(self) -> set[str]:
-        """Every name that conditions, actions and times have."""
+        """Return every name that conditions, actions and times have."""
         return {node.identifier for tree in self._trees() for node in walk(tree) if isinstance(node, n.Name)}
 
     def _trees(self) -> Iterator[n.Node]:
@@ -282,7 +283,7 @@ _SPARE = 100_000
 
 
 def step_numbers(net: Net) -> list[int]:
-    """A number for each step: its own, else that which its name says (``S3``), else the next one that is free.
+    """Return a number for each step: its own, else that in its name (``S3``), else the next one that is free.
 
     Of steps that have the same number the first one keeps it.
     """

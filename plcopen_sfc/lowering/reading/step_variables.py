@@ -22,10 +22,10 @@ FOREVER = n.Literal("T#24d")
 
 
 class StepTimers:
-    """The timers of one chart. `active` gives the flag of a step by its index in the net.
+    """Timers of one chart. `active` gives the flag of a step by its index in the net.
 
-    A step has a timer for each time that its output ``Q`` is to tell of; one of them has no end, where anything asks
-    how long the step has been active.
+    A step has a timer for each time that its output ``Q`` is asked for; one timer has no end, where the elapsed time
+    itself is asked for.
     """
 
     def __init__(self, code: LoweredCode, active: StepValue, name: Callable[[int], str]) -> None:
@@ -39,19 +39,19 @@ class StepTimers:
         self._kept[step] = self._code.declare(f"{self._name(step)}_T", TIME, initial="T#0s")
 
     def elapsed(self, step: int) -> Expression:
-        """The time for which a step has been active; of one that is not, zero, or what was kept."""
+        """Return the time for which a step has been active; of one that is not, zero, or what was kept."""
         timer = self._timer(step, FOREVER)
         return self._kept.get(step) or n.Member(timer, n.Name("ET"))
 
     def is_over(self, step: int, time: Expression) -> Expression:
-        """Whether a step has been active for `time`."""
+        """Return an expression that is TRUE if a step has been active for `time`."""
         # the output of a TON stays TRUE when its PT grows
         if FOREVER in self._timers.get(step, {}) or not isinstance(time, n.Literal):
             return n.Operation(n.Operator.GREATER_OR_EQUAL, (self.elapsed(step), time))
         return n.Member(self._timer(step, time), n.Name("Q"))
 
     def measures(self, step: int) -> bool:
-        """Whether anything asks for the time of a step."""
+        """Return True if anything asks for the time of a step."""
         return step in self._timers
 
     def _timer(self, step: int, limit: Expression) -> n.Name:
@@ -61,7 +61,7 @@ class StepTimers:
         return timers[limit]
 
     def calls(self) -> list[Statement]:
-        """The calls of all timers. They stand where steps have just changed, and where times are read."""
+        """Return the calls of all timers, for places where steps have just changed, and where times are read."""
         calls: list[Statement] = []
         for step, timers in self._timers.items():
             active = self._active(step)
@@ -71,11 +71,11 @@ class StepTimers:
         return calls
 
     def ends(self) -> list[Statement]:
-        """The calls that set all timers back."""
+        """Return the calls that set all timers back."""
         return [ended for step in self._timers for ended in self._ended(step)]
 
     def restarts(self, step: int, reentered: Expression) -> Sequence[Statement]:
-        """Lets the time of a step begin anew when it is left and entered at once."""
+        """Return the calls that restart the time of a step when it is left and entered at once."""
         return [when(reentered, ended) for ended in self._ended(step)]
 
     def _ended(self, step: int) -> list[Statement]:
@@ -89,10 +89,10 @@ MayFire = Callable[[Expression, Expression], Expression]
 def resolve_steps(
     source: ChartSource, active: StepValue, times: StepTimers, profile: Profile, may_fire: MayFire
 ) -> ChartSource:
-    """The same chart, its texts with `active` and `times` for what asks whether and how long a step is active.
+    """Return the same chart with `active` and `times` in the place of step variables in its texts.
 
-    Its conditions are those of `may_fire`. Raises `LoweringError` for whatever else a program may ask of a step: there
-    is nothing that would answer.
+    Its conditions are those of `may_fire`. Raises `LoweringError` for all other data of steps: lowered code does not
+    have them.
     """
     steps = _StepVariables(source, active, times.elapsed, profile)
     for step in sorted(_asked_when_inactive(source, steps.timed)):
@@ -110,7 +110,7 @@ def resolve_steps(
 
 
 def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None]) -> set[int]:
-    """The steps whose time something asks for that is not executed or decided while they are active only."""
+    """Return the steps whose time is read by code that is executed or decided while they are inactive too."""
     found: set[int] = set()
 
     def ask(trees: Iterable[Node], while_active: Collection[int] = ()) -> None:
@@ -149,7 +149,7 @@ class _StepVariables:
             self._flags = {name: bits for name, bits in bits_by_number(source.net).items() if name not in declared}
 
     def timed(self, node: Node) -> int | None:
-        """The step whose time a node is; None for anything else."""
+        """Return the step whose time a node is; None for anything else."""
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if quantity.casefold() == "t":
                 bits = self._steps.get(step.casefold(), 0)
@@ -157,7 +157,7 @@ class _StepVariables:
         return None
 
     def resolved(self, node: Node) -> Node:
-        """What stands for a node."""
+        """Return the expression in the place of a node."""
         match node:
             case n.Member(n.Name(step), n.Name(quantity)) if (bits := self._steps.get(step.casefold())) is not None:
                 if quantity.casefold() == "t" and bits & (bits - 1) == 0:
@@ -176,7 +176,7 @@ class _StepVariables:
 
 
 def bits_by_number(net: Net) -> dict[str, int]:
-    """What ``X12`` means, and ``XM1`` of a macro-step: the first step with this name or number."""
+    """Return the steps that ``X12`` means, and ``XM1`` of a macro-step: the first one with this name or number."""
     found: dict[str, int] = {}
     for owner, bits in [*((s.step, s.bit) for s in net.steps), *((m.step, m.steps) for m in net.macros)]:
         for text in (owner.name, "" if owner.number is None else str(owner.number)):
@@ -186,7 +186,7 @@ def bits_by_number(net: Net) -> dict[str, int]:
 
 
 def _bits_by_name(net: Net) -> dict[str, int]:
-    """Which steps a name means: those of this name, in a macro-step all of its expansion."""
+    """Return the steps that a name means: those of this name, in a macro-step all of its expansion."""
     found: dict[str, int] = {}
     for step in net.steps:
         found[step.step.name.casefold()] = found.get(step.step.name.casefold(), 0) | step.bit

@@ -41,7 +41,7 @@ from plcopen_sfc.model.types import (
 
 
 class ActionTargets:
-    """Tells of the targets of a POU's actions what they are; see `plcopen_sfc.semantics.charts.targets`."""
+    """Kinds of the targets of a POU's actions; see `plcopen_sfc.semantics.charts.targets`."""
 
     def __init__(self, pou: Pou, project: Project | None, dialect: Dialect) -> None:
         self._site = Site(pou, place=pou.place)
@@ -53,7 +53,7 @@ class ActionTargets:
         return Resolver(self._project, self._dialect)
 
     def is_called(self, target: n.Expression) -> bool:
-        """Whether it is an instance, a program, or an action of one. A name that nobody declares is a variable."""
+        """Return True if it is an instance, a program, or an action of one. An undeclared name is a variable."""
         if isinstance(target, n.Member):
             base = self._resolver.type_of(target.base, self._site, target.name.identifier)
             if base in (Untyped.FOREIGN, Untyped.ELSEWHERE):
@@ -74,7 +74,7 @@ class ActionTargets:
         return isinstance(type_, Pou) or (declaration.kind is Kind.VARIABLE and type_ is Untyped.FOREIGN)
 
     def other_type(self, target: n.Expression) -> str:
-        """The type of a variable that is known not to be Boolean; empty if it is, or can be."""
+        """Return the type of a variable that is known not to be Boolean; empty if it is, or can be."""
         type_ = self._resolver.type_of(target, self._site)
         if isinstance(type_, ElementaryType):
             return "" if type_.name is Elementary.BOOL else type_.name.value
@@ -85,14 +85,14 @@ _NEVER_BOOLEAN = (StringType, ArrayType, StructType, EnumType, SubrangeType)
 
 
 class ConditionText(NamedTuple):
-    """A condition, and what must be executed before it is evaluated."""
+    """Condition, and what must be executed before it is evaluated."""
 
     value: n.Expression
     preparation: tuple[n.Statement, ...]
 
 
 class TextReader:
-    """Reads the texts of a chart of `pou`. `helpers` are the variables that drawings need."""
+    """Reader of the texts of a chart of `pou`. `helpers` are the variables that drawings need."""
 
     def __init__(self, pou: Pou, chart: SfcNetwork, dialect: Dialect, helpers: Iterable[Helper] = ()) -> None:
         self.pou = pou
@@ -110,7 +110,7 @@ class TextReader:
         raise LoweringError(message, location=Location(path=place))
 
     def variable(self, name: str, targets: ActionTargets, path: str) -> n.Expression:
-        """The variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
+        """Return the variable of an action, which its steps write. Refuses one that is known not to be Boolean."""
         variable = self.expression(name, path)
         other = targets.other_type(variable)
         if other:
@@ -126,7 +126,7 @@ class TextReader:
         self._taken += [helper.name for helper in found.helpers]
 
     def logic(self) -> tuple[n.Statement, ...]:
-        """What is drawn in the chart and executed in every scan."""
+        """Return the logic that is drawn in the chart and executed in every scan."""
         if not self.chart.logic:
             return ()
         drawn = chart_statements(self.chart, self.dialect, taken=self._taken)
@@ -134,7 +134,7 @@ class TextReader:
         return drawn.tree.statements
 
     def condition(self, chart: SfcNetwork, condition: Condition | None, path: str) -> ConditionText:
-        """The condition of a transition or an action, however it is given."""
+        """Return the condition of a transition or an action, however it is given."""
         if condition is None:
             self.refuse("it cannot be read: the transition has no condition", path)
         if id(chart) not in self._readers:
@@ -148,21 +148,21 @@ class TextReader:
         return ConditionText(_as_truth(n.bare(found.tree)), self._staying(found.before, path))
 
     def expression(self, text: str, path: str) -> n.Expression:
-        """An expression."""
+        """Return an expression."""
         parsed = parse_expression(text, self.dialect)
         if parsed.problems:
             self.refuse(f"{text!r}: {parsed.problems[0].message}", path)
         return n.bare(parsed.tree)
 
     def read(self, text: str, path: str) -> tuple[n.Statement, ...]:
-        """Statements in structured text."""
+        """Return statements in structured text."""
         parsed = parse_statements(text, self.dialect)
         if parsed.problems:
             self.refuse(f"{parsed.problems[0].message}", path)
         return parsed.tree.statements
 
     def statements(self, body: Body | None, path: str) -> tuple[n.Statement, ...]:
-        """What a body does."""
+        """Return the code of a body."""
         if body is None:
             return ()
         if isinstance(body, StBody):
@@ -174,7 +174,7 @@ class TextReader:
         return self._staying(found.tree.statements, path)
 
     def _staying(self, statements: tuple[n.Statement, ...], path: str) -> tuple[n.Statement, ...]:
-        """Statements that do not leave where they stand: among others, these would be left too."""
+        """Return statements without RETURN and jumps out of them: among other code, these would leave that too."""
         for statement in statements:
             for node in walk(statement):
                 if isinstance(node, n.Return | n.Goto | n.Label):
@@ -189,7 +189,7 @@ _JOINING = frozenset({n.Operator.AND, n.Operator.AND_THEN, n.Operator.OR, n.Oper
 
 
 def _as_truth(tree: n.Expression) -> n.Expression:
-    """A condition with FALSE and TRUE for 0 and 1, which IEC 61131-3 ed. 2 has for them too, and other dialects not."""
+    """Return a condition with FALSE and TRUE for 0 and 1, as IEC 61131-3 ed. 2 allows and other dialects do not."""
     match tree:
         case n.Literal(text) if text in _TRUTHS:
             return _TRUTHS[text]

@@ -21,7 +21,7 @@ from plcopen_sfc.model.variables import SectionKind
 
 
 def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
-    """The names that the user gives in `init` and `stop`: nothing else may be called so."""
+    """Return the names that the user gives in `init` and `stop`, which are taken."""
     texts = [text for text in (rules.init, rules.stop) if text is not None]
     trees = [parse_expression(text, dialect).tree for text in texts]
     return {node.identifier for tree in trees for node in walk(tree) if isinstance(node, n.Name)}
@@ -30,9 +30,9 @@ def names_in_conditions(rules: LoweringRules, dialect: Dialect) -> set[str]:
 def with_usual_input(
     rules: LoweringRules, style: Style, source: ChartSource, surroundings: Collection[str]
 ) -> LoweringRules:
-    """The rules with the name of the input that a textbook form has where none was asked for; or with none.
+    """Return the rules with the restart input that a textbook form has where none was asked for; or with none.
 
-    An input of the POU that is called so is taken, unless the chart reads it: then it means something else.
+    An input of the POU of this name is taken, unless the chart reads it: then it means something else.
     """
     if rules.init or (rules.init is None and style is Style.EXACT):
         return rules
@@ -50,10 +50,10 @@ def with_usual_input(
 def declare_restart(
     source: ChartSource, code: LoweredCode, rules: LoweringRules, surroundings: Collection[str]
 ) -> n.Name | None:
-    """What is TRUE while the chain is to stand at its initial steps; None where nobody asked for it.
+    """Return a condition that is TRUE while the sequence is held in its initial steps; None if none was asked for.
 
-    Names that nothing has, neither the POU nor its `surroundings` (names of the project in lower case), become inputs
-    of type BOOL. Raises `LoweringError` for a condition that cannot be read.
+    Names that are unknown in the POU and in its `surroundings` (names of the project in lower case) become inputs of
+    type BOOL. Raises `LoweringError` for a condition that cannot be read.
     """
     maker = _Conditions(source, code, {*surroundings, *(name.casefold() for name in source.names())})
     init = maker.named(rules.init, rules.texts.init) if rules.init is not None else None
@@ -70,18 +70,18 @@ def declare_restart(
 
 
 class _Conditions:
-    """Reads conditions and declares the inputs that they need."""
+    """Reader of conditions that declares the inputs that they need."""
 
     def __init__(self, source: ChartSource, code: LoweredCode, known: Collection[str]) -> None:
         self._source, self._code, self._known = source, code, known
         self._inputs: dict[str, n.Name] = {}
 
     def rests(self, condition: Expression) -> bool:
-        """Whether it is an input that was added, and so FALSE where the code is compared with the chart."""
+        """Return True if it is an input that was added, and so FALSE where the code is compared with the chart."""
         return isinstance(condition, n.Name) and condition.identifier in self._code.at_rest
 
     def named(self, name: str, comment: str) -> n.Name:
-        """The input of this name, which is added if the POU has none."""
+        """Return the input of this name, which is added if the POU has none."""
         tree = n.bare(self._parsed(name))
         if not isinstance(tree, n.Name) or tree.quoting is n.Quoting.GLOBAL:
             self._refuse(f"{name!r} is no name of an input")
@@ -98,7 +98,7 @@ class _Conditions:
         return self._input(tree.identifier, comment, rests=True)
 
     def condition(self, text: str, comment: str) -> Expression:
-        """A condition; what it names and nothing has becomes an input."""
+        """Return a condition; unknown names in it become inputs."""
         tree = n.bare(self._parsed(text))
         if isinstance(tree, n.Name) and self._is_new(tree):
             return self._input(tree.identifier, comment, rests=True)
@@ -137,10 +137,10 @@ class _Conditions:
 
 
 class ModeInputs:
-    """The operating modes of one chain. Their inputs, and the network that evaluates them, come first in its code.
+    """Operating modes of one sequence. Their inputs, and the network that evaluates them, come first in its code.
 
-    `init`: what starts the chain anew, which is stronger than all of them. `selecting`: a pulse in the scan in which
-    the step of the number `selected` becomes the only active one; None where steps cannot be selected.
+    `init`: the restart condition, which overrides them all. `selecting`: a pulse in the scan in which the step of the
+    number `selected` becomes the only active one; None where steps cannot be selected.
     """
 
     def __init__(
@@ -163,21 +163,21 @@ class ModeInputs:
         code.add(rules.texts.modes, self._statements, told)
 
     def may_fire(self, condition: Expression) -> Expression:
-        """When a transition whose steps are active fires, by its condition."""
+        """Return when a transition whose steps are active fires, by its condition."""
         return disjunction([conjunction([condition, self._usual]), self._forced])
 
     def is_selected(self, step: int) -> Expression:
-        """Whether a step, by its index, has the number that is selected."""
+        """Return an expression that is TRUE if a step, by its index, has the number that is selected."""
         if self.selected is None:
             return FALSE
         return equal(self.selected, self.number(step))
 
     def number(self, step: int) -> Expression:
-        """The number by which a step, given by its index, is selected."""
+        """Return the number by which a step, given by its index, is selected."""
         return n.Literal(str(self._numbers[step]))
 
     def _declared(self, init: Expression | None) -> tuple[Expression, Expression]:
-        """What lets transitions fire whose conditions are TRUE, and what lets all fire whose steps are active."""
+        """Return when transitions fire whose conditions are TRUE, and when all fire whose steps are active."""
         texts, modes = self._texts, self._modes
         enable = self._input(texts.enable, at_rest=True) if OperatingMode.ENABLE in modes else TRUE
         single = self._input(texts.single_step) if OperatingMode.SINGLE_STEP in modes else FALSE
@@ -210,7 +210,7 @@ class ModeInputs:
         self._statements.append(assignment(self.selecting, known))
 
     def _is_known(self, selected: Expression) -> Expression:
-        """Whether a number is that of a step: nothing is selected by any other."""
+        """Return an expression that is TRUE if a number is that of a step: other numbers select nothing."""
         numbers = sorted(self._numbers)
         literals = [n.Literal(str(number)) for number in numbers]
         if numbers[-1] - numbers[0] != len(numbers) - 1:

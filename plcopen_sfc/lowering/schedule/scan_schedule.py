@@ -27,7 +27,7 @@ from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 
 def exclusive_rivals(net: Net, profile: Profile) -> list[tuple[int, ...]]:
-    """For each transition the rivals tried before it that keep it from firing when they fire."""
+    """Return for each transition the competing ones tried before it that keep it from firing when they fire."""
     if profile.rivals is Rivals.PRIORITY:
         return [transition.rivals for transition in net.transitions]
     if not profile.numbered_first:
@@ -38,23 +38,24 @@ def exclusive_rivals(net: Net, profile: Profile) -> list[tuple[int, ...]]:
 
 
 def firing_together(net: Net, profile: Profile) -> NetTransition | None:
-    """The first transition that can fire although a rival before it does; None if all rivals exclude each other."""
+    """Return the first transition that can fire although a competing one before it does; None if there is none."""
     exclusive = exclusive_rivals(net, profile)
     return next((t for t in net.transitions if exclusive[t.index] != t.rivals), None)
 
 
 def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
-    """Raise a `LoweringError`: there is no place for something, found at `path` of the chart, in the classic form."""
+    """Raise a `LoweringError`: the classic form has no place for something, found at `path` of the chart."""
     place = f"{source.pou.name} / {path}" if path else source.pou.name
     message = f"the classic form has no place for {what}"
     raise LoweringError(message, location=Location(path=place), hint="The exact form has.")
 
 
 class ScanSchedule(ABC):
-    """Lowers one chart into `code`.
+    """Schedule of one scan: its parts in the order of the execution profile, appended to `code`.
 
-    A construction says what tells that a step is active (`active`) and how that changes (`choose`, `move`). `init`:
-    what sets the chain back, whatever was chosen, unless it `forgets` that. `blocking`: no transition fires meanwhile.
+    An encoding has an expression for each active step (`active`) and changes the situation (`choose`, `move`). `init`:
+    the condition that sets the sequence back, whatever was chosen, unless it `forgets` that. `blocking`: no transition
+    fires meanwhile.
     """
 
     def __init__(
@@ -99,11 +100,11 @@ class ScanSchedule(ABC):
 
     @abstractmethod
     def active(self, step: int) -> Expression:
-        """Whether a step, given by its index in the net, is active."""
+        """Return an expression that is TRUE if a step, given by its index in the net, is active."""
 
     @abstractmethod
     def choose(self) -> None:
-        """Append the networks that tell which transitions fire."""
+        """Append the networks that decide which transitions fire."""
 
     @abstractmethod
     def move(self) -> None:
@@ -111,26 +112,26 @@ class ScanSchedule(ABC):
 
     @abstractmethod
     def reentered(self) -> Mapping[int, Expression]:
-        """For steps that can be left and entered at once: when they are."""
+        """Return, for steps that can be left and entered at once, when they are."""
 
     @abstractmethod
     def select(self) -> None:
-        """Append what makes a selected step the only active one, where that is not a part of moving."""
+        """Append the selection of a step as the only active one, where `move` does not do that."""
 
     def chosen(self) -> Sequence[n.Name]:
-        """What keeps, from one scan to the next, which transitions fire."""
+        """Return the variables that keep, from one scan to the next, which transitions fire."""
         return ()
 
     @abstractmethod
     def any_fires(self) -> Expression:
-        """Whether any transition fires, when it has been chosen which ones do."""
+        """Return an expression that is TRUE if any transition fires, when it has been chosen which ones do."""
 
     def tells(self) -> dict[str, Expression]:
-        """What tells, between two scans, that a step is active, by its path."""
+        """Return expressions that are TRUE between two scans while a step is active, by its path."""
         return {step.path: self.active(step.index) for step in self.net.steps}
 
     def exact(self) -> None:
-        """One scan, as the chart has it."""
+        """Append one scan, as the chart has it."""
         self.code.add(self.texts.logic, self.source.logic)
         self.select()
         times = self.times.calls()
@@ -155,7 +156,7 @@ class ScanSchedule(ABC):
         self.memory.finish(self.texts.first_scan)
 
     def begin_classic(self) -> None:
-        """What stands before a textbook chain: the logic drawn in the chart, and the timers of steps."""
+        """Append what comes before a textbook sequence: the logic drawn in the chart, and the timers of steps."""
         if self.source.flags:
             flags = ", ".join(sorted(flag.variable for flag in self.source.flags))
             refuse_classic(self.source, f"SFC flags, and the chart uses {flags}")
@@ -163,7 +164,7 @@ class ScanSchedule(ABC):
         self.code.add(self.texts.times, self.times.calls())
 
     def add_actions(self) -> None:
-        """Append what steps execute, then the actions."""
+        """Append the code of steps, then the actions."""
         self.sfc_flags.report_step(self.active)
         add_changes(self.source, self.code, self.memory, self.active, self.texts)
         self.sfc_flags.watch(self.source.watches, self.active, self.times)
@@ -178,7 +179,7 @@ class ScanSchedule(ABC):
     def _control(
         self, code: LoweredCode, memory: Memory, ending: Expression
     ) -> ActionControlCode | SequentialControlCode:
-        """What drives actions that stand in `code`."""
+        """Return the control of actions that are a part of `code`."""
         if self.profile.action_control is Control.SEQUENTIAL:
             entered = self.profile.initial_steps_entered
             return SequentialControlCode(
@@ -187,11 +188,11 @@ class ScanSchedule(ABC):
         return ActionControlCode(memory, self.active, ending)
 
     def drive_block(self, wanted: str, beside: Iterable[Statement] = ()) -> DriveBlock:
-        """A block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
+        """Return a block for actions, which gets the flags of steps and what `signals` says; see `DriveBlock`."""
         return DriveBlock(self.source, self.code, self.memory, wanted=wanted, signals=self.signals, beside=beside)
 
     def call(self, drive: DriveBlock) -> n.CallStatement:
-        """The call of a block that is complete. Actions stand in it from now on."""
+        """Return the call of a block that is complete. It holds the actions from now on."""
         self.drives.append(drive)
         drive.finish(self.surroundings, self.texts.first_scan)
         return drive.call
@@ -205,7 +206,7 @@ class ScanSchedule(ABC):
         self.code.add(self.texts.drive_call, [self.call(drive)])
 
     def prepared(self, transition: int, enabled: Expression) -> list[Statement]:
-        """What must be executed before the condition of a transition is evaluated, where it is."""
+        """Return what must be executed before the condition of a transition is evaluated, where it is."""
         preparation = self.source.preparations[transition]
         asked = conjunction([enabled, self.sfc_flags.is_asked()])
         if not preparation or is_constant(asked, TRUE):

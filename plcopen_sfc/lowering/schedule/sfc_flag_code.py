@@ -45,10 +45,11 @@ _VARIABLE = SfcFlag.ERROR_ANALYZATION_TABLE.variable
 
 
 class ErrorTable:
-    """``ARRAY [0..15] OF ExpressionResult`` (CODESYS, library Analyzation: name, address, comment and value).
+    """SFCErrorAnalyzationTable: ``ARRAY [0..15] OF ExpressionResult`` with a row for each reason that holds a step.
 
-    The project gets the type where it has none of this name, so that the code needs no library. Address and comment
-    stay empty, as in the simulator. Raises `LoweringError` where the POU declares the flag otherwise.
+    The type is that of the library Analyzation of CODESYS (name, address, comment and value). The project gets it where
+    it has none of this name, so that the code needs no library. Address and comment stay empty, as in the simulator.
+    Raises `LoweringError` where the POU declares the flag otherwise.
     """
 
     def __init__(self, source: ChartSource, code: LoweredCode, texts: Texts) -> None:
@@ -74,7 +75,7 @@ class ErrorTable:
         self._row = code.declare(texts.table_row, INT)
 
     def filled(self, reasons: Iterable[HoldingOperand]) -> list[Statement]:
-        """A row for each reason that stands, as far as there is place; all rows behind them are empty."""
+        """Return a row for each reason that holds, up to the size of the table; all rows behind them are empty."""
         found: list[Statement] = [assignment(self._row, n.Literal("0"))]
         free = n.Operation(Operator.LESS_OR_EQUAL, (self._row, _LAST))
         for number, reason in enumerate(reasons):
@@ -84,7 +85,7 @@ class ErrorTable:
         return [*found, *self._rest()]
 
     def emptied(self) -> list[Statement]:
-        """All rows are empty."""
+        """Return the statements that make all rows empty."""
         return [assignment(self._row, n.Literal("0")), *self._rest()]
 
     def _rest(self) -> Sequence[Statement]:
@@ -112,10 +113,9 @@ _EMPTY = n.Literal("''")
 
 
 class SfcFlagCode:
-    """The flags of one chart, which has none of this code where it uses none of them.
+    """Flags of one chart; without flags in use there is none of this code.
 
-    `init`: what starts the chain anew besides. A flag that nobody has declared becomes a local variable, as the tool
-    declares it.
+    `init`: the restart condition besides. A flag without declaration becomes a local variable, as the tool declares it.
     """
 
     def __init__(
@@ -135,7 +135,7 @@ class SfcFlagCode:
         self._tip = self._pushed()
 
     def _going_back(self) -> Expression:
-        """TRUE in a scan in which the flags set the chart back; FALSE if they never do."""
+        """Return an expression that is TRUE in a scan in which the flags set the chart back; FALSE if they never do."""
         init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
         causes: list[Expression] = [init] if init is not None else []
         if reset is not None:
@@ -149,19 +149,19 @@ class SfcFlagCode:
 
     @property
     def restart(self) -> Expression | None:
-        """What sets the chart back to its initial steps: the flags, or `init`; None if nothing does."""
+        """Condition that sets the chart back to its initial steps: the flags, or `init`; None without both."""
         causes = [each for each in (self._init, self._back) if each is not None and each != FALSE]
         return disjunction(causes) if causes else None
 
     @property
     def blocking(self) -> list[Expression]:
-        """What keeps all transitions from firing while one of them is TRUE."""
+        """Conditions of which each keeps all transitions from firing while it is TRUE."""
         return [each for each in (self._init, self._flags.get(SfcFlag.RESET)) if each is not None]
 
     # -- before anything else in a scan
 
     def begin(self, times: StepTimers) -> None:
-        """Append what tells whether the chart goes back, and what stops it."""
+        """Append the conditions that set the chart back and stop it."""
         self._code.add(self._texts.init, self._edges)
         init, reset = (self._flags.get(flag) for flag in (SfcFlag.INIT, SfcFlag.RESET))
         stronger = [negation(each) for each in (self._init, init, reset) if each is not None]
@@ -185,7 +185,7 @@ class SfcFlagCode:
         return True
 
     def end(self, place: int, times: StepTimers, calls: Sequence[Statement]) -> None:
-        """Put in what ends all that times and actions remember, and what ends the scan of SFCInit.
+        """Insert the end of all that times and actions remember, and the end of the scan of SFCInit.
 
         To be called when all actions have been lowered; `place` is the one before them. `calls` are those of blocks
         with actions, which end these themselves (`end_in_block`).
@@ -203,7 +203,7 @@ class SfcFlagCode:
         self._code.add(self._texts.actions_end, statements, place=place)
 
     def end_in_block(self, code: LoweredCode, memory: Memory) -> None:
-        """Put in, before anything else in a block with actions, what ends them, and the scan of SFCInit."""
+        """Insert, before all else in a block with actions, the end of these, and of the scan of SFCInit."""
         if self._back == FALSE:
             return
         init = self._flags.get(SfcFlag.INIT)
@@ -220,13 +220,13 @@ class SfcFlagCode:
     # -- transitions
 
     def may_fire(self, condition: Expression, waited: Expression) -> Expression:
-        """The condition of a transition, `waited` for minimum times, under SFCTipMode and SFCTip."""
+        """Return the condition of a transition, `waited` for minimum times, under SFCTipMode and SFCTip."""
         mode = self._flags.get(SfcFlag.TIP_MODE)
         usual = conjunction([condition, negation(mode)]) if mode is not None else condition
         return conjunction([waited, disjunction([usual, self._tip]) if self._tip != FALSE else usual])
 
     def is_asked(self) -> Expression:
-        """Whether the conditions of transitions that are not blocked are evaluated at all."""
+        """Return an expression that is TRUE if conditions of unblocked transitions are evaluated at all."""
         mode = self._flags.get(SfcFlag.TIP_MODE)
         usual = negation(mode) if mode is not None else TRUE
         return conjunction([usual, negation(self._tip)])
@@ -255,12 +255,12 @@ class SfcFlagCode:
         self._code.add(self._texts.current_step, statements)
 
     def report_transition(self, fired: Callable[[], Expression]) -> None:
-        """Append whether any transition has been cleared."""
+        """Append the report that a transition has fired."""
         if SfcFlag.TRANS in self._flags:
             self._code.add(self._texts.transitions, self._assigned(SfcFlag.TRANS, fired()))
 
     def watch(self, watches: Iterable[StepTimeLimit], active: StepValue, times: StepTimers) -> None:
-        """Append what reports the first step that is active longer than it may."""
+        """Append the report of the first step that is active longer than it may."""
         error, limit = (self._flags.get(flag) for flag in (SfcFlag.ERROR, SfcFlag.ENABLE_LIMIT))
         if error is None:
             return
@@ -282,7 +282,7 @@ class SfcFlagCode:
             self._code.add(self._texts.maximum_time(step.path), statements)
 
     def _analysis(self, watch: StepTimeLimit) -> list[Statement]:
-        """The operands that keep the step active, divided by vertical bars."""
+        """Return the operands that keep the step active, divided by vertical bars."""
         analyzation = self._flags.get(SfcFlag.ERROR_ANALYZATION)
         if analyzation is None:
             return []
