@@ -178,7 +178,7 @@ def write_said_section(printer: TextPrinter, section: VariableSection, indent: s
     read_back = _said_section(printer, text)
     if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
         return text, read_back
-    variables = [_sayable(printer, variable) for variable in section.variables]
+    variables = [_expressible(printer, variable) for variable in section.variables]
     simple = section.model_copy(update={"variables": variables, "comment": None, "carried": None})
     text = write_section(simple, printer.dialect, indent)
     read_back = _said_section(printer, text)
@@ -213,7 +213,7 @@ def _said_section(printer: TextPrinter, text: str) -> Fields | None:
     return sections[0] if len(sections) == 1 and not src.diagnostics else None
 
 
-def _sayable(printer: TextPrinter, variable: Variable) -> Variable:
+def _expressible(printer: TextPrinter, variable: Variable) -> Variable:
     """The variable, or one in its place where its declaration does not come back from text."""
     alone = VariableSection(variables=[variable])
     read_back = _said_section(printer, write_section(alone, printer.dialect))

@@ -291,7 +291,7 @@ class _Reader:
                 variable.carried = keep(kept(variable.carried) | {DECLARED: declared})
             if value is not None:
                 variable.initial = value
-        if "begin" not in texts and found and not _says_all(text, variables, types):
+        if "begin" not in texts and found and not _holds_all(text, variables, types):
             texts["begin"] = text
         if texts:
             block.carried = keep(kept(block.carried) | texts)
@@ -398,12 +398,12 @@ def _check_text(text: Fields, change: Change) -> None:
         return
     if last == "language" and str(holder.get("text", "")).strip():
         raise StaleError("the block has statements now")
-    said = holder.get(last) if isinstance(last, str) else None
-    if change.instead is None and said is not None and said != change.value:
-        raise StaleError(f"the text has {format_value(said)} now")
+    present = holder.get(last) if isinstance(last, str) else None
+    if change.instead is None and present is not None and present != change.value:
+        raise StaleError(f"the text has {format_value(present)} now")
 
 
-def _says_all(text: str, variables: Sequence[Variable], types: Types) -> bool:
+def _holds_all(text: str, variables: Sequence[Variable], types: Types) -> bool:
     """True if a text holds nothing but the initial values of variables: no comments, in any order."""
     return not parse_statements(text, Dialect.SCL).comments and all(can_be_assigned(each, types) for each in variables)
 
@@ -428,7 +428,7 @@ def _of_instance(project: Project, block: DataBlock, text: str, retain: bool) ->
     variables = [variable for section in sections for variable in section.variables]
     found = start_values(text, variables, types)
     texts = {"unread": text} if found is None or (retain and not sections) else {}
-    if found and not _says_all(text, variables, types):
+    if found and not _holds_all(text, variables, types):
         texts["begin"] = text
     for variable in variables:
         variable.initial = (found or {}).get(variable.name.casefold())

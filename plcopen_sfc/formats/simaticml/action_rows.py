@@ -22,7 +22,7 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     verbatim,
 )
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
-from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, SAYABLE, row_fields, write_row
+from plcopen_sfc.formats.simaticml.row_tokens import AS_EVENTS, GRAPH_QUALIFIERS, row_fields, write_row
 from plcopen_sfc.formats.xml.extension_data import fields_left
 from plcopen_sfc.languages.networks import body_statements
 from plcopen_sfc.languages.st import nodes as n
@@ -66,7 +66,7 @@ class RowPlanner:
         """The rows of an association. `inverted`: those of its step act while the step is not active."""
         if action.exclude:
             return PlannedRows((), Outcome.TRANSLATED, "it is excluded from the build; it is not written")
-        reason = _unsayable(action, inverted=inverted)
+        reason = _reason_against_rows(action, inverted=inverted)
         if reason:
             return PlannedRows(why=reason)
         if self._is_row(action):
@@ -195,7 +195,7 @@ def _is_action(pou: Pou, name: str) -> bool:
     return pou.action(name) is not None and not any(v.name.casefold() == name.casefold() for v in pou.variables())
 
 
-def _unsayable(action: ActionAssociation, *, inverted: bool) -> str:
+def _reason_against_rows(action: ActionAssociation, *, inverted: bool) -> str:
     """The reason why no row expresses an association, whatever it executes; empty if there is none."""
     if inverted or action.negated:
         return "it acts while the step is not active, which S7-GRAPH cannot express"
@@ -205,7 +205,11 @@ def _unsayable(action: ActionAssociation, *, inverted: bool) -> str:
         return "S7-GRAPH has no forcing orders"
     if action.kind not in _NATIVE_KINDS and action.kind not in _STORED:
         return f"S7-GRAPH has no {action.kind} actions of GRAFCET"
-    if action.qualifier not in SAYABLE and action.qualifier not in AS_EVENTS and action.qualifier is not Qualifier.R0:
+    if (
+        action.qualifier not in GRAPH_QUALIFIERS
+        and action.qualifier not in AS_EVENTS
+        and action.qualifier is not Qualifier.R0
+    ):
         return f"S7-GRAPH has no qualifier {action.qualifier}"
     return ""
 
@@ -362,16 +366,16 @@ class RowsWriter:
             self.ctx.keep("action", target)
             finish(self.ctx, element, action, frozenset(native))
             return False
-        said = {ASSOCIATION: fields_left(action, frozenset({"id"}))}
+        association = {ASSOCIATION: fields_left(action, frozenset({"id"}))}
         if not planned.rows:
-            keep_fields(parent, said)
+            keep_fields(parent, association)
         for number, row in enumerate(planned.rows):
             element = sub(parent, "Action")
             write_row(element, row, self.blocks)
             if number:
                 keep_added(element)
             else:
-                keep_fields(element, said)
+                keep_fields(element, association)
         shown = _bare(action.target) if action.target is not None else "in place"
         qualifier = f" with the qualifier {action.qualifier}" if action.target is None else ""
         self._note_rows(

@@ -89,9 +89,9 @@ def _digest(element: etree._Element) -> str:
     """A digest of the content of an element, whatever its indentation and numbers."""
     digest = hashlib.sha256()
     for each in element.iter(etree.Element):
-        said = [(name, value) for name, value in sorted(attributes(each).items()) if name not in _NUMBERED]
+        values = [(name, value) for name, value in sorted(attributes(each).items()) if name not in _NUMBERED]
         text = "" if len(children(each)) else each.text or ""
-        digest.update(repr((local(each), len(children(each)), said, text)).encode())
+        digest.update(repr((local(each), len(children(each)), values, text)).encode())
     return digest.hexdigest()[:16]
 
 

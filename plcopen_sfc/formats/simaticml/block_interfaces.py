@@ -10,7 +10,7 @@ from plcopen_sfc.formats.simaticml.added_elements import add_system_parts, is_ad
 from plcopen_sfc.formats.simaticml.declaration_spelling import (
     LAYOUT,
     SECTIONS,
-    is_sayable,
+    is_tia_type,
     is_usual,
     merged,
     read_type,
@@ -333,24 +333,24 @@ def write_member(
     for content in unknown:
         add_element(ctx, element, content)
     native = {"name", "type", "comment", "attributes"}
-    told: set[str] = set()
+    reported: set[str] = set()
     also: dict[str, Any] = {}
     start = ctx.s7_types.start(variable) if starts or ctx.options.same else None
     if not starts and not ctx.options.same and ctx.s7_types.start(variable) is not None:
-        told.add("initial")
+        reported.add("initial")
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, NO_START)
     if isinstance(start, StructValue) and isinstance(type_, StructType):
         if write_nested(element, type_, start, ctx.s7_types.declared):
             native.discard("type")  # read, the values are those of its members
-            told |= {"type", "initial"}
+            reported |= {"type", "initial"}
     elif has_nested(element) or (start is not None and _is_nested(type_)):
         if write_nested(element, type_, start, ctx.s7_types.declared):
             native.add("initial")
     elif isinstance(start, SimpleValue):
         sub(element, "StartValue", _marks(kept, "StartValue")).text = legal_text(start.text or "") or None
-        (native if start == variable.initial else told).add("initial")
+        (native if start == variable.initial else reported).add("initial")
     elif start is not None and write_elements(element, type_, start):
-        (native if start == variable.initial else told).add("initial")
+        (native if start == variable.initial else reported).add("initial")
     elif start is not None and variable.initial is None:
         why = "its elements do not start with the initial value of their type, which TIA Portal cannot express here"
         ctx.note(Outcome.NOT_EXECUTED, "initial", variable.name, why)
@@ -358,16 +358,16 @@ def write_member(
         also = {"initial": None}
     if type_ is not variable.type:
         native.discard("type")
-        told.add("type")
+        reported.add("type")
         ctx.note(Outcome.TRANSLATED, "data type", variable.name, f"it is a variable of the type {spelled}")
-    if not is_sayable(type_):
+    if not is_tia_type(type_):
         native.discard("type")
-        told.add("type")
+        reported.add("type")
         why = f"TIA Portal has no type like this one; written as {spelled}, which does not compile"
         ctx.note(Outcome.NOT_EXECUTED, "data type", variable.name, why)
     if "type" not in native or also or (variable.initial is not None and "initial" not in native):
         also[WRITTEN] = of_member(element)
-    finish(ctx, element, variable, frozenset(native), also=also, told=frozenset(told))
+    finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))
 
 
 def _is_nested(type_: DataType) -> bool:

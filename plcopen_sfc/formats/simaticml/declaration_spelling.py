@@ -111,7 +111,7 @@ def struct_of(type: DataType) -> StructType | None:
     return type if isinstance(type, StructType) else None
 
 
-def is_sayable(type: DataType) -> bool:
+def is_tia_type(type: DataType) -> bool:
     """True if TIA Portal has this type."""
     while isinstance(type, ArrayType):
         type = type.base
@@ -169,8 +169,8 @@ def merged(sections: list[VariableSection], *, static: bool = True) -> tuple[lis
         if name is None:
             layout.append({"section": section.model_dump(mode="json", exclude_none=True)})
             continue
-        said = section.model_dump(mode="json", exclude_none=True, exclude={"variables"})
-        layout.append({"section": said, "names": [variable.name for variable in section.variables]})
+        kept = section.model_dump(mode="json", exclude_none=True, exclude={"variables"})
+        layout.append({"section": kept, "names": [variable.name for variable in section.variables]})
         one = found.setdefault(name, VariableSection(kind=SECTIONS[name]))
         one.variables = [*one.variables, *(_retained(variable, section) for variable in section.variables)]
     return [found[name] for name in _ORDER if name in found], layout
@@ -203,15 +203,15 @@ def restored(sections: list[Any], layout: list[Fields]) -> list[Any]:
     return found
 
 
-def _kinds(said: Fields) -> set[SectionKind]:
+def _kinds(kept: Fields) -> set[SectionKind]:
     """The kinds of the sections of TIA Portal in which the variables of a section go, in blocks and in functions."""
-    section = VariableSection.model_validate(said)
+    section = VariableSection.model_validate(kept)
     names = (section_name(section), section_name(section, static=False))
     return {SECTIONS[name] for name in names if name is not None}
 
 
 def _as_before(variable: Fields) -> Fields:
-    said = dict(variable.get("attributes", {}))
-    if said.get(_REMANENCE) == _RETAIN:
-        del said[_REMANENCE]
-    return {**variable, "attributes": said}
+    kept = dict(variable.get("attributes", {}))
+    if kept.get(_REMANENCE) == _RETAIN:
+        del kept[_REMANENCE]
+    return {**variable, "attributes": kept}

@@ -78,7 +78,7 @@ def _objects(element: etree._Element) -> list[etree._Element]:
 def _pair(before: etree._Element, after: etree._Element, pairs: list[tuple[etree._Element, etree._Element]]) -> None:
     """Find the objects in `after` that are those of `before`; ids are not written yet."""
     old, new = _objects(before), _objects(after)
-    matcher = SequenceMatcher(None, [_said(one) for one in old], [_said(one) for one in new], autojunk=False)
+    matcher = SequenceMatcher(None, [_content(one) for one in old], [_content(one) for one in new], autojunk=False)
     for _, old_start, old_end, new_start, new_end in matcher.get_opcodes():
         for one, other in zip(old[old_start:old_end], new[new_start:new_end], strict=False):
             if one.tag == other.tag:
@@ -86,7 +86,7 @@ def _pair(before: etree._Element, after: etree._Element, pairs: list[tuple[etree
                 _pair(one, other, pairs)
 
 
-def _said(element: etree._Element) -> bytes:
+def _content(element: etree._Element) -> bytes:
     return etree.tostring(element, with_tail=False)
 
 
@@ -152,7 +152,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
         ctx.note(Outcome.NOT_EXECUTED, what, name, why)
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
-    finish(ctx, root, project, _NATIVE, told=frozenset({"applications", "configurations"}))
+    finish(ctx, root, project, _NATIVE, reported=frozenset({"applications", "configurations"}))
     seal(root)
     return root
 

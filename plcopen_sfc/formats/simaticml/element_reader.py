@@ -129,7 +129,7 @@ def child_named(element: N, name: str) -> N | None:
 
 
 def attributes(element: XmlNode) -> dict[str, str]:
-    """The attributes of `element`, to take from."""
+    """A copy of the attributes of `element`, from which a reader takes them one by one."""
     return dict(element.items())  # type: ignore[arg-type]  # lxml types keys and values as str or bytes
 
 

@@ -172,11 +172,11 @@ def finish(
     native: frozenset[str],
     *,
     also: dict[str, Any] | None = None,
-    told: frozenset[str] = frozenset(),
+    reported: frozenset[str] = frozenset(),
 ) -> None:
     """Write the fields of `thing` that are not in `native`, which have no place in SimaticML, as an XML comment.
 
-    `told` are those whose outcome the report lists already.
+    `reported` are those whose outcome the report lists already.
     """
     left = fields_left(thing, native | {"carried"}) | (also or {})
     carried: Carried | None = getattr(thing, "carried", None)
@@ -188,7 +188,7 @@ def finish(
     keep_fields(element, left)
     name = str(getattr(thing, "name", None) or "")
     subject = "" if ctx.place and ctx.place[-1].endswith(name) else name
-    for field in [field for field in left if field not in (also or {}) and field not in told]:
+    for field in [field for field in left if field not in (also or {}) and field not in reported]:
         why = EXECUTED.get(field)
         outcome = Outcome.EXTENSION_DATA if why is None else Outcome.NOT_EXECUTED
         ctx.note(outcome, field.replace("_", " "), subject, why or "SimaticML has no place for it")

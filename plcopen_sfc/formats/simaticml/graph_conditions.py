@@ -19,10 +19,10 @@ from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.formats.simaticml.element_reader import local
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_fields
 from plcopen_sfc.formats.simaticml.graph_reader import RESULT_OF
-from plcopen_sfc.formats.simaticml.lad_fbd_networks import is_sayable, write_flgnet_body
+from plcopen_sfc.formats.simaticml.lad_fbd_networks import has_all_elements, write_flgnet_body
 from plcopen_sfc.formats.simaticml.network_operands import literal_type
 from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, of_condition
-from plcopen_sfc.formats.simaticml.tia_adaptation import network_text, say_constants, user_constants
+from plcopen_sfc.formats.simaticml.tia_adaptation import mark_constants, network_text, user_constants
 from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
 from plcopen_sfc.languages.networks import NetworkExpression
 from plcopen_sfc.languages.networks.drawing import draw_fbd_expression, draw_ld_expression
@@ -119,7 +119,7 @@ class _Typing:
             if any(pin.negated for pin in inputs) and known != {"Bool"}:
                 self.problem = self.problem or f"TIA Portal negates no input of a box {block.type_name}"
             if kind is not None:
-                self._say(block, kind, inputs)
+                self._set_type(block, kind, inputs)
             return "Bool" if standard.name in _COMPARING else kind
         result = standard.name.partition("_TO_")
         if result[2]:
@@ -146,7 +146,7 @@ class _Typing:
             self.problem = self.problem or f"TIA Portal has no box {block.type_name} of {' and '.join(sorted(known))}"
             return None
         block.type_name = name
-        self._say(block, kind, inputs)
+        self._set_type(block, kind, inputs)
         block.carried = Carried(attributes={"SrcType": kind, "Card": str(len(inputs))})
         for pin in (*inputs, *block.parameters.outputs):
             pin.name = pin.name.lower()
@@ -155,12 +155,12 @@ class _Typing:
                 wire.pin = wire.pin.lower()
         return kind
 
-    def _say(self, block: Block, kind: str, inputs: list[BlockVariable]) -> None:
+    def _set_type(self, block: Block, kind: str, inputs: list[BlockVariable]) -> None:
         """Write the type of a box, and its constants in a form that is of this type."""
-        said = {"SrcType": kind}
+        attributes = {"SrcType": kind}
         if block.type_name in _COUNTED:
-            said["Card"] = str(len(inputs))
-        block.carried = Carried(attributes=said)
+            attributes["Card"] = str(len(inputs))
+        block.carried = Carried(attributes=attributes)
         if kind not in _BITS:
             return
         for pin in inputs:
@@ -316,7 +316,7 @@ class ConditionWriter:
             if isinstance(drawn, FbdBody):
                 reasons = [give_types(network, self.ctx.types) for network in drawn.networks]
                 drawn = next((reason for reason in reasons if reason is not None), drawn)
-            if not isinstance(drawn, str) and not is_sayable(self.ctx, drawn):
+            if not isinstance(drawn, str) and not has_all_elements(self.ctx, drawn):
                 drawn = "TIA Portal does not have all elements of its network"
             if isinstance(drawn, str):
                 label = self.ctx.place[-1].partition(" ")[2] if self.ctx.place else ""
@@ -327,22 +327,22 @@ class ConditionWriter:
             else:
                 body = drawn
                 for network in drawn.networks:
-                    say_constants(network, network_text(network), self.constants)
+                    mark_constants(network, network_text(network), self.constants)
                 self.ctx.note(Outcome.TRANSLATED, what, why=f"a network of {drawn.language}")
         plain = isinstance(condition, Expression) and condition.text == "TRUE" and condition.carried is None
         unsaid = condition is None and kind == "Transition" and not self.ctx.options.same
         if also or unsaid or (condition is not None and not plain):
-            said = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None
-            self.write_instead(element, body, said)
+            source = condition.model_dump(mode="json", exclude_none=True) if condition is not None else None
+            self.write_instead(element, body, source)
         else:
             write_flgnet_body(self.ctx, element, body)
 
-    def write_instead(self, element: etree._Element, body: Body, said: object) -> None:
+    def write_instead(self, element: etree._Element, body: Body, source: object) -> None:
         """Write a network in place of a condition of the source, which a comment before it keeps."""
         place = len(element)
         write_flgnet_body(self.ctx, element, body)
         result = RESULT_OF[local(element)]
-        keep_fields(element, {"condition": said, WRITTEN: of_condition(element, result)})
+        keep_fields(element, {"condition": source, WRITTEN: of_condition(element, result)})
         element.insert(place, element[-1])
 
 

@@ -286,16 +286,16 @@ class _ChartReader:
         merge(fields, {name: value for name, value in kept.items() if name not in edited})
 
     def _actions(self, step: Fields, element: etree._Element) -> list[str]:
-        """Read the rows of a step. Returns the fields of the step that count no more, as the rows were edited."""
+        """Read the rows of a step. Returns the fields of the step that do not count any more, as its rows were edited."""
         shell = _shell(element)
         rows = children(element)
         notes = {comment: self._note(comment) for comment in element.iterchildren(etree.Comment)}
         edited = [name for note in notes.values() for name in edited_fields(note, element)]
         for row in element:
             if not isinstance(row.tag, str):
-                said = notes.get(row, {}).get(ASSOCIATION)  # one without a row
-                if said is not None:
-                    step["actions"].append({**said, "id": self.new_id()})
+                association = notes.get(row, {}).get(ASSOCIATION)  # one without a row
+                if association is not None:
+                    step["actions"].append({**association, "id": self.new_id()})
                     self._unwritten.add(self._last)
             elif local(row) != "Action":
                 shell.append(copy.deepcopy(row))
@@ -304,8 +304,8 @@ class _ChartReader:
             elif row is not rows[-1] or len(row) or row.attrib:  # the last row of the editor is an empty one
                 action = {"id": self.new_id(), **read_action(row)}
                 read_comments(self.ctx, row, action)
-                said = action.pop(ASSOCIATION, None)
-                step["actions"].append(action if said is None or edited else {**said, "id": action["id"]})
+                association = action.pop(ASSOCIATION, None)
+                step["actions"].append(action if association is None or edited else {**association, "id": action["id"]})
         _keep_shell(step, shell)
         return edited
 
@@ -426,9 +426,9 @@ def _replace_condition(ctx: DocumentReading, element: etree._Element, fields: Fi
     digest = kept.pop(WRITTEN, None)
     is_kept = "condition" in kept
     if is_kept:
-        said = kept.pop("condition")
+        condition = kept.pop("condition")
         if digest is None or digest == of_condition(element, RESULT_OF[local(element)]):
-            fields["condition"] = said
+            fields["condition"] = condition
         else:
             kept.pop("exclude", None)  # the excluded condition has been programmed since
             warn_of_edit(ctx, f"the condition of the {local(element).lower()}", element)

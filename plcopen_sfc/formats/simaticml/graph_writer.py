@@ -316,8 +316,8 @@ class _ChartWriter:
             _set_attributes(element, name, step.carried)
         ctx.keep("step")
         self._note_step(step)
-        told = {"entry_action", "main_action", "exit_action", "min_time", "negated", "macro", "encloses", "exclude"}
-        finish(ctx, element, step, frozenset(native | {"comment"}), told=frozenset(told))
+        reported = {"entry_action", "main_action", "exit_action", "min_time", "negated", "macro", "encloses", "exclude"}
+        finish(ctx, element, step, frozenset(native | {"comment"}), reported=frozenset(reported))
         ctx.place.pop()
 
     def _note_step(self, step: Step) -> None:
@@ -365,7 +365,7 @@ class _ChartWriter:
             add_element(ctx, element, content)
         self._transition_condition(element, transition)
         ctx.keep("transition")
-        finish(ctx, element, transition, frozenset(native), told=frozenset({"exclude"}))
+        finish(ctx, element, transition, frozenset(native), reported=frozenset({"exclude"}))
         ctx.place.pop()
 
     def _transition_condition(self, element: etree._Element, transition: Transition) -> None:
@@ -374,9 +374,11 @@ class _ChartWriter:
             self.ctx.note(
                 Outcome.TRANSLATED, "exclude", why="it is excluded from the build: a network that is never TRUE"
             )
-            said = transition.condition.model_dump(mode="json", exclude_none=True) if transition.condition else None
+            source = transition.condition.model_dump(mode="json", exclude_none=True) if transition.condition else None
             body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"])
-            self.conditions.write_instead(element, body or untranslated_body(RESULT_OF["Transition"], "excluded"), said)
+            self.conditions.write_instead(
+                element, body or untranslated_body(RESULT_OF["Transition"], "excluded"), source
+            )
             return
         least = [f"#{step.name}.T >= {step.min_time}" for step in sources if step.min_time is not None]
         self.conditions.write(element, transition.condition, "Transition", least)

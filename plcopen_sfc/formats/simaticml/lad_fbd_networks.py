@@ -121,7 +121,7 @@ def write_network(ctx: DocumentWriting, root: etree._Element, network: LogicNetw
     return None
 
 
-def is_sayable(ctx: DocumentWriting, body: FbdBody | LdBody) -> bool:
+def has_all_elements(ctx: DocumentWriting, body: FbdBody | LdBody) -> bool:
     """True if TIA Portal has all elements of the networks of a body."""
     try:
         for network in body.networks:

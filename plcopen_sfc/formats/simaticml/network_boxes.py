@@ -198,7 +198,7 @@ def mark_calls(project: Project) -> None:
                 if isinstance(node, Block) and pou is not None and node.call in (None, _CALLS[pou.kind]):
                     if pou.kind is PouKind.FUNCTION:
                         _name_pins(node, pou, network)
-                    _say(node, pou)
+                    _mark_call(node, pou)
 
 
 def put_standard_blocks(project: Project) -> None:
@@ -252,7 +252,7 @@ def _name_pins(block: Block, pou: Pou, network: LogicNetwork) -> None:
             _mark(pin, Type=write_type(interface.return_type), Section=RETURN)
 
 
-def _say(block: Block, pou: Pou) -> None:
+def _mark_call(block: Block, pou: Pou) -> None:
     block.call = _CALLS[pou.kind]
     sections = pou.interface.sections if pou.interface is not None else []
     declared = {v.name.casefold(): (section.kind, v.type) for section in sections for v in section.variables}

@@ -278,8 +278,8 @@ def write_path(
             marks["AccessModifier"] = "Array"
         component = sub(parent, "Component", marks)
         for text in part.indices:
-            said = index(text) if index is not None else None
-            differs |= write_operand(component, text, "DInt", hint=said, index=index)
+            own_hint = index(text) if index is not None else None
+            differs |= write_operand(component, text, "DInt", hint=own_hint, index=index)
     if address := details(hint or ""):
         sub(parent, "Address", {**address, "Informative": "true"})
         differs = True
@@ -388,9 +388,9 @@ def _hint(access: XmlNode) -> str:
     scope = access.get("Scope", "")
     if scope in CONSTANTS:
         return scope
-    said = {local(child): child for child in children(inner)}
-    kind = said["ConstantType"].text or "" if "ConstantType" in said else ""
-    shown = said.get("StringAttribute")
+    parts = {local(child): child for child in children(inner)}
+    kind = parts["ConstantType"].text or "" if "ConstantType" in parts else ""
+    shown = parts.get("StringAttribute")
     if shown is not None and attributes(shown) == {"Name": "Format", "Informative": "true"}:
         return f"{kind} {shown.text or ''}"
     return kind
@@ -401,7 +401,7 @@ def _place(symbol: XmlNode) -> str:
     address = child_named(symbol, "Address")
     if address is None:
         return ""
-    said = attributes(address)
-    if said.pop("Informative", "") != "true" or not said.keys() <= _PLACE_OF_SYMBOL:
+    place = attributes(address)
+    if place.pop("Informative", "") != "true" or not place.keys() <= _PLACE_OF_SYMBOL:
         raise NotUnderstoodError("an address of another form")
-    return json.dumps(said)
+    return json.dumps(place)

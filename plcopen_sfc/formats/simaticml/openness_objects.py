@@ -292,7 +292,7 @@ class _Object:
             sub(self.values, name).text = value or None
 
     def finish(
-        self, native: frozenset[str], *, told: frozenset[str] = frozenset(), also: dict[str, Any] | None = None
+        self, native: frozenset[str], *, reported: frozenset[str] = frozenset(), also: dict[str, Any] | None = None
     ) -> None:
         """Write what was kept, sort the attributes as TIA Portal does, and carry the fields that are left."""
         carried = self.thing.carried
@@ -314,7 +314,7 @@ class _Object:
         write_object_text(self.ctx, self.objects, "Title", getattr(self.thing, "title", None))
         if not len(self.objects):
             self.element.remove(self.objects)
-        finish(self.ctx, self.element, self.thing, native | _TEXTS, told=told, also=also)
+        finish(self.ctx, self.element, self.thing, native | _TEXTS, reported=reported, also=also)
 
 
 def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
@@ -357,7 +357,7 @@ def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
     for method in pou.methods:
         why = "blocks of TIA Portal have no methods: what calls it does not execute it"
         ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
-    writer.finish(frozenset(native), told=frozenset({"kind", "actions", "methods"}))
+    writer.finish(frozenset(native), reported=frozenset({"kind", "actions", "methods"}))
     if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
         _without_graph(writer.values)
     ctx.place.pop()
@@ -437,7 +437,7 @@ def write_data_type(ctx: DocumentWriting, parent: etree._Element, declaration: D
             why += "; its values are user constants"
         ctx.note(Outcome.TRANSLATED, "data type", why=why)
     write_object_text(ctx, writer.objects, "Comment", declaration.comment)
-    writer.finish(frozenset(native), told=frozenset({"type", "initial"}), also=also)
+    writer.finish(frozenset(native), reported=frozenset({"type", "initial"}), also=also)
     ctx.place.pop()
 
 

@@ -70,14 +70,14 @@ def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
             found.append(_unknown(part, version, place))
             continue
         kind, number = known
-        if number > version.schema(kind) and _says_its_version(root):
+        if number > version.schema(kind) and _names_its_version(root):
             found.append(_too_new(kind, number, version, place))
         found += findings(part, f"simaticml/{kind}-v{number}", data=data, file=file)
     found.sort(key=lambda finding: (finding.location.line is None, finding.location.line or 0))
     return found
 
 
-def _says_its_version(root: etree._Element) -> bool:
+def _names_its_version(root: etree._Element) -> bool:
     engineering = root.find("Engineering")
     return engineering is not None and version_named(engineering.get("version", "")) is not None
 

@@ -78,7 +78,7 @@ def lengthened(text: str, usual: list[str]) -> list[str]:
 
 
 def are_numbers(texts: list[str]) -> bool:
-    """True if all of them are plain whole numbers, each another."""
+    """True if all of them are plain whole numbers, and all different."""
     return all(map(_is_number, texts)) and len(set(texts)) == len(texts)
 
 
@@ -147,7 +147,7 @@ def equal(one: XmlNode, other: XmlNode) -> bool:
         if mine.tag != theirs.tag or mine.attrib != theirs.attrib or len(mine) != len(theirs):
             return False
         text, other_text = mine.text, theirs.text
-        if text != other_text and _said(text, mine) != _said(other_text, theirs):
+        if text != other_text and _significant_text(text, mine) != _significant_text(other_text, theirs):
             return False
         tail, other_tail = mine.tail, theirs.tail
         if tail != other_tail and mine is not one and (tail or "").strip() != (other_tail or "").strip():
@@ -155,7 +155,7 @@ def equal(one: XmlNode, other: XmlNode) -> bool:
     return True
 
 
-def _said(text: str | None, element: XmlNode) -> str:
+def _significant_text(text: str | None, element: XmlNode) -> str:
     """The text at the start of an element; blanks before other elements mean nothing."""
     return (text or "").strip() if len(element) else text or ""
 
@@ -166,7 +166,7 @@ def _words(net: XmlNode) -> list[tuple[str, ...]]:
     for element in net.iter():
         marks = [f"{name}={value}" for name, value in sorted(attributes(element).items()) if not _is_uid(name, value)]
         tail = "" if element is net else (element.tail or "").strip()
-        found.append((str(element.tag), _said(element.text, element), tail, *marks))
+        found.append((str(element.tag), _significant_text(element.text, element), tail, *marks))
     return sorted(found)
 
 

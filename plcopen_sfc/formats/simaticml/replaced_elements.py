@@ -119,18 +119,22 @@ def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
 
 
 def forget_edited_exclusions(
-    chart: Fields, excluded: dict[int, Fields], networks: dict[int, Fields], told: Container[int], edited: Iterable[int]
+    chart: Fields,
+    excluded: dict[int, Fields],
+    networks: dict[int, Fields],
+    sourced: Container[int],
+    edited: Iterable[int],
 ) -> list[int]:
     """Take the steps of the file that were excluded and have been programmed since. Returns their ids.
 
-    `excluded`: these steps as the file has them, by id. `networks` and `told` are as in `forget_edited_times`; networks
-    that count are taken out of the former. `edited`: the steps whose rows were edited.
+    `excluded`: these steps as the file has them, by id. `networks` and `sourced` are as in `forget_edited_times`;
+    networks that count are taken out of the former. `edited`: the steps whose rows were edited.
     """
     waiting = [number for number in excluded if number in set(edited)]
     found: list[int] = []
     while True:
         for transition in chart["transitions"]:
-            if transition["id"] in told and transition["id"] not in networks:
+            if transition["id"] in sourced and transition["id"] not in networks:
                 waiting += [number for number in transition.get("sources", ()) if number in excluded]
         waiting = [number for number in dict.fromkeys(waiting) if number not in found]
         if not waiting:
@@ -144,12 +148,12 @@ def forget_edited_exclusions(
         found += waiting
 
 
-def forget_edited_times(chart: Fields, networks: dict[int, Fields], told: Container[int]) -> list[int]:
+def forget_edited_times(chart: Fields, networks: dict[int, Fields], sourced: Container[int]) -> list[int]:
     """Drop the minimum times of steps that a transition no longer waits for: its networks count then.
 
-    `networks`: the conditions as the file has them, by the ids of the transitions whose source is kept instead. `told`:
-    the transitions of which a condition is kept at all; where none leaves a step, its time is kept beside it only.
-    Returns the ids of the steps.
+    `networks`: the conditions as the file has them, by the ids of the transitions whose source is kept instead.
+    `sourced`: the transitions of which a condition is kept at all; where none leaves a step, its time is kept beside it
+    only. Returns the ids of the steps.
     """
     left = dict(networks)
     dropped: list[int] = []
@@ -158,7 +162,7 @@ def forget_edited_times(chart: Fields, networks: dict[int, Fields], told: Contai
         found = False
         for step in (step for step in chart["steps"] if step.get("min_time") is not None):
             leaving = [each for each in chart["transitions"] if step["id"] in each.get("sources", ())]
-            if all(each["id"] in left for each in leaving) or not any(each["id"] in told for each in leaving):
+            if all(each["id"] in left for each in leaving) or not any(each["id"] in sourced for each in leaving):
                 continue
             found = True
             step["min_time"] = None
@@ -196,5 +200,5 @@ def _structure(network: XmlNode) -> list[Any]:
     return found
 
 
-def _digest(said: Any) -> str:
-    return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()[:16]
+def _digest(content: Any) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]

@@ -33,7 +33,7 @@ LAYOUT = "blanks"
 """Carried attribute of an association: the blanks behind each token of its row, where they are not the usual ones."""
 CALLEE = "callee"
 """Carried attribute of an association: the function block whose instance it calls."""
-SAYABLE = frozenset(
+GRAPH_QUALIFIERS = frozenset(
     {Qualifier.NONE, Qualifier.N, Qualifier.S, Qualifier.R, Qualifier.D, Qualifier.L, Qualifier.CALL}
     | {Qualifier.ON, Qualifier.OFF, Qualifier.CS, Qualifier.CU, Qualifier.CD, Qualifier.CR}
     | {Qualifier.TL, Qualifier.TD, Qualifier.TR, Qualifier.TF}

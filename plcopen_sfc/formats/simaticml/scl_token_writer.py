@@ -101,8 +101,8 @@ def _hints(element: XmlNode) -> dict[str, str]:
     for instruction in of_kind["Instruction"]:
         values = [part for part in children(instruction) if local(part) == "TemplateValue"]
         if values:
-            said = {part.get("Name", ""): part.text or "" for part in values}
-            found[_TYPES + instruction.get("Name", "")] = json.dumps(said)
+            types = {part.get("Name", ""): part.text or "" for part in values}
+            found[_TYPES + instruction.get("Name", "")] = json.dumps(types)
     for info in of_kind["CallInfo"]:
         instance = child_named(info, "Instance")
         path = children(instance) if instance is not None and instance.get("Scope") == "GlobalVariable" else []
@@ -138,7 +138,7 @@ def _alike(one: XmlNode, other: XmlNode) -> bool:
     """True if two programs have the same tokens; their numbers do not count, if they rise."""
     if (
         local(one) != local(other)
-        or _said(one) != _said(other)
+        or _own_attributes(one) != _own_attributes(other)
         or ((one.text or "") != (other.text or "") and not len(one))
     ):
         return False
@@ -146,7 +146,7 @@ def _alike(one: XmlNode, other: XmlNode) -> bool:
     return len(mine) == len(theirs) and all(map(_alike, mine, theirs))
 
 
-def _said(element: XmlNode) -> dict[str, str]:
+def _own_attributes(element: XmlNode) -> dict[str, str]:
     return {name: value for name, value in attributes(element).items() if name != UID and _USUAL.get(name) != value}
 
 

@@ -38,7 +38,7 @@ def adapt(project: Project, report: ConversionReport) -> None:
     put_operands(project, report)
     put_coils(project)
     mark_calls(project)
-    _say_versions(project)
+    _note_versions(project)
     language = project.language or "en-US"
     for pou in project.pous:
         _languages(pou, language)
@@ -46,8 +46,8 @@ def adapt(project: Project, report: ConversionReport) -> None:
     for thing in others:
         _languages(thing, language)
     _without_tabs(project, report)
-    _say_instances(project)
-    _say_constants(project)
+    _mark_instances(project)
+    _mark_constants(project)
     for chart in project.charts():
         _shift_logic(chart.chart)
         variables = {each.name.casefold() for each in chart.pou.variables() if not _is_own_member(each)}
@@ -97,7 +97,7 @@ def _without_tabs(project: Project, report: ConversionReport) -> None:
             report.add(Outcome.TRANSLATED, "text", pou.report_path_of(name), "tabs are blanks")
 
 
-def _say_instances(project: Project) -> None:
+def _mark_instances(project: Project) -> None:
     """Mark the calls in SCL that are those of instance data blocks: their names do not show it."""
     names = [block.name for block in project.data_blocks if block.kind is DataBlockKind.INSTANCE]
     for pou in project.pous:
@@ -108,16 +108,16 @@ def _say_instances(project: Project) -> None:
                 body.carried.attributes |= {f'{CALL}"{name}"': "FB" for name in called}
 
 
-def _say_constants(project: Project) -> None:
+def _mark_constants(project: Project) -> None:
     """Mark the names in texts and networks that are those of user constants."""
     names = user_constants(project)
     for pou in project.pous if names else ():
         for body in pou.bodies:
             if isinstance(body, StBody):
-                say_constants(body, body.text, names)
+                mark_constants(body, body.text, names)
             elif isinstance(body, FbdBody | LdBody):
                 for network in body.networks:
-                    say_constants(network, network_text(network), names)
+                    mark_constants(network, network_text(network), names)
 
 
 def user_constants(project: Project) -> list[str]:
@@ -127,7 +127,7 @@ def user_constants(project: Project) -> list[str]:
     return [*names, *(constant.name for table in tables for constant in table.constants)]
 
 
-def say_constants(thing: StBody | LogicNetwork, text: str, names: Iterable[str]) -> None:
+def mark_constants(thing: StBody | LogicNetwork, text: str, names: Iterable[str]) -> None:
     """Mark the operands in `text` of a program that are user constants."""
     found = {f'{HINT}"{name}"': "GlobalConstant" for name in names if f'"{name}"' in text}
     if found:
@@ -140,7 +140,7 @@ def network_text(network: LogicNetwork) -> str:
     return str(network.model_dump(include={"nodes"}))
 
 
-def _say_versions(project: Project) -> None:
+def _note_versions(project: Project) -> None:
     """Note the version of instances of timers, counters and edges."""
     interfaces = [pou.interface for pou in project.pous] + [block.interface for block in project.data_blocks]
     for variable in (v for interface in interfaces if interface is not None for v in interface.variables()):
@@ -183,10 +183,10 @@ def _numbers(chart: SfcNetwork, place: str, variables: set[str], report: Convers
     if not chart.sequences and chart.steps:
         chart.sequences = [Sequence(steps=steps) for steps in _connected(chart)]
     _limits(chart, place, report)
-    rivals: dict[tuple[int, ...], list[Transition]] = {}
+    competing: dict[tuple[int, ...], list[Transition]] = {}
     for transition in chart.transitions:
-        rivals.setdefault(tuple(sorted(transition.sources)), []).append(transition)
-    for group in rivals.values():
+        competing.setdefault(tuple(sorted(transition.sources)), []).append(transition)
+    for group in competing.values():
         if len(group) > 1:
             for rank, transition in enumerate(sorted(group, key=lambda t: (t.priority is None, t.priority or 0)), 1):
                 transition.priority = rank
