@@ -80,6 +80,7 @@ def nest(chart: SfcNetwork, together: Mapping[int, int]) -> tuple[ChartGraph, li
         segments = builder.run()
         if not builder.misfits:
             return flow, segments
+        # one symbol for several transitions needs their steps to meet above it: where they do not, each gets its own
         split |= builder.misfits
 
 
@@ -100,7 +101,9 @@ class _Builder:
             _run(self.walk(segment, start))
             self.give_up(segment)
         for node in sorted(self.flow.edges.rank, key=self.flow.edges.rank.__getitem__):
-            if node not in self.placed:
+            if (
+                node not in self.placed
+            ):  # only jumps lead here: it goes below the last branch that wanted to go on at it
                 segment = self.waiting[node][-1]
                 if segment.items and isinstance(segment.items[-1], NestedJump):
                     segment.items.pop()
@@ -280,6 +283,7 @@ class _Builder:
             joint = self.flow.joints.get(target)
             if joint is not None and len(joint.alternatives) == 1 and len(group) > 1:
                 continue
+            # the nearest target ahead; without one, the target behind to which most branches go back
             behind = target in self.placed
             key = (behind, -len(group) if behind else rank[target], -group[-1])
             if best is None or key < best:

@@ -116,6 +116,7 @@ class _Writer:
         for draft in self.drafts:
             for end in draft.ends:
                 end.sources = [self._source(*source) for source in end.sources]
+        # in this order: an inverter that is folded needs no operand, and wires meet only after outputs became operands
         self._fold_inverters()
         self._enable_moves()
         self._outputs(network)
@@ -226,6 +227,7 @@ class _Writer:
                         self._access(parts, draft, end, self.inputs[source].expression)
         for draft in self.drafts:
             self._part(parts, draft)
+        # TIA Portal numbers operands and parts, then open ends, then wires
         opens = {(d.uid, e.name): self.uid() for d in self.drafts for e in d.ends if self._is_open(d, e)}
         wires = sub(self.root, "Wires") if any(draft.ends for draft in self.drafts) else None
         if wires is not None and (consumers := self._consumers((RAIL_KEY, None))):

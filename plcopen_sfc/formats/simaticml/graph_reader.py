@@ -286,7 +286,7 @@ class _ChartReader:
         merge(fields, {name: value for name, value in kept.items() if name not in edited})
 
     def _actions(self, step: Fields, element: etree._Element) -> list[str]:
-        """Read the rows of a step. Returns the fields of the step that do not count any more, as its rows were edited."""
+        """Read the rows of a step. Returns the fields of it in comments that do not count, as the rows were edited."""
         shell = _shell(element)
         rows = children(element)
         notes = {comment: self._note(comment) for comment in element.iterchildren(etree.Comment)}

@@ -71,6 +71,7 @@ def lengthened(text: str, usual: list[str]) -> list[str]:
     found: list[str] = []
     for run in text.split():
         first, dash, last = run.partition("-")
+        # a damaged run such as 1-999999999 must not fill the memory
         if not _is_number(first) or (dash and not _is_number(last)) or int(last or first) - int(first) >= count:
             return usual
         found += [str(number) for number in range(int(first), int(last or first) + 1)]
@@ -128,7 +129,7 @@ def numbers_like(given: XmlNode, written: XmlNode) -> list[str] | None:
     """
     if equal(given, written):
         return numbers_of(written)
-    if _words(given) != _words(written):
+    if _words(given) != _words(written):  # cheap, and finds most differences
         return None
     one, other = _described(given), _described(written)
     if [local(child) for child in children(given)] != [local(child) for child in children(written)]:
@@ -202,6 +203,7 @@ def _described(net: XmlNode) -> dict[Key, tuple[str, str]] | None:
     count = len(found) + len(operands)
     for wire in wires:
         ends = [_end(end, places, operands) for end in children(wire)]
+        # a wire is known by its first pin: TIA Portal has no two wires at one pin
         pins = sorted(end[1:] for end in ends if end[0] == "NameCon")
         if not pins:
             return None
@@ -212,6 +214,7 @@ def _described(net: XmlNode) -> dict[Key, tuple[str, str]] | None:
             if end[0] in ("IdentCon", "OpenCon"):
                 found[end[0], *place] = element.get(UID, ""), ""
                 count += end[0] == "OpenCon"
+    # two elements at one place replace each other in `found`, which the count shows
     known = len(found) == count and are_numbers([number for number, _ in found.values()])
     return found if known else None
 

@@ -132,6 +132,7 @@ def forget_edited_exclusions(
     """
     waiting = [number for number in excluded if number in set(edited)]
     found: list[int] = []
+    # a network that counts ends the exclusion of all steps that its transition leaves, and these have other transitions
     while True:
         for transition in chart["transitions"]:
             if transition["id"] in sourced and transition["id"] not in networks:
@@ -158,7 +159,7 @@ def forget_edited_times(chart: Fields, networks: dict[int, Fields], sourced: Con
     left = dict(networks)
     dropped: list[int] = []
     found = True
-    while found:
+    while found:  # a network that counts waits for no step, which may end the time of another source of its transition
         found = False
         for step in (step for step in chart["steps"] if step.get("min_time") is not None):
             leaving = [each for each in chart["transitions"] if step["id"] in each.get("sources", ())]

@@ -101,6 +101,7 @@ _IN_WORDS = {
     "SimEnd": "the end of a simultaneous branch",
     "": "the end of the sequence",
 }
+# TIA Portal V20 refuses to import a block with any other direct connection
 _DIRECT = frozenset(
     {
         ("S", "T"),
@@ -159,6 +160,7 @@ class Legaliser:
         for link in links:
             source, target = kind_of(link.source, self._types), kind_of(link.target, self._types)
             if source == "SimEnd" and target in ("AltBegin", "SimEnd"):
+                # no branch follows a branch directly: the pair between costs one cycle, which the report lists
                 step, transition = self._new_step(), self._new_transition()
                 found += [
                     SequenceLink(link.source, transition),
@@ -166,6 +168,7 @@ class Legaliser:
                     replace(link, source=step),
                 ]
             elif source == "SimBegin" and (link.is_jump or target == "AltEnd"):
+                # a simultaneous path begins with a step, and only a transition jumps
                 step, transition = self._new_step(), self._new_transition()
                 found += [
                     SequenceLink(link.source, step),
@@ -265,6 +268,7 @@ def contracted(links: list[SequenceLink], added: frozenset[ElementRef]) -> list[
         if link.source in added:
             continue
         last = link
+        # several pairs may be in a row: a simultaneous end behind another one, and a selection behind both
         while last.target is not None and last.target in leaving and not last.is_jump:
             last = leaving[last.target]
         if last.target is None and link.source.kind == "S" and last is not link:
@@ -275,6 +279,7 @@ def contracted(links: list[SequenceLink], added: frozenset[ElementRef]) -> list[
 
 def is_contractible(links: list[SequenceLink], added: frozenset[ElementRef]) -> bool:
     """True if all elements marked as added are between two others, as `Legaliser` inserts them."""
+    # a jump to an inserted step, or a second connection at one, was made in TIA Portal: the step is part of the chart
     if any(link.is_jump and link.target in added for link in links):
         return False
     entering = [link.target for link in links if link.target in added]
@@ -316,15 +321,15 @@ def problems(links: list[SequenceLink], types: Mapping[int, str]) -> list[str]:
     for link in links:
         source, target = kind_of(link.source, types), kind_of(link.target, types)
         if link.is_jump and (source, target) != ("T", "S"):
-            found.append(f"S7-GRAPH has no jump from {_NAMES.get(source)} to {_NAMES.get(target)} ({link})")
+            found.append(f"S7-GRAPH has no jump from {_IN_WORDS.get(source)} to {_IN_WORDS.get(target)} ({link})")
         elif not link.is_jump and (source, target) not in _DIRECT:
-            found.append(f"S7-GRAPH has no connection from {_NAMES.get(source)} to {_NAMES.get(target)} ({link})")
+            found.append(f"S7-GRAPH has no connection from {_IN_WORDS.get(source)} to {_IN_WORDS.get(target)} ({link})")
         left[link.source] = left.get(link.source, 0) + 1
         if link.target is not None and not link.is_jump:
             entered[link.target] = entered.get(link.target, 0) + 1
     several = [(ref, "from") for ref, count in left.items() if count > 1]
     several += [(ref, "to") for ref, count in entered.items() if count > 1]
-    found += [f"S7-GRAPH has one connection {way} {_NAMES[r.kind]} ({r})" for r, way in several if r.kind != "B"]
+    found += [f"S7-GRAPH has one connection {way} {_IN_WORDS[r.kind]} ({r})" for r, way in several if r.kind != "B"]
     return found + _Nesting(links, types).problems()
 
 
@@ -355,6 +360,7 @@ class _Nesting:
         found: list[str] = []
         contexts: dict[tuple[str, int], _Context] = {}
         arrived: dict[tuple[str, int], list[_Context]] = {}
+        # topological order: an element follows when all its inputs have arrived, so those in a loop never do
         pending = [key for key, count in self.inputs.items() if count == 0]
         contexts.update(dict.fromkeys(pending, ()))
         while pending:

@@ -250,7 +250,7 @@ class TopologyWriter:
                         drawn = int(wire.pin) if wire.pin is not None and wire.pin.isdigit() else place
                         priority = self.priorities.get(symbol.id)
                         found.append((priority is None, priority or 0, drawn, symbol.id))
-        if branch.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE:
+        if branch.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE:  # its consumers are steps, which have no priority
             found.sort(key=lambda path: path[2])
         else:
             found.sort()

@@ -13,7 +13,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from plcopen_sfc.formats.simaticml.openness_schemas import validate
-from plcopen_sfc.formats.simaticml.sequence_rules import problems, read_link
+from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef, SequenceLink, problems, read_link
 from plcopen_sfc.model import Pou, Project, SfcBody, SfcNetwork
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -203,3 +203,18 @@ def test_edits_of_a_document_with_steps_put_in() -> None:
     (again,) = sfc.loads(sfc.dumps(project)).charts()
     assert links(again.chart) == links(network)
     assert [step.name for step in again.chart.steps] == ["S0", "S1", "S2", "Renamed", "S4", "New"]
+
+
+@pytest.mark.parametrize(
+    ("found", "problem"),
+    [
+        ([("S1", "S2", False)], "S7-GRAPH has no connection from a step to a step (S1"),
+        ([("S1", "S2", True)], "S7-GRAPH has no jump from a step to a step (S1"),
+        ([("T1", "S1", False), ("T2", "S1", False)], "S7-GRAPH has one connection to a step (S1)"),
+        ([("S1", "B1", False), ("B1", "S2", False)], "no connection from the begin of an alternative branch to a step"),
+    ],
+)
+def test_a_refused_connection_is_named_in_words(found: list[tuple[str, str, bool]], problem: str) -> None:
+    refs = [(ElementRef(a[0], int(a[1:])), ElementRef(b[0], int(b[1:])), jump) for a, b, jump in found]
+    refused = problems([SequenceLink(*ref) for ref in refs], {1: "AltBegin"})
+    assert any(problem in each for each in refused), refused
