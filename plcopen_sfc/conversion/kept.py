@@ -11,7 +11,7 @@ from itertools import chain
 
 from plcopen_sfc.conversion.meaning import Meaning
 from plcopen_sfc.conversion.parts import UNDECLARED_TYPE, Part
-from plcopen_sfc.formats.codesys import names as codesys
+from plcopen_sfc.formats.codesys import codesys_names as codesys
 from plcopen_sfc.formats.iectext.text_source import unwrapped
 from plcopen_sfc.languages.declarations.inheritance import inheritance
 from plcopen_sfc.languages.declarations.kept import kept

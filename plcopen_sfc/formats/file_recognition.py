@@ -10,7 +10,6 @@ from plcopen_sfc.errors import Location, UnknownFormatError, UnreadFormatError
 from plcopen_sfc.model.dialect import Dialect
 
 _ROOT = re.compile(r"<(?![?!])(?:([\w.-]+):)?([\w.-]+)((?:\s+[\w:.-]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>")
-
 HEAD = 65536
 """How many bytes of a file are looked at to recognise its format."""
 
@@ -54,18 +53,13 @@ _OPENNESS = (
     "Export the blocks as XML: with TIA Portal Openness, or by the version control interface (project tree > Version "
     "control interface > a workspace). Blocks in SCL: their context menu > Generate source from blocks."
 )
-
 _CODESYS = "Open it in CODESYS, then Project > Export PLCopenXML."
-
 _TWINCAT = (
     "In the Solution Explorer of TwinCAT: context menu of the PLC project (NAME Project) or of a folder in it > "
     "Export PLCopenXML."
 )
-
 _SCHNEIDER = "Control Expert has no export to PLCopen XML; nothing that it exports is read yet."
-
 _ROCKWELL = "Studio 5000 exports charts as L5X and L5K only, and neither is read yet."
-
 _STEP7 = "Migrate the project into TIA Portal (Project > Migrate project). " + _OPENNESS
 
 
@@ -233,13 +227,9 @@ def _refusal(kind: UnreadFormat, file: str | None) -> UnreadFormatError:
 # -- pieces of programs --------------------------------------------------------------------------------------------
 
 _QUIET = re.compile(r"\(\*.*?\*\)|/\*.*?\*/|//[^\r\n]*|'(?:\$.|[^'$\r\n])*'", re.DOTALL)
-
 _OF_SCL = re.compile(r'#[^\W\d]\w*|#"|"[^"\r\n]+"\s*(?:\.|:=|\()|^\s*(?:END_)?REGION\b|^\s*BEGIN\s*$', re.MULTILINE)
-
 _STATEMENT = re.compile(r":=[^;]*;|\bEND_(?:IF|CASE|FOR|WHILE|REPEAT)\b", re.IGNORECASE)
-
 _SECTION = re.compile(r"\s*VAR(?:_\w+)?\b", re.IGNORECASE)
-
 _SOURCES = (".scl", ".st", ".iecst", ".sfc")
 
 

@@ -64,7 +64,7 @@ FORMATS: tuple[Format, ...] = (
         name="codesys",
         title="CODESYS V3 and TwinCAT 3 PLCopenXML",
         tool="CODESYS",
-        module="plcopen_sfc.formats.codesys.codec",
+        module="plcopen_sfc.formats.codesys.codesys_codec",
         extensions=(".xml",),
         recognises=_is_codesys,
         capabilities=(
@@ -85,7 +85,7 @@ FORMATS: tuple[Format, ...] = (
         name="plcopen",
         title="PLCopen TC6 XML",
         tool="TC6 tools",
-        module="plcopen_sfc.formats.plcopen.codec",
+        module="plcopen_sfc.formats.plcopen.tc6_codec",
         extensions=(".xml",),
         recognises=lambda head: _is_tc6(head) and not _is_codesys(head),
         capabilities=(
@@ -247,7 +247,7 @@ def recognise(data: bytes, *, file: str | None = None) -> Format:
             "JSON, but not a model that plcopen_sfc has saved", location=Location(file), hint=_HINT
         )
     # what is wrong with it as XML says more than that nobody knows it
-    from plcopen_sfc.formats.plcopen.project_reader import find_version  # noqa: PLC0415  # only for files in trouble
+    from plcopen_sfc.formats.plcopen.tc6_versions import find_version  # noqa: PLC0415  # only for files in trouble
     from plcopen_sfc.formats.xml.xml_parsing import parse  # noqa: PLC0415
 
     find_version(parse(data, file=file), file=file)

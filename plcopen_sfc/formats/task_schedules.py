@@ -19,9 +19,7 @@ from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal
 from plcopen_sfc.model.project import Task, TaskSettings
 
 CYCLIC = "Cyclic"
-
 EVENT = "Event"
-
 SCHEDULE_FIELDS = ("interval", "single", "settings")
 """The fields of a task that say when it runs."""
 
@@ -115,10 +113,8 @@ def _none_of_zero(interval: str | None) -> str | None:
 
 
 _ISO_DURATION = re.compile(r"PT(?:(\d+)H)?(?:(\d+)M)?(?:(\d+)(?:\.(\d+))?S)?")
-
 _WITHOUT_PREFIX = re.compile(r"(?:\d+(?:\.\d+)?(?:ms|us|ns|d|h|m|s)_?)+", re.IGNORECASE)
 """``10ms``, as an example of TC6 2.01 has it (iec-checker)."""
-
 _TIME_OF_DAY = re.compile(r"(\d+):(\d+):(\d+)(?:\.(\d+))?")
 
 

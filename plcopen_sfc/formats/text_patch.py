@@ -240,9 +240,7 @@ class _Patch:
 
 
 _LINE_END = re.compile(r"[\r\n]")
-
 _REST_OF_LINE = r"[ \t]*(?:\r\n|\r|\n|\Z)"
-
 _LONG = 200
 """Texts of more lines are not merged word by word, which takes the square of their length."""
 
@@ -293,9 +291,7 @@ def _joined(edits: list[Edit]) -> list[Edit]:
 
 _SIMILAR = 0.6
 """So much of its words a text must keep to be changed word by word."""
-
 _Word: TypeAlias = re.Match[str]
-
 _WORDS = re.compile(
     r"TITLE\s*=[^\r\n]*|//[^\r\n]*|\(\*(?:(?!\*\))[\s\S])*\*\)|'[^'\r\n]*'|\"[^\"\r\n]*\"|%[\w.*]+|\w+#[\w.+-]+|\w+|:=|=>|\.\.|[^\w\s]"
 )

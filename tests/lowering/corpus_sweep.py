@@ -20,7 +20,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.api import convert
 from plcopen_sfc.errors import LoweringError, ModelError, OldVersionError, SfcError
-from plcopen_sfc.formats.plcopen.versions import version_of
+from plcopen_sfc.formats.plcopen.tc6_versions import version_of
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.lowering_options import without_version
 from plcopen_sfc.lowering.project_lowering import next_chart

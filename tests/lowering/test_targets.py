@@ -14,7 +14,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import VerdictKind, equivalent
-from plcopen_sfc.formats.codesys.schema import validate
+from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
 from plcopen_sfc.languages.networks import draw_fbd
 from plcopen_sfc.languages.networks.sheets import on_one_sheet
 from plcopen_sfc.languages.st import parse_statements
@@ -57,7 +57,7 @@ def test_what_comes_back_from_the_file_is_proven(target: str, language: str, pro
 @pytest.mark.parametrize("target", ["plcopen-1.01", "plcopen-2.0", "plcopen-2.01", "codesys"])
 def test_files_are_valid(target: str, language: str) -> None:
     _, content = written(target, language, lang="de")
-    assert validate(content) == []
+    assert validate_codesys(content) == []
     names = {
         "plcopen-1.01": "plcopen/TC6_XML_V10_B.xsd",
         "plcopen-2.0": "plcopen/tc6_xml_v200.xsd",

@@ -27,22 +27,14 @@ from plcopen_sfc.model.sfc import SfcNetwork, Step
 from plcopen_sfc.report import Outcome
 
 STEP_ACTIONS = (("entry", Qualifier.P1), ("main", Qualifier.N), ("exit", Qualifier.P0))
-
 _WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
-
 _RESETS = frozenset({Qualifier.R, Qualifier.R0})
-
 _RISING = frozenset({Qualifier.P, Qualifier.P1})
-
 _PULSES = frozenset({Qualifier.P1, Qualifier.P0})
-
 _EDGES = _RISING | _PULSES
-
 _DELAYED = frozenset({Qualifier.SD, Qualifier.DS, Qualifier.SL})
-
 _ALONE = frozenset({*_WHENEVER, *_RISING, Qualifier.P0, Qualifier.L, Qualifier.D})
 """Those of which matiec takes the last of several that drive one thing, instead of one that is active."""
-
 _LONG = "T#1000d"
 """The preset of timers of which only the elapsed time is read."""
 

@@ -33,7 +33,6 @@ _QUALIFIERS = frozenset(
     {Qualifier.N, Qualifier.NONE, Qualifier.S, Qualifier.R, Qualifier.P, Qualifier.P0, Qualifier.P1}
     | {Qualifier.L, Qualifier.D, Qualifier.SD, Qualifier.DS, Qualifier.SL}
 )
-
 _WHENEVER = frozenset({Qualifier.N, Qualifier.NONE})
 
 

@@ -38,9 +38,7 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _UNKNOWN = frozenset({"LTIME", "LDATE", "LTOD", "LDT", "CHAR", "WCHAR"})
-
 _REALS = frozenset({Elementary.REAL, Elementary.LREAL})
-
 _WHOLE = re.compile(r"[+-]?\d[\d_]*")
 
 

@@ -21,13 +21,9 @@ from plcopen_sfc.model.types import ArrayType, DataType, DerivedType, Elementary
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _NAME = re.compile(r"(?!.*__)(?!.*_$)[A-Za-z_][A-Za-z0-9_]*")
-
 _LETTERS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
-
 _KEYWORDS = IEC_KEYWORDS | {"ON", "R_EDGE", "F_EDGE", "EN", "ENO"}
-
 _LIBRARY = frozenset({"RTC", "SEMA", "INTEGRAL", "DERIVATIVE", "PID", "RAMP", "HYSTERESIS"})
-
 _TYPED = re.compile(r"([A-Z_]+)_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD)")
 
 

@@ -23,7 +23,6 @@ from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection
 from plcopen_sfc.report import ConversionReport, Outcome
 
 _ORDER = (PouKind.FUNCTION, PouKind.FUNCTION_BLOCK, PouKind.PROGRAM)
-
 _OF_THESE_TOOLS = ("beremiz", "openplc")
 
 

@@ -219,28 +219,18 @@ class _ExpressionFitter:
 
 
 _POINTLESS = re.compile(r"^(?:L?REAL#)?[+-]?\d[\d_]*(?=[eE][+-]?\d)|^L?REAL#[+-]?\d[\d_]*$", re.IGNORECASE)
-
 _LINE_FEED = re.compile(r"\$(.)")
-
 _LATIN_1 = 255
-
 _LONG = re.compile(r"(?:LTIME|LT|LD|LDATE|LTOD|LDT|LTIME_OF_DAY|LDATE_AND_TIME|W?CHAR|WSTRING)#|\"", re.IGNORECASE)
-
 _BIT = re.compile(r"%?[XBWDL]?\d+", re.IGNORECASE)
-
 _CONVERSION = re.compile(r"TO_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD|TIME|STRING)")
 
 
 _SIGNED = ("SINT", "INT", "DINT", "LINT")
-
 _UNSIGNED = ("USINT", "UINT", "UDINT", "ULINT")
-
 _BITS = ("BYTE", "WORD", "DWORD", "LWORD")
-
 _REALS = ("REAL", "LREAL")
-
 _NUMBERS = frozenset({*_SIGNED, *_UNSIGNED, *_BITS, *_REALS})
-
 _COMPARISONS = frozenset(
     {
         n.Operator.EQUAL,
@@ -251,19 +241,13 @@ _COMPARISONS = frozenset(
         n.Operator.GREATER_OR_EQUAL,
     }
 )
-
 _ARITHMETIC = frozenset(
     {n.Operator.ADD, n.Operator.SUBTRACT, n.Operator.MULTIPLY, n.Operator.DIVIDE, n.Operator.MODULO}
 )
-
 _LOGIC = frozenset({n.Operator.AND, n.Operator.OR, n.Operator.XOR})
-
 _TYPED = re.compile(r"([A-Z]+)#", re.IGNORECASE)
-
 REAL_LITERAL = re.compile(r"[\d_]+\.[\d_]+(?:[eE][+-]?\d+)?")
-
 _WHOLE = re.compile(r"\d[\d_]*")
-
 _FUNCTION = re.compile(r"[A-Z]+_TO_([A-Z]+)", re.IGNORECASE)
 
 

@@ -1,1 +1,11 @@
-"""PLCopen TC6 XML 1.01, 2.0 and 2.01."""
+"""PLCopen TC6 XML, and what CODESYS shares with it.
+
+Public: `tc6_codec.CODEC`, `tc6_versions.validate_tc6`.
+
+* `tc6_versions`: versions of TC6 XML, recognised and validated. `tc6_reading`, `tc6_writing`: common parts of readers
+  and writers, extension data among them.
+* Elements, read and written: `tc6_project`, `tc6_configurations`, `tc6_declarations`, `tc6_types`, `tc6_bodies` (POUs
+  too), `tc6_networks`, `tc6_pins`. Charts: `tc6_chart_reader`, then `tc6_chart_meaning`; `tc6_chart_writer`.
+* What a tool has no element for is written in other terms: `project_rewriting`, with `step_rewriting` for actions and
+  `global_variables`. `chart_hosts` has the abilities of the tools, `source_marks` restore the source.
+"""

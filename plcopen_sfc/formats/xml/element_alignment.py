@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 
 Keys: TypeAlias = Sequence[tuple[str, str]]
-
 KeyFunction: TypeAlias = Callable[[str, Mapping[str, str]], Keys]
 """From tag and attributes of an element to its identifying attributes (name, value), strongest first."""
 
@@ -82,11 +81,8 @@ def similarity(left: AlignedItem, right: AlignedItem) -> float:
 
 
 _ALIKE = 0.5
-
 _MAX_PAIRS = 40_000
-
 _MAX_EXACT = 1_000_000
-
 _MAX_CANDIDATES = 8
 
 

@@ -47,7 +47,6 @@ def canonical_form(
 
 COMMENT_MARK = "plcopen_sfc "
 """XML comments that begin with it are ours: they hold fields that the format cannot say, as JSON."""
-
 OWN_DATA = "urn:plcopen-sfc:"
 """The names of foreign data of ours begin with it: no other tool reads them."""
 

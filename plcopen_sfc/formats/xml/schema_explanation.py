@@ -37,9 +37,7 @@ Explanation = tuple[str, str, etree._Element]
 
 
 _XSI = "{http://www.w3.org/2001/XMLSchema-instance}"
-
 _XHTML = "http://www.w3.org/1999/xhtml"
-
 _MANY = 12
 
 
@@ -272,7 +270,6 @@ def _quoted(text: str) -> str:
 
 
 _XS = "{http://www.w3.org/2001/XMLSchema}"
-
 _KINDS = {
     "dateTime": "a date and time like 2024-01-31T08:30:00",
     "date": "a date like 2024-01-31",

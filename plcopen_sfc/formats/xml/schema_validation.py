@@ -46,7 +46,6 @@ Judge = Callable[[etree._Element], Severity]
 
 
 _KEYS = ("localId", "name", "Name", "guid", "alias", "instancePathAndName", "member", "formalParameter")
-
 _per_thread = threading.local()
 
 

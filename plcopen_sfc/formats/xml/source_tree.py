@@ -16,9 +16,7 @@ from plcopen_sfc.formats.xml.escaping import RawText
 from plcopen_sfc.languages.edits import Edit
 
 COMMENT = "#comment"
-
 INSTRUCTION = "#instruction"
-
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
 
@@ -87,13 +85,10 @@ _TOKEN = re.compile(
     r"""|(?P<open>[^\s/>!?]++)[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>)""",
     re.DOTALL,
 )
-
 _PROLOG = re.compile(
     r"""(?:\s++|<\?.*?\?>|<!--.*?-->|<!DOCTYPE(?:[^\[>"']|"[^"]*"|'[^']*'|\[.*?\]\s*(?=>))*>)*+""", re.DOTALL
 )
-
 _ATTRIBUTE = re.compile(r"""(\s+)([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
-
 _BLANKS = " \t"
 
 

@@ -88,16 +88,11 @@ _BOMS = {
     "utf-16-be": ("utf-16-be", codecs.BOM_UTF16_BE),
     "utf-32": ("utf-32-le", codecs.BOM_UTF32_LE),
 }
-
 _DEFAULT = XmlStyle()
-
 # Two paths, each a single walk in C; one path with "or" takes three times as long.
 _LOOSE_TEXT = etree.XPath("//text()[normalize-space()][following-sibling::node() or preceding-sibling::node()]")
-
 _ONLY_COMMENTS = etree.XPath("descendant-or-self::*[comment() and not(*)]")
-
 _PRESERVED = etree.XPath("//*[@xml:space='preserve']")
-
 _RAW = re.compile(r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>)", re.DOTALL)
 
 

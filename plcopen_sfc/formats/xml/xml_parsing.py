@@ -37,23 +37,17 @@ _BOMS = (
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
-
 _UNMARKED = (
     (b"<\0\0\0", "utf-32-le"),
     (b"\0\0\0<", "utf-32-be"),
     (b"<\0", "utf-16-le"),
     (b"\0<", "utf-16-be"),
 )
-
 _DECLARATION = re.compile(r"""<\?xml\s[^>]*?\sencoding\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
-
 # Python codecs that are no character sets of files, or decode in quadratic time.
 _NO_CHARSETS = frozenset({"utf-7", "idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined"})
-
 _DECLARATION_LIMIT = 1024
-
 _TEXT_LIMIT = 10_000_000  # of libxml2, for one text
-
 _WIDE = re.compile("utf-(?:16|32)|ucs-?[24]", re.IGNORECASE)
 
 
@@ -231,7 +225,6 @@ def _check_depth(plain: bytes, file: str | None) -> None:
 
 
 _PROLOG = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s++|<\?.*?\?>|<!--.*?-->)*+(?:(<!DOCTYPE)|)", re.DOTALL)
-
 # What is not closed runs to the end, so that no part of the file is looked at twice.
 _DOCTYPE_PART = re.compile(
     rb"""<!--.*?(?:-->|\Z)|<\?.*?(?:\?>|\Z)|"[^"]*(?:"|\Z)|'[^']*(?:'|\Z)|\[|\]|>|<!ENTITY|%|\b(?:SYSTEM|PUBLIC)\b""",
@@ -280,7 +273,6 @@ _TAGS = re.compile(
     rb"""|</[^>]*>|(<)[^>"']*+(?:"[^"]*"[^>"']*+|'[^']*'[^>"']*+)*+>""",
     re.DOTALL,
 )
-
 _LAST_EXACT_LINE = 65534
 
 
@@ -347,9 +339,7 @@ _SIGNATURES = (
     (b"MZ", "a Windows program", ""),
     (b"\x7fELF", "a Linux program", ""),
 )
-
 _EXPORT = "Export the project or object as XML from the tool that wrote it."
-
 _LEADING = (b"\xef\xbb\xbf", b"\xff\xfe\0\0", b"\0\0\xfe\xff", b"\xff\xfe", b"\xfe\xff")
 
 
@@ -396,9 +386,7 @@ _TOKENS = re.compile(
     r"""|<(?P<open>[^\s<>!?/"'=]++)[^<>"']*+(?:"[^"<]*"[^<>"']*+|'[^'<]*'[^<>"']*+)*+>|(?P<broken><)""",
     re.DOTALL,
 )
-
 _PROLOG_ONLY = re.compile(r"(?:\s++|<\?.*?\?>|<!--.*?-->)*+\Z", re.DOTALL)
-
 _TRUNCATED = "The file breaks off: export or copy it again."
 
 

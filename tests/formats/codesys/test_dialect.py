@@ -8,7 +8,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.codesys import names
+from plcopen_sfc.formats.codesys import codesys_names as names
 from tests.samples import FIXTURES, difference
 from tests.snippets import CODESYS, action, block, chart, codes, codesys, jump, pou, round_trip, step
 from tests.snippets import drawn_transition as transition

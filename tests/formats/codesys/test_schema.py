@@ -8,9 +8,9 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
-from plcopen_sfc.formats.codesys import names
-from plcopen_sfc.formats.codesys.schema import validate
-from plcopen_sfc.formats.plcopen.schema import validate as validate_tc6
+from plcopen_sfc.formats.codesys import codesys_names as names
+from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
+from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.formats.xml.schema_validation import is_valid
 from tests.corpus import ROOT, corpus_files, require_corpus
 from tests.mutants import Mutator
@@ -49,23 +49,23 @@ def application(content: str) -> bytes:
 
 
 def only(source: bytes) -> Diagnostic:
-    found = validate(source, file="a.xml")
+    found = validate_codesys(source, file="a.xml")
     assert len(found) == 1, found
     return found[0]
 
 
 @pytest.mark.parametrize("path", FIXTURES, ids=lambda path: path.name)
 def test_our_examples_are_valid(path: object) -> None:
-    assert validate(path.read_bytes()) == []  # type: ignore[attr-defined]
+    assert validate_codesys(path.read_bytes()) == []  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("number", ["0200", "0201"])
 def test_valid(number: str) -> None:
-    assert validate(document(data("pou", chart(STEP)), number)) == []
+    assert validate_codesys(document(data("pou", chart(STEP)), number)) == []
 
 
 def test_the_old_version_has_no_foreign_data() -> None:
-    assert validate((ROOT / "fixtures/plcopen/every_element_1.01.xml").read_bytes()) == []
+    assert validate_codesys((ROOT / "fixtures/plcopen/every_element_1.01.xml").read_bytes()) == []
 
 
 def test_a_hidden_pou_is_checked_as_one_of_the_project() -> None:
@@ -149,7 +149,7 @@ def attribute(guid: str, text: str) -> bytes:
     ],
 )
 def test_values_of_chart_attributes(guid: str, good: str, bad: str) -> None:
-    assert validate(attribute(guid, good)) == []
+    assert validate_codesys(attribute(guid, good)) == []
     finding = only(attribute(guid, bad))
     assert (finding.code, finding.severity, finding.location.line) == ("XSD022", Severity.WARNING, 9)
     assert f'the value "{bad}" of this attribute must be' in finding.message
@@ -158,7 +158,7 @@ def test_values_of_chart_attributes(guid: str, good: str, bad: str) -> None:
 
 @pytest.mark.parametrize("guid", [names.NAME, names.COMMENT, names.MIN_TIME, names.MAX_TIME, names.ENTRY_ACTION])
 def test_chart_attributes_of_any_text(guid: str) -> None:
-    assert validate(attribute(guid, "T#1s\nanything")) == []
+    assert validate_codesys(attribute(guid, "T#1s\nanything")) == []
 
 
 def test_an_unknown_chart_attribute() -> None:
@@ -175,19 +175,19 @@ def test_a_chart_attribute_without_its_guid() -> None:
 
 def test_foreign_data_of_others_passes() -> None:
     foreign = '<addData><data name="http://example.org/x" handleUnknown="preserve"><own><thing/></own></data></addData>'
-    assert validate(document(foreign)) == []
+    assert validate_codesys(document(foreign)) == []
 
 
 def test_findings_stand_in_the_order_of_lines() -> None:
     broken = STEP.replace(' name="Fill"', "")
     late = data("objectid", "<Wrong/>")
     source = document(data("pou", chart(broken + "\n\n" + STEP.replace("</step>", late + "</step>") + "\n" + broken)))
-    assert [finding.location.line for finding in validate(source)] == [9, 11, 12]
+    assert [finding.location.line for finding in validate_codesys(source)] == [9, 11, 12]
 
 
 def test_the_list_is_cut_off() -> None:
     many = "".join(f'<data name="{PREFIX}objectid" handleUnknown="discard"><Wrong/></data>' for _ in range(150))
-    found = validate(document(f"<addData>{many}</addData>"))
+    found = validate_codesys(document(f"<addData>{many}</addData>"))
     assert len(found) == 101
     assert (found[-1].code, found[-1].severity) == ("XSD099", Severity.INFO)
 
@@ -202,7 +202,7 @@ def test_every_export_of_the_corpus_is_valid() -> None:
     files = [path for path in corpus_files("codesys") if path.suffix == ".xml"]
     assert files
     for path in files:
-        assert validate(path.read_bytes()) == [], path
+        assert validate_codesys(path.read_bytes()) == [], path
 
 
 def hoisted(hidden: etree._Element) -> etree._Element:

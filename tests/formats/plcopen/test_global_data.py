@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.codesys.schema import validate as validate_codesys
-from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
+from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.model import (
     ArrayType,
     ArrayValue,
@@ -64,7 +64,7 @@ def all_globals(project: Project) -> dict[str, Variable]:
 @pytest.mark.parametrize("target", TARGETS)
 def test_programs_find_their_tags_constants_and_blocks(target: str) -> None:
     data, report = sfc.convert(plant(), target, partial=True)
-    errors = [d for d in (validate_codesys if target == "codesys" else validate)(data) if d.severity == "error"]
+    errors = [d for d in (validate_codesys if target == "codesys" else validate_tc6)(data) if d.severity == "error"]
     assert errors == []
     read = sfc.loads(data, as_tool=True)
     found = all_globals(read)
@@ -146,7 +146,7 @@ def test_lists_of_codesys_are_declared_in_tc6_and_names_resolve(target: str) -> 
     )
     data, report = sfc.convert(source, target)
     assert report.losses == []
-    assert [d for d in validate(data) if d.severity == "error"] == []
+    assert [d for d in validate_tc6(data) if d.severity == "error"] == []
     read = sfc.loads(data, as_tool=True)
     (section,) = read.configurations[0].global_variables
     assert section.retain
@@ -199,7 +199,7 @@ def test_a_constant_as_length_of_a_string_is_a_number_in_tc6_1_01(initial: str, 
     )
     source = Project(pous=[pou], global_variables=[most], dialect=Dialect.CODESYS)
     data, report = sfc.convert(source, "plcopen-1.01", partial=True)
-    assert [d for d in validate(data) if d.severity == "error"] == []
+    assert [d for d in validate_tc6(data) if d.severity == "error"] == []
     assert [item.what for item in report.losses] == ([] if length else ["length of a string"])
     written = sfc.loads(data, as_tool=True).pous[0].variables()[0].type
     assert getattr(written, "length", "") == length

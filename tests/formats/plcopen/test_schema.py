@@ -11,7 +11,7 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import FileAccessError, XmlSyntaxError
-from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, is_valid, schema_path
 from plcopen_sfc.formats.xml.xml_parsing import parse
 from tests.corpus import ROOT
@@ -49,7 +49,7 @@ def document(body: str = "", *, version: str = "2.01", interface: str = "", end:
 
 
 def only(data: bytes) -> Diagnostic:
-    found = validate(data, file="a.xml")
+    found = validate_tc6(data, file="a.xml")
     assert len(found) == 1, found
     assert found[0].severity is Severity.ERROR
     assert found[0].location.file == "a.xml"
@@ -58,13 +58,13 @@ def only(data: bytes) -> Diagnostic:
 
 @pytest.mark.parametrize("version", NAMESPACES)
 def test_valid(version: str) -> None:
-    assert validate(document(STEP, version=version)) == []
+    assert validate_tc6(document(STEP, version=version)) == []
 
 
 def test_a_valid_file_does_not_load_xmlschema() -> None:
     program = (
-        "import sys; from plcopen_sfc.formats.plcopen.schema import validate; "
-        f"assert validate(open({str(ROOT / 'fixtures/plcopen/every_element_2.01.xml')!r}, 'rb').read()) == []; "
+        "import sys; from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6; "
+        f"assert validate_tc6(open({str(ROOT / 'fixtures/plcopen/every_element_2.01.xml')!r}, 'rb').read()) == []; "
         "assert 'xmlschema' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
@@ -231,7 +231,7 @@ def test_date_with_a_blank() -> None:
 
 
 def test_several_faults_in_order_of_lines() -> None:
-    found = validate(document(STEP.replace(' name="Fill"', "") + "\n<step/>").replace(b"31T08", b"31 08"))
+    found = validate_tc6(document(STEP.replace(' name="Fill"', "") + "\n<step/>").replace(b"31T08", b"31 08"))
     assert [finding.code for finding in found] == ["XSD006", "XSD004", "XSD004", "XSD004", "XSD003"]
     assert [finding.location.line for finding in found] == [3, 12, 13, 13, 13]
 
@@ -280,7 +280,7 @@ def test_what_is_no_known_tc6(data: bytes, words: str) -> None:
 
 def test_foreign_data_depends_on_the_version() -> None:
     empty = '<addData><data name="http://example.org/x" handleUnknown="discard"/></addData>'
-    assert validate(document(end=empty, version="2.0")) == []
+    assert validate_tc6(document(end=empty, version="2.0")) == []
     assert only(document(end=empty, version="2.01")).code == "XSD003"
     old = only(document(end=empty, version="1.01"))
     assert (old.code, old.location.line) == ("XSD002", 18)
@@ -289,7 +289,7 @@ def test_foreign_data_depends_on_the_version() -> None:
 
 def test_foreign_data_is_not_looked_at() -> None:
     data = '<addData><data name="http://example.org/x" handleUnknown="discard"><pou/></data></addData>'
-    assert validate(document(end=data)) == []
+    assert validate_tc6(document(end=data)) == []
 
 
 def test_elements_with_a_prefix() -> None:
@@ -303,7 +303,7 @@ def test_elements_with_a_prefix() -> None:
 
 
 def test_the_list_is_cut_off() -> None:
-    found = validate(
+    found = validate_tc6(
         document("\n".join('<step localId="x" name=""><position x="0" y="0"/></step>' for _ in range(150)))
     )
     assert len(found) == MAX_FINDINGS + 1
@@ -325,7 +325,7 @@ def test_every_fault_is_explained() -> None:
             continue
         data = etree.tostring(mutant)
         valid = is_valid(parse(data), "plcopen-1.01")
-        found = validate(data)
+        found = validate_tc6(data)
         assert valid == (not found), what
         assert "XSD019" not in {finding.code for finding in found}, what
         invalid += not valid
@@ -334,7 +334,7 @@ def test_every_fault_is_explained() -> None:
 
 def test_what_is_not_xml() -> None:
     with pytest.raises(XmlSyntaxError):
-        validate(b"PROGRAM Main", file="a.xml")
+        validate_tc6(b"PROGRAM Main", file="a.xml")
 
 
 def test_a_schema_that_is_not_there() -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 from lxml import etree
 
-from plcopen_sfc.formats.plcopen.versions import VERSIONS, version_of
+from plcopen_sfc.formats.plcopen.tc6_versions import VERSIONS, version_of
 from plcopen_sfc.formats.xml.schema_validation import is_valid
 from plcopen_sfc.formats.xml.xml_parsing import parse
 from tests.corpus import ROOT, corpus_files, require_corpus, require_official_schema

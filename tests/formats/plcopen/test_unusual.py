@@ -6,7 +6,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.codesys.schema import validate
+from plcopen_sfc.formats.codesys.codesys_schema import validate_codesys
 from tests.samples import FIXTURES
 from tests.snippets import codes, pou, project
 
@@ -21,7 +21,7 @@ def test_descriptions_of_devices_are_no_errors() -> None:
     text = (FIXTURES / "codesys" / "device_export.xml").read_bytes().decode("utf-8-sig")
     place = text.index("<addData>", text.index("<resource")) + len("<addData>")
     data = (text[:place] + DEVICE + text[place:]).encode()
-    assert [str(found) for found in validate(data) if found.severity == "error"] == []
+    assert [str(found) for found in validate_codesys(data) if found.severity == "error"] == []
     loaded = sfc.loads(data)
     assert loaded.diagnostics == ()
     assert sfc.dumps(loaded) == data

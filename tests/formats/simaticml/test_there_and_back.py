@@ -9,7 +9,7 @@ import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.model.compare import differences
 from tests.samples import FIXTURES
 
@@ -25,7 +25,7 @@ def plc() -> m.Project:
 @pytest.mark.parametrize("form", FORMATS)
 def test_what_is_written_is_valid(plc: m.Project, form: str) -> None:
     assert [
-        d for d in validate(sfc.dumps(plc, format=form, partial=True), file="plc.xml") if d.severity == "error"
+        d for d in validate_tc6(sfc.dumps(plc, format=form, partial=True), file="plc.xml") if d.severity == "error"
     ] == []
 
 
@@ -69,7 +69,7 @@ STL = """<Document><Engineering version="V20" /><SW.Blocks.FC ID="0"><AttributeL
 def test_a_body_that_nobody_else_knows_is_carried(form: str) -> None:
     project = sfc.loads(STL.encode())
     data = sfc.dumps(project, format=form, partial=True)
-    assert [d for d in validate(data) if d.severity == "error"] == []
+    assert [d for d in validate_tc6(data) if d.severity == "error"] == []
     back = sfc.loads(sfc.dumps(sfc.loads(data, format=form), format="simaticml"))
     (old,), (new,) = project.pous[0].bodies, back.pous[0].bodies
     assert isinstance(old, m.OpaqueBody)
@@ -87,7 +87,7 @@ def test_networks_that_count_their_elements_anew_stay_apart_on_one_sheet(form: s
     body = m.FbdBody(networks=[network("a"), network("b")])
     pou = m.Pou(name="Block", kind=m.PouKind.FUNCTION_BLOCK, bodies=[body])
     data = sfc.dumps(m.Project(pous=[pou]), format=form)
-    assert [d for d in validate(data) if d.severity == "error"] == []
+    assert [d for d in validate_tc6(data) if d.severity == "error"] == []
     ids = re.findall(r'localId="(\d+)"', data.decode("utf-8-sig"))
     assert len(ids) >= 4
     assert len(set(ids)) == len(ids)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.plcopen.schema import validate
+from plcopen_sfc.formats.plcopen.tc6_versions import validate_tc6
 from plcopen_sfc.formats.xml.extension_data import KEPT_MARKUP, Markup, exchange, markup_of
 from plcopen_sfc.model.base import Carried, ForeignData
 from tests.samples import FIXTURES, accepting
@@ -53,7 +53,7 @@ def test_what_is_carried_comes_back_through_simaticml(source: str) -> None:
     assert contents(there) == contents(project)
     data = sfc.dumps(there, format="codesys", partial=True)
     assert f"{KEPT_MARKUP}:tc6".encode() not in data
-    assert [d for d in validate(data) if d.severity == "error"] == []
+    assert [d for d in validate_tc6(data) if d.severity == "error"] == []
     assert contents(sfc.loads(data)) == contents(project)
 
 
@@ -70,7 +70,7 @@ def test_what_tia_portal_adds_to_a_project_of_others_is_no_markup_of_theirs(form
     assert f"{KEPT_MARKUP}:simaticml" in away
     other = sfc.dumps(edited, format=form, partial=True)
     if form.startswith(("codesys", "plcopen")):
-        assert [d for d in validate(other) if d.severity == "error"] == []
+        assert [d for d in validate_tc6(other) if d.severity == "error"] == []
     back = sfc.loads(other, format=form.partition("-")[0] if form.startswith("plcopen") else form)
     assert contents(edited, put_away=True) == contents(back, put_away=True)
     assert sfc.dumps(back, format="simaticml", partial=True).count(AUTHOR) == 1

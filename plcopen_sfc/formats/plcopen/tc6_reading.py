@@ -1,12 +1,18 @@
-"""What all readers of TC6 elements share: dispatch by name, attribute values, texts, and what must be carried.
+"""Reading TC6 elements: dispatch by name, attribute values, texts, and extension data.
 
 Readers turn elements into plain dictionaries of model fields; the whole project is validated into the model at the
 end, in one go, which is several times faster than building object by object. A reader takes attributes out of a
-dictionary one by one: what is left in it at the end is not known, and is carried. The same holds for child elements.
+dictionary one by one: what is left in it at the end is not known, and is kept as extension data. The same holds for
+child elements.
+
+What TC6 has no place for is in data under a name of this package, in 1.01 in XML comments:
+``<data name="urn:plcopen-sfc:fields"><fields><field name="max_time">"T#5s"</field></fields></data>`` are fields of the
+model object that belongs to the element, each as JSON.
 """
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -15,15 +21,17 @@ from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
-from plcopen_sfc.formats.xml.extension_data import inner_markup, markup
+from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
+from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, inner_markup, markup
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines
+from plcopen_sfc.model.actions import Qualifier
+from plcopen_sfc.model.drawing import StepActionKind
 from plcopen_sfc.model.sfc import SfcNetwork
 
 Fields = dict[str, Any]
 """Fields of a model object that is being read."""
 
-DataReader = Callable[["ReadContext", etree._Element, Fields, str], bool]
+DataReader = Callable[["Tc6ReadContext", etree._Element, Fields, str], bool]
 """Reads one ``addData/data`` element into the fields of its owner (an element of the given local name).
 
 Returns False where it does not understand the content; the data is then carried.
@@ -37,10 +45,10 @@ class UnreadChart:
 
     `late` are fields that other elements say of the chart, `edited` the added actions and transition objects of its POU
     that somebody has changed, `executed` those that the chart executes all the same
-    (`plcopen_sfc.formats.plcopen.rewritten`). `ahead` is the chart where it had to be read at once.
+    (`plcopen_sfc.formats.plcopen.source_marks`). `ahead` is the chart where it had to be read at once.
     """
 
-    def __init__(self, ctx: ReadContext, element: etree._Element) -> None:
+    def __init__(self, ctx: Tc6ReadContext, element: etree._Element) -> None:
         self.ctx = ctx
         self.element = element
         self.place = list(ctx.place)
@@ -78,7 +86,7 @@ def merge(fields: Fields, found: Fields) -> None:
             fields[name] = value
 
 
-class ReadContext:
+class Tc6ReadContext:
     """State of reading one file: its version, the findings so far, and who understands which foreign data."""
 
     def __init__(
@@ -101,7 +109,7 @@ class ReadContext:
         """Whether the tool exports no layout."""
         self.diagnostics: list[Diagnostic] = []
         self.comment_reader: DataReader | None = None
-        self.finish_chart: Callable[[ReadContext, Fields], None] | None = None
+        self.finish_chart: Callable[[Tc6ReadContext, Fields], None] | None = None
         self.pous: list[Fields] = []
         self.data_types: list[Fields] = []
         self.global_variables: list[Fields] = []
@@ -163,7 +171,7 @@ def neutral(content: str, version: Tc6Version) -> str:
 NEUTRAL = "tc6"
 
 
-def carry_element(ctx: ReadContext, fields: Fields, element: etree._Element) -> None:
+def carry_element(ctx: Tc6ReadContext, fields: Fields, element: etree._Element) -> None:
     """Keep a child element that no reader knows, and say so. Comments stay in the file only."""
     if not isinstance(element.tag, str):
         if ctx.comment_reader is not None:
@@ -173,7 +181,7 @@ def carry_element(ctx: ReadContext, fields: Fields, element: etree._Element) -> 
     ctx.warn("XML201", f"<{etree.QName(element).localname}> is not expected here; it is kept as it is", element)
 
 
-def read_common(ctx: ReadContext, fields: Fields, element: etree._Element, local: str | None, owner: str) -> None:
+def read_common(ctx: Tc6ReadContext, fields: Fields, element: etree._Element, local: str | None, owner: str) -> None:
     """Read a child that every element may have: ``addData``, ``documentation``; carry anything else."""
     if local == "addData":
         read_foreign_data(ctx, fields, element, owner)
@@ -192,7 +200,7 @@ def all_languages(texts: dict[str, str]) -> str:
     return "\n".join(map(str, texts.values()))
 
 
-def read_foreign_data(ctx: ReadContext, fields: Fields, add_data: etree._Element, owner: str) -> None:
+def read_foreign_data(ctx: Tc6ReadContext, fields: Fields, add_data: etree._Element, owner: str) -> None:
     """Read ``addData``: what somebody understands goes into the fields, the rest is carried."""
     for data in add_data:
         if ctx.tags.get(data.tag) != "data":
@@ -209,7 +217,7 @@ def read_foreign_data(ctx: ReadContext, fields: Fields, add_data: etree._Element
         carried(fields)["data"].append({"name": name, "rule": rule, "content": inner_markup(data)})
 
 
-def read_text(ctx: ReadContext, element: etree._Element) -> str | Fields:
+def read_text(ctx: Tc6ReadContext, element: etree._Element) -> str | Fields:
     """Read ``formattedText``: a plain string where it is one XHTML element without markup, else text and markup."""
     children = list(element)
     if len(children) == 1 and not len(children[0]) and children[0].tag == ctx.text_element and not children[0].attrib:
@@ -220,7 +228,7 @@ def read_text(ctx: ReadContext, element: etree._Element) -> str | Fields:
     return {"text": "".join(str(t) for e in of for t in e.itertext()), "markup": inner_markup(element)}
 
 
-def read_code(ctx: ReadContext, element: etree._Element) -> tuple[str, str | None]:
+def read_code(ctx: Tc6ReadContext, element: etree._Element) -> tuple[str, str | None]:
     """Read the program text of ``ST`` or ``IL``: the text, and the markup where it is not one plain element."""
     text = read_text(ctx, element)
     if isinstance(text, str):
@@ -255,7 +263,7 @@ def read_point(element: etree._Element) -> tuple[float, float] | None:
     return None if x is None or y is None or first != "x" or second != "y" else (x, y)
 
 
-def take_number(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> float | None:
+def take_number(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> float | None:
     """Take a decimal attribute. A damaged one is left, and so carried, with a warning."""
     text = left.get(name)
     if text is None:
@@ -268,7 +276,7 @@ def take_number(ctx: ReadContext, element: etree._Element, left: dict[str, str],
     return value
 
 
-def take_integer(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
+def take_integer(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> int | None:
     """Take a whole, non-negative number. A damaged one is left, and so carried, with a warning."""
     text = left.get(name)
     if text is None:
@@ -281,7 +289,7 @@ def take_integer(ctx: ReadContext, element: etree._Element, left: dict[str, str]
     return int(stripped)
 
 
-def take_flag(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> bool:
+def take_flag(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> bool:
     """Take a Boolean attribute that is false by default."""
     text = left.get(name)
     if text is None:
@@ -294,7 +302,7 @@ def take_flag(ctx: ReadContext, element: etree._Element, left: dict[str, str], n
 
 
 def take_choice(
-    ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str, choices: Iterable[str]
+    ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str, choices: Iterable[str]
 ) -> str | None:
     """Take an attribute that has one of `choices`. Another value is left, and so carried, with a warning.
 
@@ -315,10 +323,55 @@ def take_choice(
     return text
 
 
-def take_required(ctx: ReadContext, element: etree._Element, left: dict[str, str], name: str) -> str:
+def take_required(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], name: str) -> str:
     """Take an attribute that the schema requires; an empty one stands in for a missing one, with a warning."""
     text = left.pop(name, None)
     if text is None:
         ctx.warn("XML204", f"<{etree.QName(element).localname}> has no {name}", element)
         return ""
     return text
+
+
+FIELDS_DATA = "urn:plcopen-sfc:fields"
+STEP_ACTION_FIELD = "step_action"
+"""At an association: the step action that it stands for."""
+STEP_ACTION_QUALIFIERS = {
+    StepActionKind.ENTRY: Qualifier.P1,
+    StepActionKind.MAIN: Qualifier.N,
+    StepActionKind.EXIT: Qualifier.P0,
+}
+"""The qualifier that does what a step action does (IEC 61131-3 ed. 3, table 59)."""
+APPLICATION_FIELD = "application"
+"""At a configuration: it only holds an application."""
+SCHEDULE_FIELD = "schedule"
+"""At a task: when it runs as the source says it, and what was written for that."""
+INSTANCE_FIELD = "instance"
+"""At a program instance: its name and type in the source, and what was written for them."""
+SHARED_FIELD = "shared_ids"
+"""At a transition below a convergence of steps: the ids of the transitions that it stands for."""
+
+
+def read_fields(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """Put our own data back into the fields of the element's object."""
+    found: Fields = {}
+    for entry in data.iterfind(f"{{{FIELDS_DATA}}}fields/{{{FIELDS_DATA}}}field"):
+        try:
+            found[entry.get("name", "")] = json.loads(entry.text or "")
+        except json.JSONDecodeError as error:
+            ctx.warn("XML208", f"carried field {entry.get('name')!r} is damaged: {error}", entry, owner)
+            return False
+    merge(fields, found)
+    return True
+
+
+def read_comment(ctx: Tc6ReadContext, comment: etree._Element, fields: Fields, owner: str) -> bool:
+    """Put fields back that stand in an XML comment; False where the comment is not one of ours."""
+    text = comment.text or ""
+    if not isinstance(comment, etree._Comment) or not text.startswith(COMMENT_MARK):
+        return False
+    try:
+        merge(fields, json.loads(text.removeprefix(COMMENT_MARK)))
+    except (ValueError, AttributeError) as error:
+        ctx.warn("XML208", f"carried fields are damaged: {error}", comment, owner)
+        return False
+    return True

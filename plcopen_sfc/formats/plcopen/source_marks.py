@@ -1,6 +1,6 @@
-"""What is written instead of what the source says, and how the source comes back.
+"""SourceMarks by which the source comes back where something else is written instead of it.
 
-A chart of another tool may say what TC6 has no element for: an interlock, an event, a value. Where statements say the
+A chart of another tool may hold what TC6 has no element for: an interlock, an event, a value. Where statements do the
 same, they are written in place of it, and the element keeps the source in extension data, with a digest of what was
 written. A reader puts the source back as long as the digest fits; after an edit the statements count.
 """
@@ -12,7 +12,7 @@ import json
 from collections.abc import Callable, Container, Iterable, Mapping
 from typing import Any
 
-from plcopen_sfc.formats.plcopen.reading import Fields
+from plcopen_sfc.formats.plcopen.tc6_reading import Fields
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.body import StBody
@@ -29,7 +29,7 @@ TEXTS_FIELD = "texts"
 NO_RESULT_FIELD = "no_result"
 """At an interface: the section in which S7 says that a function has no result, and its place."""
 
-Marks = dict[int, dict[str, Any]]
+SourceMarks = dict[int, dict[str, Any]]
 """What to keep at objects of a project, by their `id()`."""
 
 STEP_FIELDS = ("actions", "entry_action", "main_action", "exit_action")

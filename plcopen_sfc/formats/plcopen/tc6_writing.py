@@ -1,8 +1,8 @@
-"""What all writers of TC6 elements share: elements in the right namespace, texts, numbers, and what is carried.
+"""Writing TC6 elements: elements in the right namespace, texts, numbers, and extension data.
 
-A writer says which fields of an object it writes natively. Whatever else the object holds is carried: as foreign data
-under our own name where the version has a place for it (TC6 2.0 on), as an XML comment in 1.01. Nothing can be
-forgotten that way, and each carried field is in the report.
+A writer names the fields of an object that it writes natively. Whatever else the object holds becomes extension data:
+foreign data under a name of this package where the version has a place for it (TC6 2.0 on), an XML comment in 1.01. So
+nothing can be forgotten, and each such field is in the report.
 """
 
 from __future__ import annotations
@@ -16,9 +16,8 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.plcopen.carrying import FIELDS_DATA
-from plcopen_sfc.formats.plcopen.reading import NEUTRAL, all_languages
-from plcopen_sfc.formats.plcopen.versions import XHTML, Tc6Version
+from plcopen_sfc.formats.plcopen.tc6_reading import FIELDS_DATA, NEUTRAL, all_languages
+from plcopen_sfc.formats.plcopen.tc6_versions import XHTML, Tc6Version
 from plcopen_sfc.formats.xml.extension_data import COMMENT_MARK, Markup, add_markup, fields_left, legal_text, markup_of
 from plcopen_sfc.languages.declarations.kept import kept
 from plcopen_sfc.languages.standard_blocks import Tool
@@ -36,7 +35,7 @@ _IDS = re.compile(rb"<!--" + COMMENT_MARK.encode() + rb' ?\{"(?:id|entries)"')
 
 
 @dataclass(frozen=True)
-class Dialect:
+class Tc6Dialect:
     """How one tool or family of tools writes TC6 XML.
 
     `data_writer` gives the tool's own data of an object (its fields in `native_fields` need no carrying then, nor do
@@ -54,16 +53,16 @@ class Dialect:
     lacks: dict[str, str] = field(default_factory=dict)
     native_fields: dict[str, frozenset[str]] = field(default_factory=dict)
     native_texts: frozenset[str] = frozenset()
-    data_writer: Callable[[WriteContext, Model, str], Iterable[Written]] | None = None
+    data_writer: Callable[[Tc6WriteContext, Model, str], Iterable[Written]] | None = None
     data_rank: dict[str, int] = field(default_factory=dict)
 
 
-class WriteContext:
+class Tc6WriteContext:
     """State of writing one project: the dialect, the report, and where we are."""
 
     def __init__(
         self,
-        dialect: Dialect,
+        dialect: Tc6Dialect,
         report: ConversionReport,
         project: Project,
         options: WriteOptions,
@@ -112,13 +111,13 @@ class WriteContext:
 
 
 def sub(
-    ctx: WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None
+    ctx: Tc6WriteContext, parent: etree._Element, name: str, attributes: dict[str, str] | None = None
 ) -> etree._Element:
     """A new child of `parent`, in the TC6 namespace."""
     return etree.SubElement(parent, ctx.names[name], attributes or {})
 
 
-def write_text(ctx: WriteContext, parent: etree._Element, name: str, text: Text | None) -> None:
+def write_text(ctx: Tc6WriteContext, parent: etree._Element, name: str, text: Text | None) -> None:
     """Write ``formattedText`` as child `name` of `parent`; nothing for None."""
     if text is None:
         return
@@ -131,13 +130,13 @@ def write_text(ctx: WriteContext, parent: etree._Element, name: str, text: Text 
         xhtml_child(ctx, element).text = legal_text(text)
 
 
-def xhtml_child(ctx: WriteContext, parent: etree._Element) -> etree._Element:
+def xhtml_child(ctx: Tc6WriteContext, parent: etree._Element) -> etree._Element:
     """The element that holds the text of ``formattedText``."""
     tag = f"{{{XHTML}}}{ctx.dialect.text_element}"
     return etree.SubElement(parent, tag, nsmap=None if ctx.dialect.declares_xhtml else {None: XHTML})  # type: ignore[dict-item]
 
 
-def write_code(ctx: WriteContext, parent: etree._Element, text: str, markup: str | None) -> None:
+def write_code(ctx: Tc6WriteContext, parent: etree._Element, text: str, markup: str | None) -> None:
     """Write program text into ``ST`` or ``IL``: with its markup as long as that still says the same.
 
     Old versions of Beremiz wrote the text into ``ST`` itself; it stays there in files of that version only.
@@ -159,7 +158,7 @@ def decimal(value: float) -> str:
     return str(int(value)) if float(value).is_integer() else format(value, ".15f").rstrip("0").rstrip(".")
 
 
-def write_point(ctx: WriteContext, parent: etree._Element, name: str, point: tuple[float, float]) -> None:
+def write_point(ctx: Tc6WriteContext, parent: etree._Element, name: str, point: tuple[float, float]) -> None:
     """Write ``position`` or ``relPosition``."""
     sub(ctx, parent, name, {"x": decimal(point[0]), "y": decimal(point[1])})
 
@@ -169,7 +168,7 @@ def boolean(value: bool) -> str:
     return "true" if value else "false"
 
 
-def add_unknown(ctx: WriteContext, element: etree._Element, carried: Carried | None) -> None:
+def add_unknown(ctx: Tc6WriteContext, element: etree._Element, carried: Carried | None) -> None:
     """Write back the attributes and child elements that the reader did not know. Before ``addData``."""
     if carried is None:
         return
@@ -181,7 +180,7 @@ def add_unknown(ctx: WriteContext, element: etree._Element, carried: Carried | N
 
 
 def finish(
-    ctx: WriteContext,
+    ctx: Tc6WriteContext,
     element: etree._Element,
     thing: Model,
     owner: str,
@@ -240,7 +239,7 @@ def finish(
 _WITHOUT_DATA = frozenset({"parameter"})
 """Elements without ``addData`` in every version of TC6: what they carry stands in an XML comment."""
 _REWRITTEN = frozenset({"step", "transition", "action"})
-"""Elements whose exclusion from the build `plcopen_sfc.formats.plcopen.rewriting` has seen to."""
+"""Elements whose exclusion from the build `plcopen_sfc.formats.plcopen.project_rewriting` has seen to."""
 _WHY = {"priority": "CODESYS tries transitions from left to right, and they stand in that order"}
 """Fields for which TC6 has a place that not all of its tools read."""
 _CHANGES = {
@@ -252,7 +251,7 @@ _CHANGES = {
 """Fields that are kept as extension data, but without which a machine does something else."""
 
 
-def data_left(ctx: WriteContext, carried: Carried | None) -> dict[str, Any]:
+def data_left(ctx: Tc6WriteContext, carried: Carried | None) -> dict[str, Any]:
     """The data of other tools at an object that has no ``addData``, as a field to carry."""
     data = carried.data if carried is not None and ctx.takes_markup else []
     return {"carried": Carried(data=data).model_dump(mode="json", exclude_defaults=True)} if data else {}
@@ -263,7 +262,7 @@ def _label(name: str) -> str:
 
 
 def _add_data(
-    ctx: WriteContext,
+    ctx: Tc6WriteContext,
     element: etree._Element,
     written: list[Written],
     carried: Carried | None,
@@ -289,7 +288,7 @@ def _add_data(
             data.append(content)
 
 
-def _merged(ctx: WriteContext, data: ForeignData, written: set[str]) -> bool:
+def _merged(ctx: Tc6WriteContext, data: ForeignData, written: set[str]) -> bool:
     """Whether the dialect has put carried data into its own data already."""
     texts = kept(Carried(data=[data]))
     if texts:
@@ -304,3 +303,8 @@ def fields_element(left: dict[str, Any]) -> etree._Element:
         entry = etree.SubElement(holder, f"{{{FIELDS_DATA}}}field", {"name": name})
         entry.text = legal_text(json.dumps(value, ensure_ascii=False))
     return holder
+
+
+def given_attributes(pairs: Iterable[tuple[str, str | None]]) -> dict[str, str]:
+    """Return the attributes that have a value."""
+    return {name: value for name, value in pairs if value is not None}

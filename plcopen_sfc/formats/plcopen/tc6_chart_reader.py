@@ -1,4 +1,7 @@
-"""Reads the elements of ``SFC`` bodies. `chart_meaning` makes a chart of them; the writer is `chart_writer`."""
+"""Reader of the elements of ``SFC`` bodies.
+
+`tc6_chart_meaning` makes a chart of them; the writer is `tc6_chart_writer`.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,13 @@ from collections.abc import Callable
 
 from lxml import etree
 
-from plcopen_sfc.formats.plcopen.carrying import SHARED_FIELD
-from plcopen_sfc.formats.plcopen.chart_meaning import DrawnChart, Line
-from plcopen_sfc.formats.plcopen.logic_reader import (
-    read_connection,
-    read_geometry,
-    read_input,
-    read_node,
-    read_output,
-)
-from plcopen_sfc.formats.plcopen.reading import (
+from plcopen_sfc.formats.plcopen.tc6_chart_meaning import DrawnChart, Line
+from plcopen_sfc.formats.plcopen.tc6_networks import read_node
+from plcopen_sfc.formats.plcopen.tc6_pins import read_connection, read_geometry, read_input, read_output
+from plcopen_sfc.formats.plcopen.tc6_reading import (
+    SHARED_FIELD,
     Fields,
-    ReadContext,
+    Tc6ReadContext,
     attributes,
     carry_attributes,
     carry_element,
@@ -43,13 +41,13 @@ BARS = {
     )
 }
 
-BodyReader = Callable[[ReadContext, etree._Element], "Fields | None"]
+BodyReader = Callable[[Tc6ReadContext, etree._Element], "Fields | None"]
 
 
-class ChartReader:
+class Tc6ChartReader:
     """Reads one chart. `read_body` reads the bodies inside it (inline actions and conditions, macro-steps)."""
 
-    def __init__(self, ctx: ReadContext, read_body: BodyReader) -> None:
+    def __init__(self, ctx: Tc6ReadContext, read_body: BodyReader) -> None:
         self.ctx = ctx
         self.read_body = read_body
         self.drawn = DrawnChart(ctx)
@@ -281,12 +279,12 @@ class ChartReader:
         return association, entry, local_id
 
 
-_SYMBOLS: dict[str | None, Callable[[ChartReader, etree._Element], None]] = {
-    "step": ChartReader.read_step,
-    "macroStep": ChartReader.read_macro_step,
-    "transition": ChartReader.read_transition,
-    "jumpStep": ChartReader.read_jump,
-    "actionBlock": ChartReader.read_action_block,
+_SYMBOLS: dict[str | None, Callable[[Tc6ChartReader, etree._Element], None]] = {
+    "step": Tc6ChartReader.read_step,
+    "macroStep": Tc6ChartReader.read_macro_step,
+    "transition": Tc6ChartReader.read_transition,
+    "jumpStep": Tc6ChartReader.read_jump,
+    "actionBlock": Tc6ChartReader.read_action_block,
 }
 
 
@@ -296,7 +294,7 @@ def _hand_over(thing: Fields, symbol: Fields) -> None:
         symbol["execution_order"] = thing.pop("execution_order")
 
 
-def _read_place(ctx: ReadContext, symbol: Fields, child: etree._Element, local: str | None) -> bool:
+def _read_place(ctx: Tc6ReadContext, symbol: Fields, child: etree._Element, local: str | None) -> bool:
     """Read what every symbol may have: its position, and the pins that the flow runs through."""
     if local == "position":
         point = read_point(child)

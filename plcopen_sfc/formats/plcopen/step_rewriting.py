@@ -1,8 +1,8 @@
 """Rows and step actions that a tool has no element for, as statements that do the same.
 
-Action associations of IEC 61131-3 know no interlock, no event and no value. Where structured text says the same, it
+Action associations of IEC 61131-3 know no interlock, no event and no value. Where structured text does the same, it
 takes their place: an action with qualifier N that acts while its step is active, one that is executed once when it
-becomes active, and one when it was left. What cannot be said so is left out and reported as not executed, never
+becomes active, and one when it was left. What cannot be written so is left out and reported as not executed, never
 written without its condition.
 
 The rules are those of `plcopen_sfc.semantics.charts.graph`, and the tests compare both scan by scan.
@@ -14,8 +14,8 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from plcopen_sfc.formats.plcopen.host import Rewriting, guarded, term
-from plcopen_sfc.formats.plcopen.rewritten import STEP_FIELDS, added_part, rewritten_step
+from plcopen_sfc.formats.plcopen.chart_hosts import ChartRewriting, guarded, term
+from plcopen_sfc.formats.plcopen.source_marks import STEP_FIELDS, added_part, rewritten_step
 from plcopen_sfc.model.actions import ActionAssociation, ActionEvent, ActionKind, Qualifier
 from plcopen_sfc.model.body import Body, SfcBody, StBody
 from plcopen_sfc.model.pou import Action
@@ -103,7 +103,7 @@ class _Rows:
 class StepRewriter:
     """Rewrites the steps of a chart."""
 
-    def __init__(self, rewriting: Rewriting) -> None:
+    def __init__(self, rewriting: ChartRewriting) -> None:
         self._rewriting = rewriting
         self._host = rewriting.host
         self._chart = rewriting.chart.chart

@@ -3,7 +3,7 @@
 These tools keep whole POUs, data types and variable lists in `addData`, where the schema of TC6 lets anything pass;
 exports of TwinCAT hold nothing else. Here they are checked where they stand, as if they stood in `types/pous`.
 
-Codes: those of `plcopen_sfc.formats.plcopen.schema`, and
+Codes: those of `plcopen_sfc.formats.plcopen.tc6_versions`, and
 
 ======  ==============================================================
 XSD020  foreign data does not hold what its name says
@@ -15,22 +15,21 @@ XSD022  the value of an attribute of a chart element is none it can have
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
-from plcopen_sfc.formats.codesys import names
-from plcopen_sfc.formats.plcopen.schema import tc6_version
+from plcopen_sfc.formats.codesys import codesys_names as names
+from plcopen_sfc.formats.plcopen.tc6_versions import tc6_version
 from plcopen_sfc.formats.xml.schema_validation import MAX_FINDINGS, element_path, findings
 from plcopen_sfc.formats.xml.xml_parsing import SourceLines, parse
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-from functools import lru_cache
 
-__all__ = ["validate"]
 
 _OF_TC6 = {"application": "resource", "pou": "pou", "datatype": "dataType", "globalvars": "globalVars"}
 _OF_VENDOR = {
@@ -81,7 +80,7 @@ _VALUES = {
 }
 
 
-def validate(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
+def validate_codesys(data: bytes, *, file: str | None = None) -> list[Diagnostic]:
     """What is wrong with a PLCopen XML file of CODESYS or TwinCAT, foreign data included; empty for a valid one.
 
     Deviations from TC6 are errors, in hidden POUs as well. Deviations in the vendor's own elements are warnings: there

@@ -1,4 +1,4 @@
-"""Writes ``SFC`` bodies. The reader is `chart_reader`.
+"""Writer of ``SFC`` bodies. The reader is `tc6_chart_reader`.
 
 A chart that is written has a drawing that fits it; `plcopen_sfc.drawing` sees to that before a writer is called.
 """
@@ -11,16 +11,10 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.errors import ModelError
-from plcopen_sfc.formats.plcopen.carrying import SHARED_FIELD, STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
-from plcopen_sfc.formats.plcopen.logic_writer import (
-    geometry,
-    is_known,
-    write_connection,
-    write_input,
-    write_node,
-    write_output,
-)
-from plcopen_sfc.formats.plcopen.writing import WriteContext, add_unknown, boolean, finish, sub, write_point
+from plcopen_sfc.formats.plcopen.tc6_networks import is_known, write_node
+from plcopen_sfc.formats.plcopen.tc6_pins import geometry, write_connection, write_input, write_output
+from plcopen_sfc.formats.plcopen.tc6_reading import SHARED_FIELD, STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, add_unknown, boolean, finish, sub, write_point
 from plcopen_sfc.formats.xml.extension_data import fields_left
 from plcopen_sfc.model.actions import ActionAssociation, Qualifier
 from plcopen_sfc.model.body import Body, StBody
@@ -30,7 +24,7 @@ from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.sfc import SfcNetwork, Step, Transition
 from plcopen_sfc.report import Outcome
 
-BodyWriter = Callable[[WriteContext, etree._Element, str, Body, dict[str, str]], None]
+BodyWriter = Callable[[Tc6WriteContext, etree._Element, str, Body, dict[str, str]], None]
 
 _STEP = frozenset({"id", "name", "initial", "actions", "negated"})
 _TRANSITION = frozenset({"id", "sources", "targets", "condition", "priority"})
@@ -42,10 +36,10 @@ _ASSOCIATION = frozenset({"id", "target", "body", "duration", "indicator", "nega
 _TC6_QUALIFIERS = frozenset({"P1", "N", "P0", "R", "S", "L", "D", "P", "DS", "DL", "SD", "SL"})
 
 
-class ChartWriter:
+class Tc6ChartWriter:
     """Writes one chart. `write_body` writes the bodies inside it."""
 
-    def __init__(self, ctx: WriteContext, chart: SfcNetwork, write_body: BodyWriter) -> None:
+    def __init__(self, ctx: Tc6WriteContext, chart: SfcNetwork, write_body: BodyWriter) -> None:
         self.ctx = ctx
         self.chart = chart
         self.write_body = write_body

@@ -1,6 +1,6 @@
-"""What the symbols of a chart mean, once all are read: its steps, transitions, conditions, and what is wrong.
+"""Meaning of the symbols of a chart, once all are read: its steps, transitions, conditions, and its errors.
 
-`chart_reader` fills a `DrawnChart` element by element; `DrawnChart.interpret` makes the fields of the chart of it.
+`tc6_chart_reader` fills a `DrawnChart` element by element; `DrawnChart.interpret` makes the fields of the chart of it.
 """
 
 from __future__ import annotations
@@ -10,9 +10,15 @@ from typing import Any
 from lxml import etree
 
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.formats.plcopen.carrying import STEP_ACTION_FIELD, STEP_ACTION_QUALIFIERS
-from plcopen_sfc.formats.plcopen.logic_reader import IdKeeper
-from plcopen_sfc.formats.plcopen.reading import Fields, ReadContext, carried, neutral
+from plcopen_sfc.formats.plcopen.tc6_pins import IdKeeper
+from plcopen_sfc.formats.plcopen.tc6_reading import (
+    STEP_ACTION_FIELD,
+    STEP_ACTION_QUALIFIERS,
+    Fields,
+    Tc6ReadContext,
+    carried,
+    neutral,
+)
 from plcopen_sfc.formats.xml.extension_data import markup
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.drawing import Places, StepActionKind, SymbolKind
@@ -27,7 +33,7 @@ _NOTHING: Fields = {}
 class DrawnChart:
     """The symbols of one chart as they were read, with wires and names not yet followed."""
 
-    def __init__(self, ctx: ReadContext) -> None:
+    def __init__(self, ctx: Tc6ReadContext) -> None:
         self.ctx = ctx
         self.ids = IdKeeper(ctx)
         self.chart: Fields = {}

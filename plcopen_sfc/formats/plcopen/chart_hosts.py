@@ -1,11 +1,11 @@
-"""What the charts of a tool can say, and how conditions of others read there."""
+"""Abilities of the charts of a tool, and conditions of other tools in its terms."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.plcopen.rewritten import Marks
+from plcopen_sfc.formats.plcopen.source_marks import SourceMarks
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.networks import condition_reader
 from plcopen_sfc.languages.st import print_node
@@ -19,7 +19,7 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 
 @dataclass(frozen=True)
-class Host:
+class ChartHost:
     """What the charts of a tool can say.
 
     `title` is what reports call it. `is_codesys`: associations take an action of the POU by its name, steps have entry,
@@ -44,20 +44,20 @@ class Host:
         return f"{step.name}.{'t' if self.is_codesys else 'T'}"
 
 
-CODESYS = Host("CODESYS", is_codesys=True)
-TC6 = Host("TC6", is_codesys=False)
+CODESYS_CHARTS = ChartHost("CODESYS", is_codesys=True)
+TC6_CHARTS = ChartHost("TC6", is_codesys=False)
 
 
 @dataclass(eq=False)
-class Rewriting:
+class ChartRewriting:
     """A chart that is being rewritten: where, what it was in the source, for whom, and what is known of it."""
 
     chart: Chart
     source: SfcNetwork
-    host: Host
+    host: ChartHost
     options: WriteOptions
     report: ConversionReport
-    marks: Marks
+    marks: SourceMarks
     taken: set[str]
     _interlocks: dict[int, str | None] = field(default_factory=dict)
 

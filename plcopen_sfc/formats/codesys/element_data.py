@@ -1,0 +1,466 @@
+"""Data that CODESYS and TwinCAT add to charts and to elements of charts and networks, read and written.
+
+Each reader takes one ``addData/data`` element into the fields of its owner. It returns False, and leaves the data to be
+kept as extension data, where it does not understand all of it.
+"""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from typing import Any
+
+from lxml import etree
+
+from plcopen_sfc.formats.codesys import codesys_names as names
+from plcopen_sfc.formats.plcopen.tc6_reading import Fields, Tc6ReadContext, carried
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, Written
+from plcopen_sfc.formats.xml.extension_data import legal_text, markup
+from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
+from plcopen_sfc.model.base import Carried, Model, UnknownDataRule
+from plcopen_sfc.model.body import SfcBody
+from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition
+from plcopen_sfc.model.drawing import Symbol, SymbolKind
+from plcopen_sfc.model.network import Block, BlockCall, VendorElement
+from plcopen_sfc.model.sfc import SfcFlag, SfcSettings, Step, Transition
+
+_FLAGS = {flag.value for flag in SfcFlag}
+
+
+def local_name(element: etree._Element) -> str:
+    """Return the tag of an element without its namespace; empty for a comment."""
+    return etree.QName(element).localname if isinstance(element.tag, str) else ""
+
+
+def only_child(data: etree._Element, name: str) -> etree._Element | None:
+    """Return the one child of `data`; None where it has another local name, or is not alone."""
+    return data[0] if len(data) == 1 and local_name(data[0]) == name else None
+
+
+def plain_child_text(data: etree._Element, name: str) -> str | None:
+    """The text of the one child of `data`, where that is all there is in it."""
+    child = only_child(data, name)
+    return None if child is None or len(child) or child.attrib else child.text or ""
+
+
+def read_element_attributes(ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``sfc/element``: the attributes of the SFC editor at a step, transition, branch, jump or association."""
+    table = only_child(data, "attributes")
+    if table is None:
+        return False
+    unknown: list[etree._Element] = []
+    for attribute in table:
+        guid = attribute.get("guid") if local_name(attribute) == "attribute" else None
+        raw = attribute.text or ""
+        value = raw.strip()
+        if (
+            guid is None
+            or len(attribute)
+            or len(attribute.attrib) != 1
+            or not _take_attribute(fields, owner, guid, value)
+        ):
+            unknown.append(attribute)
+        elif guid == names.COMMENT and not is_reformatted(raw):
+            fields["comment"] = raw
+        elif raw != value and guid != names.NAME:
+            unknown.append(attribute)
+        elif guid == names.NAME and owner == "transition":
+            # the condition is known only when the whole chart is: `finish_chart` compares the two
+            fields[_PENDING] = (raw, attribute)
+        elif guid == names.NAME and raw != _derived_name(fields, owner):
+            unknown.append(attribute)
+            _check_name(ctx, attribute, fields, owner, value)
+    if unknown:
+        _carry_attributes(fields, unknown, data.get("handleUnknown", "implementation"))
+    return True
+
+
+def _carry_attributes(fields: Fields, unknown: list[etree._Element], rule: str) -> None:
+    """Carry attributes of the SFC editor as a table of their own."""
+    table = etree.Element("attributes")
+    table.extend([copy.deepcopy(attribute) for attribute in unknown])
+    carried(fields)["data"].append({"name": names.SFC_ELEMENT, "rule": rule, "content": markup(table)})
+
+
+def is_reformatted(raw: str) -> bool:
+    """Whether a formatter of XML has put the end tag of a value on a line of its own. The tools never do."""
+    return bool(re.search(r"\n[ \t]+$", raw))
+
+
+def _take_attribute(fields: Fields, owner: str, guid: str, value: str) -> bool:
+    """Put one attribute into the fields; False where it is unknown or its value is."""
+    if guid == names.NAME:
+        if owner in ("selectionDivergence", "simultaneousDivergence"):
+            fields["name"] = value
+        return True
+    if guid == names.COMMENT:
+        fields["comment"] = value
+    elif guid in _TRUTHS:
+        if value not in ("TRUE", "FALSE"):
+            return False
+        if guid == names.EXCLUDE:
+            fields["exclude"] = value == "TRUE"
+        elif guid == names.DUPLICATION:
+            fields["duplicate"] = value == "TRUE"
+        elif guid == names.INITIAL:
+            return bool(fields.get("initial", False)) == (value == "TRUE")
+        else:
+            return (owner == "simultaneousDivergence") == (value == "TRUE")
+    elif guid in (names.SYMBOL, names.MONITORING):
+        choices = names.SYMBOL_VALUES if guid == names.SYMBOL else names.MONITORING_VALUES
+        if value not in map(str, range(len(choices))):
+            return False
+        fields["symbol" if guid == names.SYMBOL else "monitoring"] = choices[int(value)]
+    elif guid == names.QUALIFIER:
+        return " ".join(filter(None, (fields.get("qualifier", "N"), fields.get("duration")))) == value
+    elif owner == "step" and guid in _STEP_TEXTS:
+        fields[_STEP_TEXTS[guid]] = value
+    else:
+        return False
+    return True
+
+
+_TRUTHS = frozenset({names.EXCLUDE, names.DUPLICATION, names.INITIAL, names.PARALLEL})
+_STEP_TEXTS = {
+    names.MIN_TIME: "min_time",
+    names.MAX_TIME: "max_time",
+    names.MAIN_ACTION: "main_action",
+    names.ENTRY_ACTION: "entry_action",
+    names.EXIT_ACTION: "exit_action",
+}
+
+
+def _derived_name(fields: Fields, owner: str) -> str | None:
+    """What the Name attribute says, where the rest of the element says it too. None: the element says nothing."""
+    return fields.get("target" if owner == "action" else "name")
+
+
+def _check_name(ctx: Tc6ReadContext, attribute: etree._Element, fields: Fields, owner: str, value: str) -> None:
+    derived = _derived_name(fields, owner)
+    if derived is not None and derived.strip() != value:
+        ctx.warn(
+            "CDS101", f"the Name attribute says {value!r}, the element {derived!r}", attribute, f"{owner} {derived}"
+        )
+
+
+_PENDING = "name_attribute"
+
+
+def finish_chart(_ctx: Tc6ReadContext, chart: Fields) -> None:
+    """Compare the Name attribute of each transition with its condition; carry it where it is written differently."""
+    for transition in chart["transitions"]:
+        raw, attribute = transition.pop(_PENDING, (None, None))
+        condition = transition.get("condition") or {}
+        if attribute is not None and raw != condition.get("text", condition.get("name", "")):
+            _carry_attributes(transition, [attribute], "implementation")
+
+
+_SYMBOLS = {SymbolAccess(value): str(i) for i, value in enumerate(names.SYMBOL_VALUES)}
+_MONITORINGS = {Monitoring(value): str(i) for i, value in enumerate(names.MONITORING_VALUES)}
+
+
+@lru_cache(maxsize=32)
+def core_version(product_version: str) -> tuple[int, ...]:
+    """The version of the CODESYS core: ``CODESYS V3.5 SP14 Patch 1`` and TwinCAT's ``3.5.13.20`` as (3, 5, 14, 1)."""
+    match = re.search(r"V?(\d+)\.(\d+)(?:\s+SP(\d+))?(?:\s+Patch\s+(\d+))?((?:\.\d+)*)", product_version)
+    if match is None:
+        return ()
+    major, minor, pack, patch, rest = match.groups()
+    if rest:
+        return (int(major), int(minor), *map(int, rest.strip(".").split(".")))
+    return (int(major), int(minor), int(pack or 0), int(patch or 0))
+
+
+# -- chart elements ---------------------------------------------------------------------------------------------------
+
+
+def _truth(value: bool | None) -> str:
+    return "TRUE" if value else "FALSE"
+
+
+def _attribute_table(carried: Carried | None, pairs: list[tuple[str, str | None]]) -> etree._Element:
+    """The attribute table: `pairs` of GUID and value (None or empty: left out), and those that were carried."""
+    kept: dict[str, str] = {}
+    for data in carried.data if carried is not None else ():
+        if data.name == names.SFC_ELEMENT:
+            for attribute in etree.fromstring(data.content):
+                kept[attribute.get("guid", "")] = attribute.text or ""
+    table = etree.Element("attributes", nsmap={None: ""})  # type: ignore[dict-item]
+    for guid, value in pairs:
+        text = value or ""
+        if guid in kept:
+            raw = kept.pop(guid)
+            # the file has blanks around the value, or writes it in another way
+            unheard_of = text in ("0", "FALSE") and raw.strip() not in _MODEL_VALUES.get(guid, {raw.strip()})
+            text = raw if unheard_of or raw.split() == text.split() else text and padded(text, raw)
+        if text:
+            etree.SubElement(table, "attribute", guid=guid).text = legal_text(text)
+    for guid, raw in kept.items():
+        if guid not in _ALWAYS_WRITTEN:
+            etree.SubElement(table, "attribute", guid=guid).text = legal_text(raw)
+    return table
+
+
+_MODEL_VALUES = {
+    names.EXCLUDE: {"TRUE", "FALSE"},
+    names.DUPLICATION: {"TRUE", "FALSE"},
+    names.SYMBOL: set(_SYMBOLS.values()),
+    names.MONITORING: set(_MONITORINGS.values()),
+}
+"""The values that the model has a place for, of attributes that are carried where they have another."""
+
+
+def padded(text: str, raw: str) -> str:
+    """`text` with the blanks that stand around `raw` where a formatter has put the end tag on a line of its own."""
+    if not is_reformatted(raw):
+        return text
+    return raw[: len(raw) - len(raw.lstrip())] + text + raw[len(raw.rstrip()) :]
+
+
+_ALWAYS_WRITTEN = frozenset(
+    {names.NAME, names.EXCLUDE, names.SYMBOL, names.INITIAL, names.DUPLICATION, names.QUALIFIER, names.PARALLEL}
+)
+
+
+def _name_of(action: object) -> str | None:
+    return action if isinstance(action, str) else None
+
+
+def _modern(ctx: Tc6WriteContext, *version: int) -> bool:
+    """Whether the target tool's core is at least `version`; an unknown one is taken for the newest."""
+    core = core_version(ctx.project.header.version)
+    return not core or core >= version
+
+
+def _write_step(ctx: Tc6WriteContext, step: Step, _owner: str) -> Iterator[Written]:
+    duplicate = step.duplicate or _modern(ctx, 3, 5, 10)
+    table = _attribute_table(
+        step.carried,
+        [
+            (names.NAME, step.name),
+            (names.COMMENT, _comment(step.comment)),
+            (names.EXCLUDE, _truth(step.exclude)),
+            (names.SYMBOL, _SYMBOLS[step.symbol]),
+            (names.INITIAL, _truth(step.initial)),
+            (names.DUPLICATION, _truth(step.duplicate) if duplicate else None),
+            (names.MIN_TIME, step.min_time),
+            (names.MAX_TIME, step.max_time),
+            (names.MAIN_ACTION, _name_of(step.main_action)),
+            (names.ENTRY_ACTION, _name_of(step.entry_action)),
+            (names.EXIT_ACTION, _name_of(step.exit_action)),
+        ],
+    )
+    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, table
+
+
+def _comment(comment: object) -> str | None:
+    return comment if isinstance(comment, str) else getattr(comment, "text", None)
+
+
+def condition_text(transition: Transition) -> str:
+    """What the editor shows at a transition: the expression, or the name of the transition object."""
+    condition = transition.condition
+    if isinstance(condition, Expression):
+        return condition.text
+    if isinstance(condition, NamedCondition | BodyCondition):
+        return condition.name
+    return ""
+
+
+def _write_transition(ctx: Tc6WriteContext, transition: Transition, _owner: str) -> Iterator[Written]:
+    duplicate = transition.duplicate or _modern(ctx, 3, 5, 10)
+    monitoring = transition.monitoring is not Monitoring.NONE or _modern(ctx, 3, 5, 13)
+    table = _attribute_table(
+        transition.carried,
+        [
+            (names.NAME, condition_text(transition)),
+            (names.COMMENT, _comment(transition.comment)),
+            (names.EXCLUDE, _truth(transition.exclude)),
+            (names.SYMBOL, _SYMBOLS[transition.symbol]),
+            (names.DUPLICATION, _truth(transition.duplicate) if duplicate else None),
+            (names.MONITORING, _MONITORINGS[transition.monitoring] if monitoring else None),
+        ],
+    )
+    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, table
+
+
+def _write_association(_ctx: Tc6WriteContext, association: ActionAssociation, _owner: str) -> Iterator[Written]:
+    qualifier = " ".join(filter(None, (association.qualifier.value, association.duration)))
+    table = _attribute_table(
+        association.carried,
+        [
+            (names.NAME, association.target),
+            (names.COMMENT, _comment(association.comment)),
+            (names.EXCLUDE, _truth(association.exclude)),
+            (names.SYMBOL, _SYMBOLS[association.symbol]),
+            (names.QUALIFIER, qualifier),
+        ],
+    )
+    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, table
+
+
+def _write_symbol(ctx: Tc6WriteContext, symbol: Symbol, owner: str) -> Iterator[Written]:
+    if symbol.kind is SymbolKind.JUMP:
+        pairs = [(names.NAME, ctx.jump_name), (names.COMMENT, _comment(symbol.comment))]
+        pairs.append((names.EXCLUDE, _truth(symbol.exclude)))
+    elif owner in ("selectionDivergence", "simultaneousDivergence"):
+        pairs = [(names.NAME, symbol.name), (names.COMMENT, _comment(symbol.comment))]
+        pairs.append((names.EXCLUDE, _truth(symbol.exclude)))
+        pairs.append((names.PARALLEL, _truth(symbol.kind is SymbolKind.SIMULTANEOUS_DIVERGENCE)))
+    else:
+        return
+    yield names.SFC_ELEMENT, UnknownDataRule.IMPLEMENTATION, _attribute_table(symbol.carried, pairs)
+
+
+def read_settings(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, _owner: str) -> bool:
+    """``sfcsettings``: the flags and the library of the chart in a POU or action."""
+    element = only_child(data, "SFCSettings")
+    bodies = fields.get("bodies") or ([fields["body"]] if fields.get("body") else [])
+    chart = next((body["chart"] for body in bodies if body["language"] == "SFC"), None)
+    if element is None or chart is None or element.attrib:
+        return False
+    settings: Fields = {"flags": {}, "other_flags": {}}
+    library: Fields = {}
+    for child in element:
+        name = local_name(child)
+        if name in _LIBRARY and not len(child):
+            library[_LIBRARY[name]] = child.text or ""
+        elif name in _SWITCHES and child.text in ("true", "false"):
+            settings[_SWITCHES[name]] = child.text == "true"
+        elif name == "Flags" and all(_is_flag(flag) for flag in child):
+            for flag in child:
+                use = {"use": flag.get("Use") == "true", "declare": flag.get("Declare") == "true"}
+                settings["flags" if local_name(flag) in _FLAGS else "other_flags"][local_name(flag)] = use
+        else:
+            return False
+    if library:
+        settings["library"] = library
+    chart.update({"settings": settings})
+    return True
+
+
+_LIBRARY = {"LibTitle": "title", "LibCompany": "company", "LibVersion": "version", "LibNamespace": "namespace"}
+_SWITCHES = {"CalcActiveTransOnly": "active_transitions_only", "UseDefaults": "use_defaults"}
+
+
+def _is_flag(element: etree._Element) -> bool:
+    return set(element.attrib) == {"Use", "Declare"} and set(element.attrib.values()) <= {"true", "false"}
+
+
+# -- objects ----------------------------------------------------------------------------------------------------------
+
+
+def settings_element(ctx: Tc6WriteContext, settings: SfcSettings) -> etree._Element:
+    """``SFCSettings``."""
+    namespace = ctx.version.namespace
+    root = etree.Element(f"{{{namespace}}}SFCSettings", nsmap={None: namespace})  # type: ignore[dict-item]
+
+    def text(name: str, value: str) -> None:
+        etree.SubElement(root, f"{{{namespace}}}{name}").text = value or None
+
+    if settings.library is not None:
+        text("LibTitle", settings.library.title)
+        text("LibCompany", settings.library.company)
+        text("LibVersion", settings.library.version)
+        text("LibNamespace", settings.library.namespace)
+    if settings.active_transitions_only is not None:
+        text("CalcActiveTransOnly", str(settings.active_transitions_only).lower())
+    if settings.use_defaults is not None:
+        text("UseDefaults", str(settings.use_defaults).lower())
+    flags = {flag.value: use for flag, use in settings.flags.items()} | settings.other_flags
+    holder = etree.SubElement(root, f"{{{namespace}}}Flags")
+    for name, use in flags.items():
+        switches = {"Declare": str(use.declare).lower(), "Use": str(use.use).lower()}
+        etree.SubElement(holder, f"{{{namespace}}}{name}", switches)
+    return root
+
+
+def write_settings(ctx: Tc6WriteContext, bodies: list[object]) -> Iterator[Written]:
+    """Write the settings of the chart among `bodies`, unless it stays as it is in the file that is patched."""
+    if ctx.body_name in ctx.untouched:
+        return
+    chart = next((body.chart for body in bodies if isinstance(body, SfcBody)), None)
+    if chart is not None and chart.settings is not None:
+        yield names.SFC_SETTINGS, UnknownDataRule.IMPLEMENTATION, settings_element(ctx, chart.settings)
+
+
+def _no_namespace(name: str, text: str) -> etree._Element:
+    element = etree.Element(name, nsmap={None: ""})  # type: ignore[dict-item]
+    element.text = legal_text(text) or None
+    return element
+
+
+_CALLS = {call.value for call in BlockCall}
+
+
+def read_call_type(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``fbdcalltype`` of a block."""
+    text = plain_child_text(data, "CallType")
+    if owner != "block" or text not in _CALLS:
+        return False
+    fields["call"] = text
+    return True
+
+
+def read_st_code(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``stcode`` of an EXECUTE block."""
+    text = plain_child_text(data, "STCode")
+    if owner != "block" or text is None:
+        return False
+    fields["code"] = text
+    return True
+
+
+def _write_block(_ctx: Tc6WriteContext, block: Block, _owner: str) -> Iterator[Written]:
+    if block.call is not None:
+        yield names.CALL_TYPE, UnknownDataRule.IMPLEMENTATION, _no_namespace("CallType", block.call.value)
+    if block.code is not None:
+        yield names.ST_CODE, UnknownDataRule.IMPLEMENTATION, _no_namespace("STCode", block.code)
+
+
+def read_element_type(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``fbdelementtype`` of a vendor element: what it is in the FBD or LD editor."""
+    text = plain_child_text(data, "ElementType")
+    if owner != "vendorElement" or text is None:
+        return False
+    fields["element_type"] = text
+    return True
+
+
+def read_fbd_attributes(_ctx: Tc6ReadContext, data: etree._Element, fields: Fields, owner: str) -> bool:
+    """``fbd/implementationattributes`` of a vendor element."""
+    table = only_child(data, "fbdattributes")
+    if owner != "vendorElement" or table is None or table.attrib:
+        return False
+    found: dict[str, str] = {}
+    for attribute in table:
+        if local_name(attribute) != "attribute" or set(attribute.attrib) != {"name", "value"} or len(attribute):
+            return False
+        found[attribute.get("name", "")] = attribute.get("value", "")
+    fields["attributes"] = found
+    return True
+
+
+def _write_vendor_element(_ctx: Tc6WriteContext, element: VendorElement, _owner: str) -> Iterator[Written]:
+    if element.element_type is not None:
+        yield names.ELEMENT_TYPE, UnknownDataRule.IMPLEMENTATION, _no_namespace("ElementType", element.element_type)
+    if element.attributes:
+        table = _no_namespace("fbdattributes", "")
+        for name, value in element.attributes.items():
+            etree.SubElement(table, "attribute", name=name, value=value)
+        yield names.FBD_ATTRIBUTES, UnknownDataRule.IMPLEMENTATION, table
+
+
+Writers = tuple[tuple[type[Model], Callable[[Tc6WriteContext, Any, str], Iterator[Written]]], ...]
+"""The writers of the data of objects by their class; the first that fits counts."""
+
+ELEMENT_WRITERS: Writers = (
+    (Step, _write_step),
+    (Transition, _write_transition),
+    (ActionAssociation, _write_association),
+    (Symbol, _write_symbol),
+    (Block, _write_block),
+    (VendorElement, _write_vendor_element),
+)

@@ -1,0 +1,300 @@
+"""Bodies in any language and POUs of TC6 XML, read and written."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lxml import etree
+from pydantic import ValidationError
+
+from plcopen_sfc.errors import Location, StructureError
+from plcopen_sfc.formats.plcopen.source_marks import added_parts, restore_chart, restore_texts, take_marks
+from plcopen_sfc.formats.plcopen.tc6_chart_reader import Tc6ChartReader
+from plcopen_sfc.formats.plcopen.tc6_chart_writer import Tc6ChartWriter
+from plcopen_sfc.formats.plcopen.tc6_declarations import read_interface, write_interface
+from plcopen_sfc.formats.plcopen.tc6_networks import is_known, read_logic_body, write_network
+from plcopen_sfc.formats.plcopen.tc6_reading import (
+    NEUTRAL,
+    Fields,
+    Tc6ReadContext,
+    UnreadChart,
+    attributes,
+    carry_attributes,
+    carry_element,
+    merge,
+    read_code,
+    read_common,
+    take_choice,
+    take_required,
+)
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, data_left, finish, sub, write_code, xhtml_child
+from plcopen_sfc.formats.provenance import read_later
+from plcopen_sfc.formats.xml.extension_data import add_markup, fields_left
+from plcopen_sfc.languages.networks.sheets import on_one_sheet
+from plcopen_sfc.model.body import Body, FbdBody, IlBody, LdBody, OpaqueBody, SfcBody, StBody
+from plcopen_sfc.model.drawing import Places
+from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
+from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.report import Outcome
+
+POU_KINDS = ("program", "functionBlock", "function")
+
+
+def read_inner_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    """Read ``inline``, or ``body`` of a macro-step: a body inside a chart that is being read."""
+    fields = read_body(ctx, element)
+    chart = fields.get("chart")
+    if isinstance(chart, UnreadChart):
+        fields["chart"] = _chart_fields(chart)
+    return fields
+
+
+def finished_body(fields: Fields) -> Fields | SfcBody:
+    """The finished body, when all that its surroundings say of it is known."""
+    chart = fields.get("chart")
+    if not isinstance(chart, UnreadChart):
+        return fields
+    rest = {name: value for name, value in fields.items() if name != "chart"}
+    return SfcBody.model_validate({**rest, "chart": read_later(SfcNetwork, {}, lambda: _read_chart(chart))})
+
+
+def _read_chart(unread: UnreadChart) -> SfcNetwork:
+    if unread.ahead is not None:
+        chart, unread.ahead = unread.ahead, None
+        return chart
+    fields = _chart_fields(unread)
+    marks = take_marks(fields)
+    try:
+        chart = SfcNetwork.model_validate(fields)
+        unread.executed = restore_chart(chart, marks, unread.edited, unread.warn_of_edit)
+        return chart
+    except ValidationError as error:
+        raise unfit_data(error, unread.ctx.file) from error
+
+
+def _chart_fields(unread: UnreadChart) -> Fields:
+    ctx = unread.ctx
+    outer, ctx.place = ctx.place, unread.place
+    fields = Tc6ChartReader(ctx, read_inner_body).read(unread.element)
+    ctx.place = outer
+    merge(fields, unread.late)
+    return fields
+
+
+def unfit_data(error: ValidationError, file: str | None) -> StructureError:
+    """What to say where carried data, which anybody may have edited, does not fit the model."""
+    first = error.errors()[0]
+    path = ".".join(map(str, first["loc"]))
+    return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))
+
+
+def read_body(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    """Read a body in any language, its chart left unread; `opaque` where it is in none that TC6 knows."""
+    left = attributes(element)
+    left.pop("name", None)
+    fields: Fields = {}
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if "language" in fields or local not in ("ST", "SFC", "FBD", "LD", "IL"):
+            read_common(ctx, fields, child, local, "body")
+            continue
+        fields["language"] = local
+        if local == "SFC":
+            fields["chart"] = UnreadChart(ctx, child)
+        elif local in ("FBD", "LD"):
+            fields["networks"] = read_logic_body(ctx, child)
+        else:
+            fields["text"], markup = read_code(ctx, child)
+            if markup is not None:
+                fields["markup"] = markup
+    restore_texts(fields)
+    if fields.get("language") == "opaque":  # carried from another format; the empty ST is only there to be valid
+        fields.pop("text", None)
+        fields.pop("markup", None)
+    if "WorksheetName" in left:
+        fields["worksheet"] = left.pop("WorksheetName")
+    if left:
+        carry_attributes(fields, left)
+    if "language" not in fields:
+        ctx.error("XML206", "a body is in none of the languages ST, SFC, FBD, LD and IL", element)
+        kept = fields.get("carried", {})
+        fields.update(language="opaque", source="plcopen", content="".join(kept.pop("elements", [])))
+        if not any(kept.values()):
+            fields.pop("carried", None)
+    return fields
+
+
+def read_part(ctx: Tc6ReadContext, element: etree._Element, owner: str) -> Fields:
+    """Read ``action`` or ``transition`` of a POU (`owner`): a name and a body."""
+    left = attributes(element)
+    fields: Fields = {"name": take_required(ctx, element, left, "name")}
+    ctx.place.append(f"{owner} {fields['name']}")
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "body" and "body" not in fields:
+            fields["body"] = read_body(ctx, child)
+        else:
+            read_common(ctx, fields, child, local, owner)
+    carry_attributes(fields, left)
+    ctx.place.pop()
+    if "body" in fields:
+        fields["body"] = finished_body(fields["body"])
+    return fields
+
+
+def _drop_added(fields: Fields) -> None:
+    """Leave out the parts of a POU that were added to it, but for those that were edited or are still executed.
+
+    What an element executes that was edited itself, or that executes an edited part, is known when its chart is read.
+    """
+    charts = [body["chart"] for body in fields["bodies"] if isinstance(body.get("chart"), UnreadChart)]
+    parts = [*fields["actions"], *fields["transitions"]]
+    added, edited = added_parts(parts)
+    for chart in charts:
+        chart.edited |= edited
+        if added:
+            added -= chart.read_ahead(_read_chart)
+    for name in ("actions", "transitions"):
+        fields[name] = [part for part in fields[name] if str(part["name"]).casefold() not in added]
+
+
+def read_pou(ctx: Tc6ReadContext, element: etree._Element, place: str) -> Fields:
+    """Read ``pou``, wherever it stands."""
+    left = attributes(element)
+    fields: Fields = {
+        "name": take_required(ctx, element, left, "name"),
+        "place": place,
+        "actions": [],
+        "transitions": [],
+        "methods": [],
+        "bodies": [],
+    }
+    ctx.place.append(f"POU {fields['name']}")
+    fields["kind"] = take_choice(ctx, element, left, "pouType", POU_KINDS) or "program"
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "body":
+            fields["bodies"].append(read_body(ctx, child))
+        elif local == "interface" and "interface" not in fields:
+            fields["interface"] = read_interface(ctx, child)
+        elif local in ("actions", "transitions"):
+            for part in child:
+                if ctx.tags.get(part.tag) == local[:-1]:
+                    fields[local].append(read_part(ctx, part, local[:-1]))
+                else:
+                    carry_element(ctx, fields, part)
+        else:
+            read_common(ctx, fields, child, local, "pou")
+    carry_attributes(fields, left)
+    ctx.place.pop()
+    _drop_added(fields)
+    fields["bodies"] = [finished_body(body) for body in fields["bodies"]]
+    return fields
+
+
+_LABELS = {"ST": "ST body", "IL": "IL body", "FBD": "FBD body", "LD": "LD body", "SFC": "chart"}
+_CHART_FIELDS = frozenset({"steps", "transitions", "logic", "drawing", "carried"})
+
+
+def write_body(ctx: Tc6WriteContext, parent: etree._Element, name: str, body: Body, attributes: dict[str, str]) -> None:
+    """Write ``body`` or ``inline`` (`name`)."""
+    if body.worksheet is not None and not ctx.version.first_generation:
+        attributes = attributes | {"WorksheetName": body.worksheet}
+    element = sub(ctx, parent, name, attributes)
+    also: dict[str, Any] = {}
+    native = frozenset({"language"}) | (frozenset() if ctx.version.first_generation else {"worksheet"})
+    if isinstance(body, StBody | IlBody):
+        own = not ctx.is_foreign
+        write_code(ctx, sub(ctx, element, body.language), body.text, body.markup if own else None)
+        native = native | ({"text", "markup"} if own else {"text"})
+    elif isinstance(body, SfcBody) and name == "body" and ctx.body_name in ctx.untouched:
+        sub(ctx, element, "SFC")
+        native = native | {"chart"}
+    elif isinstance(body, SfcBody):
+        Tc6ChartWriter(ctx, body.chart, write_body).write(sub(ctx, element, "SFC"))
+        native = native | {"chart"}
+        chart_native = _CHART_FIELDS | ctx.dialect.native_fields.get("chart", frozenset())
+        if not ctx.takes_markup:
+            # elements that TC6 2.0 does not know would not be valid in 1.01 either, and those of others nowhere
+            chart_native = chart_native - {"carried"}
+        if not all(is_known(ctx, node) for node in body.chart.logic):
+            chart_native = chart_native - {"logic"}
+        chart_left = fields_left(body.chart, chart_native) | data_left(ctx, body.chart.carried)
+        for part in chart_left:
+            why = f"TC6 {ctx.version.name} has no place for it"
+            outcome = Outcome.NOT_EXECUTED if part == "partial_charts" else Outcome.EXTENSION_DATA
+            ctx.note(outcome, f"chart {part.replace('_', ' ')}", why=why)
+        if body.chart.drawing is not None and body.chart.drawing.places is Places.COMPUTED:
+            chart_left["drawing"] = {"places": Places.COMPUTED.value}
+        also = {"chart": chart_left} if chart_left else {}
+    elif isinstance(body, FbdBody | LdBody):
+        sheet = sub(ctx, element, body.language)
+        several = len(body.networks) > 1
+        for network in [on_one_sheet(body.networks, ctx.dialect.tool)] if several else body.networks:
+            write_network(ctx, sheet, network)
+        network_native = _NETWORK_FIELDS - (set() if ctx.takes_markup else {"carried"})
+        known = all(is_known(ctx, node) for network in body.networks for node in network.nodes)
+        known = known and not any(data_left(ctx, network.carried) for network in body.networks)
+        if len(body.networks) == 1 and known and not fields_left(body.networks[0], network_native):
+            native = native | {"networks"}
+    elif isinstance(body, OpaqueBody):
+        if body.source == "plcopen":  # it was in no language that TC6 knows, and is not now
+            add_markup(element, body.content.replace(f'"{NEUTRAL}"', f'"{ctx.version.namespace}"'))
+            native = native | {"source", "content"}
+        else:  # of another format: carried, and said to be no ST
+            xhtml_child(ctx, sub(ctx, element, "ST"))
+            also = {"language": body.language}
+            ctx.note(Outcome.EXTENSION_DATA, "body", "", f"a body of {body.source}; other tools see an empty one")
+    if body.language in _LABELS:
+        features = ["chart in an action"] if body.language == "SFC" and "." in ctx.body_name else []
+        ctx.keep(_LABELS[body.language], "", *features)
+    finish(ctx, element, body, "body", native, also=also)
+
+
+_NETWORK_FIELDS = frozenset({"nodes", "carried"})
+
+
+def write_part(ctx: Tc6WriteContext, parent: etree._Element, part: Action | NamedTransition, name: str) -> None:
+    """Write ``action`` or ``transition`` of a POU."""
+    element = sub(ctx, parent, name, {"name": part.name})
+    ctx.place.append(f"{name} {part.name}")
+    outer, ctx.body_name = ctx.body_name, f"{ctx.body_name}.{part.name}"
+    # the schema requires a body
+    write_body(ctx, element, "body", part.body if part.body is not None else StBody(), {})
+    ctx.keep("action" if name == "action" else "transition object")
+    finish(ctx, element, part, f"{name}_object", frozenset({"name", "body"}))
+    ctx.body_name = outer
+    ctx.place.pop()
+
+
+_POU_KINDS = {PouKind.PROGRAM: "program", PouKind.FUNCTION_BLOCK: "functionBlock", PouKind.FUNCTION: "function"}
+
+
+def write_pou(ctx: Tc6WriteContext, parent: etree._Element, pou: Pou, *, in_place: bool) -> None:
+    """Write ``pou``. `in_place`: it stands where its `place` says, which then need not be carried."""
+    element = sub(ctx, parent, "pou", {"name": pou.name, "pouType": _POU_KINDS.get(pou.kind, "program")})
+    ctx.place.append(f"POU {pou.name}")
+    ctx.body_name = pou.name
+    ctx.keep("POU")
+    native = {"name", "interface", "actions", "transitions"}
+    if pou.kind in _POU_KINDS:
+        native.add("kind")
+    if in_place:
+        native.add("place")
+    if pou.interface is not None:
+        write_interface(ctx, element, pou.interface)
+    if pou.actions:
+        holder = sub(ctx, element, "actions")
+        for action in pou.actions:
+            write_part(ctx, holder, action, "action")
+    if pou.transitions:
+        holder = sub(ctx, element, "transitions")
+        for transition in pou.transitions:
+            write_part(ctx, holder, transition, "transition")
+    bodies = pou.bodies[:1] if ctx.version.first_generation else pou.bodies
+    for body in bodies:
+        write_body(ctx, element, "body", body, {})
+    if len(bodies) == len(pou.bodies):
+        native.add("bodies")
+    finish(ctx, element, pou, "pou", frozenset(native))
+    ctx.place.pop()

@@ -1,0 +1,190 @@
+"""Pins, wires, sizes and ids of drawn elements of TC6 XML, read and written."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from plcopen_sfc.formats.plcopen.tc6_reading import (
+    Fields,
+    Tc6ReadContext,
+    attributes,
+    carry_attributes,
+    carry_element,
+    read_foreign_data,
+    read_point,
+    take_integer,
+    take_number,
+)
+from plcopen_sfc.formats.plcopen.tc6_writing import Tc6WriteContext, decimal, finish, sub, write_point
+from plcopen_sfc.model.network import Connection, InputPin, OutputPin
+
+
+def read_connection(ctx: Tc6ReadContext, element: etree._Element) -> Fields | None:
+    """Read ``connection``; None where it does not say to what it leads."""
+    left = attributes(element)
+    source = take_integer(ctx, element, left, "refLocalId")
+    if source is None:
+        ctx.error("SFC102", "a connection does not say to which element it leads", element)
+        return None
+    fields: Fields = {"source": source}
+    pin = left.pop("formalParameter", None)
+    if pin is not None:
+        fields["pin"] = pin
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "position" and (point := read_point(child)) is not None:
+            fields.setdefault("points", []).append(point)
+        elif local == "addData":
+            read_foreign_data(ctx, fields, child, "connection")
+        else:
+            carry_element(ctx, fields, child)
+    if left:
+        carry_attributes(fields, left)
+    return fields
+
+
+def write_connection(ctx: Tc6WriteContext, parent: etree._Element, connection: Connection) -> None:
+    """Write ``connection``."""
+    attributes = {"refLocalId": str(connection.source)}
+    if connection.pin is not None:
+        attributes["formalParameter"] = connection.pin
+    element = sub(ctx, parent, "connection", attributes)
+    for point in connection.points:
+        write_point(ctx, element, "position", point)
+    finish(ctx, element, connection, "connection", frozenset({"source", "pin", "points"}), documents=False)
+
+
+def read_input(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    """Read ``connectionPointIn``."""
+    fields: Fields = {}
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "connection":
+            connection = read_connection(ctx, child)
+            if connection is None:
+                carry_element(ctx, fields, child)
+            elif "connections" in fields:
+                fields["connections"].append(connection)
+            else:
+                fields["connections"] = [connection]
+        elif local == "relPosition":
+            fields["position"] = read_point(child)
+        elif local == "expression":
+            fields["expression"] = child.text or ""
+        elif local == "addData":
+            read_foreign_data(ctx, fields, child, "connectionPointIn")
+        else:
+            carry_element(ctx, fields, child)
+    if element.attrib:
+        carry_attributes(fields, attributes(element))
+    return fields
+
+
+def write_input(ctx: Tc6WriteContext, parent: etree._Element, pin: InputPin) -> None:
+    """Write ``connectionPointIn``."""
+    element = sub(ctx, parent, "connectionPointIn")
+    if pin.position is not None:
+        write_point(ctx, element, "relPosition", pin.position)
+    for connection in pin.connections:
+        write_connection(ctx, element, connection)
+    if pin.expression is not None:
+        sub(ctx, element, "expression").text = pin.expression
+    native = frozenset({"position", "connections", "expression"})
+    finish(ctx, element, pin, "connectionPointIn", native, documents=False)
+
+
+def read_output(ctx: Tc6ReadContext, element: etree._Element) -> Fields:
+    """Read ``connectionPointOut`` or ``connectionPointOutAction``."""
+    fields: Fields = {}
+    for child in element:
+        local = ctx.tags.get(child.tag)
+        if local == "relPosition":
+            fields["position"] = read_point(child)
+        elif local == "expression":
+            fields["expression"] = child.text or ""
+        elif local == "addData":
+            read_foreign_data(ctx, fields, child, "connectionPointOut")
+        else:
+            carry_element(ctx, fields, child)
+    left = attributes(element)
+    if left:
+        fields["name"] = left.pop("formalParameter", None)
+        if left:
+            carry_attributes(fields, left)
+    return fields
+
+
+def write_output(
+    ctx: Tc6WriteContext, parent: etree._Element, pin: OutputPin, name: str = "connectionPointOut"
+) -> None:
+    """Write ``connectionPointOut`` or ``connectionPointOutAction``."""
+    attributes = {"formalParameter": pin.name} if pin.name is not None else {}
+    element = sub(ctx, parent, name, attributes)
+    if pin.position is not None:
+        write_point(ctx, element, "relPosition", pin.position)
+    if pin.expression is not None:
+        sub(ctx, element, "expression").text = pin.expression
+    native = frozenset({"name", "position", "expression"})
+    finish(ctx, element, pin, "connectionPointOut", native, documents=False)
+
+
+def read_geometry(ctx: Tc6ReadContext, element: etree._Element, left: dict[str, str], fields: Fields) -> None:
+    """Take what every drawn element may have besides its id: size and execution order."""
+    for name in ("width", "height"):
+        if name in left:
+            fields[name] = take_number(ctx, element, left, name)
+    if "executionOrderId" in left:
+        fields["execution_order"] = take_integer(ctx, element, left, "executionOrderId")
+
+
+def geometry(width: float | None, height: float | None, execution_order: int | None) -> dict[str, str]:
+    """The attributes for size and execution order."""
+    attributes = {}
+    if height is not None:
+        attributes["height"] = decimal(height)
+    if width is not None:
+        attributes["width"] = decimal(width)
+    if execution_order is not None:
+        attributes["executionOrderId"] = str(execution_order)
+    return attributes
+
+
+class IdKeeper:
+    """Gives every element of a body an id of its own: its ``localId``, or a new one where that is taken or missing."""
+
+    def __init__(self, ctx: Tc6ReadContext) -> None:
+        self.ctx = ctx
+        self.used: set[int] = set()
+        self.late: list[Fields] = []
+        self.last: int | None = None
+
+    def claim(self, element: etree._Element, fields: Fields) -> None:
+        """Set ``id`` from the ``localId`` of `element`; remember the object for `settle` where that cannot be."""
+        text = (element.get("localId") or "").strip()
+        if not (text.isascii() and text.isdigit()):
+            self.ctx.error("SFC107", f"<{etree.QName(element).localname}> has no usable localId", element)
+            self.late.append(fields)
+            return
+        local_id = int(text)
+        if local_id in self.used:
+            self.ctx.error("SFC101", f"localId {local_id} is used twice in one body", element)
+            fields["local_id"] = local_id
+            self.late.append(fields)
+            return
+        self.used.add(local_id)
+        fields["id"] = local_id
+
+    def new(self) -> int:
+        """An id that nothing has. Only after all elements have claimed theirs."""
+        # ids are only added, so the next one is never below the last
+        number = max(self.used, default=-1) + 1 if self.last is None else self.last + 1
+        while number in self.used:
+            number += 1
+        self.used.add(number)
+        self.last = number
+        return number
+
+    def settle(self) -> None:
+        """Give new ids to the objects that could not get the one they wanted."""
+        for fields in self.late:
+            fields["id"] = self.new()
