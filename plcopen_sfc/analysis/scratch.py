@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from plcopen_sfc.analysis.sole_bodies import path_names, sole_statements
+from plcopen_sfc.analysis.sole_bodies import sole_statements
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.semantics.programs.instances import Instance
 from plcopen_sfc.semantics.programs.layouts import Direction, Layout, leaves
@@ -93,7 +94,7 @@ class _Reading:
         match statement:
             case n.Assignment(target=target, value=value, kind=kind):
                 self.read(value, written)
-                path = path_names(target)
+                path = plain_path(target)
                 if kind is n.AssignmentKind.ASSIGN and path is not None:
                     written.add(self._canonical(path))
                 else:
@@ -145,7 +146,7 @@ class _Reading:
         """Whatever stands in an expression is read."""
         if isinstance(node, n.Call):
             self._expose(_root(node.callee), written)
-        path = path_names(node)
+        path = plain_path(node)
         if path is not None:
             self._read_path(path, written)
             return

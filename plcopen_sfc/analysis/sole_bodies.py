@@ -16,7 +16,7 @@ from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.semantics.programs.instances import Instance
 
-__all__ = ["all_nodes", "path_names", "sole_statements"]
+__all__ = ["all_nodes", "sole_statements"]
 
 _ALIASES = (n.Dereference, n.Peripheral)
 _JUMPS = (n.Goto, n.Label, n.Try, n.EmbeddedCode, n.Unreadable)
@@ -79,12 +79,3 @@ def _is_divided(chart: SfcNetwork) -> bool:
     """True if a chart has parts that are executed in another way than its steps."""
     operations = chart.permanent_pre or chart.permanent_post
     return bool(chart.partial_charts or operations or any(step.macro for step in chart.steps))
-
-
-def path_names(node: n.Node) -> list[str] | None:
-    """The names of a path in lower case; None: that is none."""
-    parts: list[str] = []
-    while isinstance(node, n.Member):
-        parts.append(node.name.identifier.casefold())
-        node = node.base
-    return [node.identifier.casefold(), *reversed(parts)] if isinstance(node, n.Name) else None

@@ -12,8 +12,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.analysis.sole_bodies import all_nodes, path_names
+from plcopen_sfc.analysis.sole_bodies import all_nodes
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.effects import plain_path
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.st.walking import children
 from plcopen_sfc.semantics.programs.instances import Instance
@@ -118,7 +119,7 @@ class _Uses:
                 return
         if isinstance(node, n.Call) and self._called(node):
             return
-        path = path_names(node) if isinstance(node, n.Member) else None
+        path = plain_path(node) if isinstance(node, n.Member) else None
         if path is not None and len(path) == 2 and path[0] in self._timers and path[1] in _OUTPUTS:
             self.read.add(path[0])
             return
@@ -128,7 +129,7 @@ class _Uses:
             self.look(part)
 
     def _compared(self, time: n.Expression, constant: n.Expression) -> bool:
-        path = path_names(n.bare(time))
+        path = plain_path(n.bare(time))
         value = self._duration(constant)
         if path is None or len(path) != 2 or path[0] not in self._timers or path[1] != "et" or value is None:
             return False
@@ -137,7 +138,7 @@ class _Uses:
 
     def _called(self, call: n.Call) -> bool:
         """A call with IN and with a constant PT."""
-        path = path_names(call.callee)
+        path = plain_path(call.callee)
         if path is None or len(path) != 1 or path[0] not in self._timers:
             return False
         given = {a.name.identifier.upper(): a.value for a in call.arguments if a.name is not None and not a.output}

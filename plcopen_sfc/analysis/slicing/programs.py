@@ -6,12 +6,10 @@ from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 
 from plcopen_sfc.analysis.slicing.parts import NOTHING, NotDivisibleError, Part, Uses
-from plcopen_sfc.languages.dialects import Dialect
-from plcopen_sfc.languages.networks import body_statements
+from plcopen_sfc.languages.binding import bind
 from plcopen_sfc.languages.st import nodes as n
-from plcopen_sfc.languages.st import parse_statements
 from plcopen_sfc.languages.st.printing import print_node
-from plcopen_sfc.model.body import Body, FbdBody, LdBody, StBody
+from plcopen_sfc.model.body import Body, StBody
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.semantics.programs.instances import Instance
 
@@ -64,20 +62,12 @@ class ProgramParts:
 
 
 def statements_of(body: Body, instance: Instance) -> Sequence[n.Statement]:
-    """What a body says, whatever its language. Raises `NotDivisibleError`."""
-    dialect: Dialect = instance.controller.project.dialect
-    if isinstance(body, StBody):
-        parsed = parse_statements(body.text, dialect)
-        if parsed.problems:
-            raise NotDivisibleError("it does not parse")
-        return parsed.tree.statements
-    if not isinstance(body, FbdBody | LdBody):
-        raise NotDivisibleError(f"a body in {body.language} cannot be divided")
-    read = body_statements(body, dialect)
-    declared = all(instance.frame.layout.find(name) is not None for name in read.instances)
-    if read.obstacles or read.helpers or not declared:
-        raise NotDivisibleError("the drawing needs variables of its own")
-    return read.tree.statements
+    """Return the statements of a body, whatever its language. Raises `NotDivisibleError`."""
+    bound = bind(body, instance.controller.project.dialect)
+    declared = all(instance.frame.layout.find(name) is not None for name in bound.instances)
+    if bound.program is None or not declared:
+        raise NotDivisibleError(f"a body in {body.language} cannot be divided, or needs variables of its own")
+    return bound.program
 
 
 def _heads(statement: n.Statement) -> Sequence[n.Expression]:

@@ -87,17 +87,17 @@ def moved(found: Iterator[Reference], start: int) -> Iterator[Reference]:
         yield replace(reference, span=(reference.span[0] + start, reference.span[1] + start))
 
 
-def in_tree(node: n.Node, dialect: Dialect) -> Iterator[Reference]:
-    """Every name in a tree. Labels and what GOTO names are none: they belong to their body alone."""
+def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Reference]:
+    """Every name in a tree. Labels and what GOTO names are none: they belong to their body alone.
+
+    `access` is the member of it that is meant.
+    """
     if isinstance(node, n.Name):
-        yield named(node)
+        yield named(node, access=access)
     elif isinstance(node, n.Member):
         if node.name.quoting is not Quoting.NONE or node.name.identifier[:1] not in "%0123456789":  # a bit of a word
-            yield named(node.name, base=node.base)
-        if isinstance(node.base, n.Name):
-            yield named(node.base, access=node.name.identifier)
-        else:
-            yield from in_tree(node.base, dialect)
+            yield named(node.name, base=node.base, access=access)
+        yield from in_tree(node.base, dialect, node.name.identifier)
     elif isinstance(node, n.CallStatement) and isinstance(node.call, n.Name):
         yield named(node.call, role=Role.ACTION)
     elif isinstance(node, n.Call):

@@ -38,6 +38,15 @@ def path_of(expression: Expression) -> Path:
         at = n.bare(at.base)
 
 
+def plain_path(node: n.Node) -> Path | None:
+    """The path of a variable that is given by names alone; None for anything else."""
+    names: list[str] = []
+    while isinstance(node, n.Member):
+        names.append(node.name.identifier.casefold())
+        node = node.base
+    return (node.identifier.casefold(), *reversed(names)) if isinstance(node, n.Name) else None
+
+
 def is_variable(expression: Expression) -> bool:
     """Whether it names a variable or a part of one."""
     return isinstance(expression, n.Name | n.Member | n.Index | n.Dereference | n.Peripheral | n.Address)

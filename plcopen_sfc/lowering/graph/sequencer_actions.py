@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import walk
+from plcopen_sfc.languages.st.effects import writes
 from plcopen_sfc.languages.st.nodes import Expression, Operator, Statement
 from plcopen_sfc.lowering.code.boolean_logic import (
     FALSE,
@@ -274,14 +275,7 @@ def _written_names(source: GraphSource, rows: Sequence[ActionRow]) -> Iterator[s
         if not row.is_coil and isinstance(row.target, n.Name):
             yield row.target.identifier
     for text in texts_of(source):
-        for node in walk(text.tree):
-            match node:
-                case n.Assignment(n.Name(name)):
-                    yield name
-                case n.Argument(value=n.Name(name)):
-                    yield name  # an in-out or output
-                case n.AssignmentExpression(n.Name(name)):
-                    yield name
-                case n.For(n.Name(name)):
-                    yield name
+        yield from (path[0] for path in writes(text.tree, frozenset()) if path)
+        arguments = (node for node in walk(text.tree) if isinstance(node, n.Argument))
+        yield from (a.value.identifier for a in arguments if isinstance(a.value, n.Name))  # it may be an in-out
     yield from source.parameters.values()

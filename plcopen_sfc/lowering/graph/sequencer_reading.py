@@ -9,9 +9,7 @@ from dataclasses import replace
 from plcopen_sfc.errors import Location, LoweringError
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.names.declarations import Declaration
-from plcopen_sfc.languages.names.pieces import pieces
-from plcopen_sfc.languages.names.references import references
-from plcopen_sfc.languages.names.uses import Names, Occurrence
+from plcopen_sfc.languages.names.uses import Names
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.standard_blocks import Tool
 from plcopen_sfc.languages.words import needs_quotes
@@ -41,8 +39,6 @@ from plcopen_sfc.semantics.charts.graph.parameters import OPERATING, PARAMETERS
 from plcopen_sfc.semantics.net import Net, NetStep
 from plcopen_sfc.semantics.profile import Profile
 
-_WORD = re.compile(r"\w+")
-_MEMBER = re.compile(r'"?\s*\.\s*"?(\w+)')
 _TYPES = dict.fromkeys(("T", "U", "T_MAX", "T_WARN"), Elementary.TIME) | {"SNO": Elementary.INT}
 
 Asked = tuple[int, str]
@@ -59,14 +55,15 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
     steps = {step.step.name.casefold(): step for step in net.steps}
     found: dict[Asked, None] = {}
     declarations: dict[int, Declaration] = {}
-    for occurrence in _outside(names, pou, steps):
+    for occurrence in names.occurrences(*steps):
+        if occurrence.piece.site.pou is pou:
+            continue
         step = steps[occurrence.reference.name.casefold()]
         if step.index not in declarations:
             declarations[step.index] = names.resolver.original(names.declaration_of(step.step))
         if not occurrence.refers_to(declarations[step.index]):
             continue
-        member = _MEMBER.match(occurrence.piece.text, occurrence.reference.span[1])
-        quantity = member.group(1).upper() if member is not None else ""
+        quantity = occurrence.reference.access.upper()
         place = Location(path=occurrence.use.path)
         if quantity not in QUANTITIES:
             raise LoweringError(f"step {step.path} of {pou.name} is used in a way that is not lowered", location=place)
@@ -78,17 +75,6 @@ def asked_outside(project: Project, pou: Pou, net: Net, target: str | None) -> t
             )
         found[step.index, quantity] = None
     return tuple(found)
-
-
-def _outside(names: Names, pou: Pou, steps: Collection[str]) -> Iterator[Occurrence]:
-    """Yield every occurrence of one of these names (lower case) in other POUs."""
-    words = {word for step in steps for word in _WORD.findall(step)}
-    for piece in pieces(names.project):
-        if piece.site.pou is pou or words.isdisjoint(_WORD.findall(piece.text.casefold())):
-            continue
-        for reference in references(piece, names.dialect):
-            if reference.name.casefold() in steps:
-                yield Occurrence(piece, reference, names.resolver.meaning(reference, piece))
 
 
 def show(asked: Sequence[Asked], values: Sequence[n.Expression], net: Net, code: LoweredCode) -> list[n.Statement]:

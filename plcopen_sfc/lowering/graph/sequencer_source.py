@@ -128,7 +128,7 @@ class CyclePhase(Enum):
 class SequencerText:
     """Text of the sequencer, and the steps that are active whenever it is executed."""
 
-    tree: n.Node
+    tree: n.Expression | n.Statement
     phase: CyclePhase
     active: tuple[int, ...]
     path: str
@@ -136,7 +136,7 @@ class SequencerText:
 
 def texts_of(source: GraphSource) -> Iterator[SequencerText]:
     """Yield all texts of a sequencer."""
-    tree: n.Node
+    tree: n.Expression | n.Statement
     # conditions are also evaluated for steps that are not active yet
     ahead = {i for rows in source.rows for row in rows for i in row.switched}
     if source.skips:
