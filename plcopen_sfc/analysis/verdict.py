@@ -64,6 +64,9 @@ class Counterexample:
     right: Trace
     shortest: bool
 
+    def __repr__(self) -> str:
+        return f"Counterexample({len(self.inputs)} scans, {len(self.differences)} differences)"
+
     def __str__(self) -> str:
         """The differences, and a table of the inputs and of what differs in the end; a long one of changes only."""
         names = [name for name in dict.fromkeys(n for row in self.inputs for n in row) if name in self.left]
@@ -166,6 +169,9 @@ class Verdict:
     def proven(self) -> bool:
         """Whether there is none, whatever the inputs are."""
         return self.kind is VerdictKind.PROVEN
+
+    def __repr__(self) -> str:
+        return f"Verdict({self.kind}: {self.states} states, {self.runs} runs, {len(self.compared)} values compared)"
 
     def __str__(self) -> str:
         """One line, then what was executed; for a difference the inputs that show it."""

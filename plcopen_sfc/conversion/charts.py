@@ -172,7 +172,7 @@ class ChartReader:
             stored = _STORED.get(association.qualifier)
             if name is None or stored is None or not plain_row or association.interlock or association.exclude:
                 continue
-            if association.duration or self.pou.action(name.removeprefix("#")) is not None:
+            if association.duration or self.pou.find_action(name.removeprefix("#")) is not None:
                 continue
             aspect = f"{STORED}{plain_name(self.owner.target(name))}"
             before = part.aspects.get(aspect)
@@ -182,7 +182,7 @@ class ChartReader:
     def _code_of(self, action: str | Body | None, body: Body | None = None) -> tuple[str, Meaning | None]:
         """What an action is called, and its program; none for a variable."""
         if isinstance(action, str):
-            found = self.pou.action(action.removeprefix("#"))
+            found = self.pou.find_action(action.removeprefix("#"))
             if found is None:
                 return self.owner.target(action), self.owner.code(body)
             self.called.add(found.name.casefold())

@@ -52,6 +52,13 @@ class LoweredFile:
     refused: dict[str, LoweringError]
     report: ConversionReport
 
+    def __repr__(self) -> str:
+        names = ", ".join(each.name for each in self.pous[:_SHOWN]) + (" .." if len(self.pous) > _SHOWN else "")
+        return f"LoweredFile({self.path!r}: {names or 'nothing'} lowered, {len(self.refused)} refused)"
+
+
+_SHOWN = 8
+
 
 def save_lowered(lowered: LoweredPou, target: Source, **options: Unpack[SaveOptions]) -> ConversionReport:
     """Save a project with lowered code, which is compared with its chart as the tool of the file reads it.

@@ -30,6 +30,10 @@ class FileSource:
     diagnostics: list[Diagnostic]
     errors_accepted: bool = False
 
+    def __repr__(self) -> str:
+        place = f"{self.path}, " if self.path else ""
+        return f"FileSource({place}{self.format} {self.version}, {len(self.content):,} bytes)"
+
     def accept_errors(self) -> None:
         """See `Project.accept_errors`."""
         self.errors_accepted = True
@@ -71,6 +75,9 @@ class FolderSource:
     others: list[str] = field(default_factory=list)
     own_diagnostics: list[Diagnostic] = field(default_factory=list)
     errors_accepted: bool = False
+
+    def __repr__(self) -> str:
+        return f"FolderSource({self.path}, {self.format} {self.version}, {len(self.documents)} documents)"
 
     @property
     def diagnostics(self) -> list[Diagnostic]:

@@ -96,6 +96,9 @@ class LoweredPou:
         """Language of the code: ``ST``, ``FBD`` or ``LD``."""
         return str(self.code.language) if self.code is not None else ""
 
+    def __repr__(self) -> str:
+        return f"LoweredPou({self.name}: {self.style} {self.construction} in {self.language}, {self.proof!r})"
+
     def __str__(self) -> str:
         """Return the construction and the reason for it, the comparison, and the faults, a line or more for each."""
         lines = [f"{self.name}: {self.style} {self.construction} in {self.language}: {self.why}"]

@@ -138,7 +138,7 @@ def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
         yield own.report_path_of(subject.name), own.body
     for action in own.actions:
         name = f"{own.name}.{action.name}"
-        left = pou.action(action.name)
+        left = pou.find_action(action.name)
         if left is None:
             yield own.report_path_of(name), action
         elif isinstance(action.body, SfcBody) and not isinstance(left.body, SfcBody) and name != subject.name:

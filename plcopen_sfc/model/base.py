@@ -5,19 +5,18 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from plcopen_sfc.model.checked import Checked
 from plcopen_sfc.model.text import Text
 
 
-class Model(BaseModel):
-    """Base of all model objects: mutable, and validated on every assignment.
+class Model(Checked):
+    """Base of all model objects.
 
     Structure that is broken (a transition to nowhere, two initial steps) can be built and looked at; a value of the
-    wrong type cannot.
+    wrong type cannot: that is a `ModelError`.
     """
-
-    model_config = ConfigDict(validate_assignment=True, extra="forbid", defer_build=True)
 
 
 class UnknownDataRule(StrEnum):

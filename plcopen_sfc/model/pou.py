@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
+from plcopen_sfc.errors import ModelError, check_argument, nearest
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.owners import Owned
@@ -108,8 +109,20 @@ class Pou(ProjectObject):
         """The variables of its interface, or those of one kind of section, in the order of their declaration."""
         return self.interface.variables(kind) if self.interface is not None else []
 
-    def action(self, name: str) -> Action | None:
-        """The action of this name; case does not matter."""
+    def action(self, name: str) -> Action:
+        """The action of this name; case does not matter. Raises `ModelError`."""
+        check_argument(name, str, "the name of an action is needed")
+        found = self.find_action(name)
+        if found is None:
+            names = [action.name for action in self.actions]
+            raise ModelError(
+                f"{self.report_path} has no action {name!r}{nearest(name, names)}",
+                hint="It has: " + (", ".join(names[:20]) or "none"),
+            )
+        return found
+
+    def find_action(self, name: str) -> Action | None:
+        """The action of this name, or None; case does not matter."""
         return next((a for a in self.actions if a.name.casefold() == name.casefold()), None)
 
     def named_bodies(self) -> Iterator[NamedBody]:

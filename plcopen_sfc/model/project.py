@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import SfcBody
@@ -265,11 +265,14 @@ class Project(Owned, Element):
 
     def pou(self, name: str) -> Pou:
         """The POU of this name; case does not matter. Raises `ModelError`."""
+        check_argument(name, str, "the name of a POU is needed")
         for pou in self.pous:
             if pou.name.casefold() == name.casefold():
                 return pou
+        names = [pou.name for pou in self.pous]
         raise ModelError(
-            f"the project has no POU {name!r}", hint="It has: " + ", ".join(p.name for p in self.pous[:20])
+            f"the project has no POU {name!r}{nearest(name, names)}",
+            hint="It has: " + (", ".join(names[:20]) or "none"),
         )
 
     def rename(self, path: str, new: str) -> RenameResult:

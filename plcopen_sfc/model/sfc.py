@@ -7,13 +7,13 @@ transition to any step. (IEC 61131-3 ed. 3, 6.7; IEC 60848:2013, 4; S7-GRAPH V6.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import StrEnum
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from pydantic import Field
 
-from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
 from plcopen_sfc.model import operations
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
@@ -270,6 +270,10 @@ class PartialChart(Owned, Element):
     OWNS: ClassVar[tuple[str, ...]] = ("chart",)
 
 
+StepKey: TypeAlias = Step | str | int
+"""A step, its name or its id."""
+
+
 class SfcNetwork(LateElement):
     """A chart.
 
@@ -292,18 +296,24 @@ class SfcNetwork(LateElement):
 
     def step(self, key: str | int) -> Step:
         """The step with this name (case does not matter, as in IEC 61131-3) or id. Raises `ModelError`."""
+        check_argument(key, (str, int), "the name or the id of a step is needed")
         for step in self.steps:
             if step.id == key or (isinstance(key, str) and step.name.casefold() == key.casefold()):
                 return step
-        names = ", ".join(step.name for step in self.steps[:12]) + (" .." if len(self.steps) > 12 else "")
-        raise ModelError(f"this chart has no step {key!r}", hint=f"Its steps are: {names}" if names else "It has none.")
+        raise _not_found("step", key, [step.name for step in self.steps])
 
-    def transition(self, key: int | str) -> Transition:
-        """The transition with this id or name. Raises `ModelError`."""
+    def transition(self, key: str | int) -> Transition:
+        """The transition with this name, label (``Wait -> Fill``) or id; case does not matter. Raises `ModelError`."""
+        check_argument(key, (str, int), "the name, the label or the id of a transition is needed")
+        folded = key.casefold() if isinstance(key, str) else None
         for transition in self.transitions:
-            if transition.id == key or (key != "" and transition.name == key):
+            if transition.id == key or (key != "" and transition.name.casefold() == folded):
                 return transition
-        raise ModelError(f"this chart has no transition {key!r}")
+        labels = self.labels()
+        for transition in self.transitions if folded is not None else ():
+            if labels[transition.id].casefold() == folded:
+                return transition
+        raise _not_found("transition", key, list(labels.values()))
 
     @property
     def initial_steps(self) -> list[Step]:
@@ -377,24 +387,33 @@ class SfcNetwork(LateElement):
 
     def add_transition(
         self,
-        sources: Step | list[Step],
-        targets: Step | list[Step],
+        sources: StepKey | Iterable[StepKey],
+        targets: StepKey | Iterable[StepKey],
         condition: Condition | str | None = None,
         *,
         priority: int | None = None,
     ) -> Transition:
-        """Append a transition from all `sources` to all `targets`."""
-        transition = Transition.model_validate(
-            {
-                "id": self.new_id(),
-                "sources": [s.id for s in (sources if isinstance(sources, list) else [sources])],
-                "targets": [s.id for s in (targets if isinstance(targets, list) else [targets])],
-                "condition": condition,
-                "priority": priority,
-            }
+        """Append a transition from all `sources` to all `targets`: steps of this chart, or their names.
+
+        Raises `ModelError` where the chart has no such step.
+        """
+        fields: dict[str, Any] = {"condition": condition, "priority": priority}
+        transition = Transition(
+            id=self.new_id(), sources=self._ids_of(sources), targets=self._ids_of(targets), **fields
         )
         self.transitions.append(transition)
         return transition
+
+    def _ids_of(self, steps: StepKey | Iterable[StepKey]) -> list[int]:
+        ids = []
+        for step in [steps] if isinstance(steps, Step | str | int) else steps:
+            if not isinstance(step, Step):
+                ids.append(self.step(step).id)
+            elif any(each is step for each in self.steps):
+                ids.append(step.id)
+            else:
+                raise ModelError(f"the step {step.name!r} is not in this chart", hint="Append it to `steps` first.")
+        return ids
 
     def rename_step(self, old: str, new: str) -> RenameResult:
         """Give a step another name. Every reference follows, in every body of the project that the chart is in.
@@ -406,5 +425,17 @@ class SfcNetwork(LateElement):
         return operations.rename_step(self, old, new)
 
     def _claim(self, name: str) -> None:
+        check_argument(name, str, "the name of a step is a text")
         if any(step.name.casefold() == name.casefold() for step in self.steps):
             raise ModelError(f"this chart has a step {name!r} already", location=Location(path=f"step {name}"))
+
+
+def _not_found(kind: str, key: str | int, names: list[str]) -> ModelError:
+    listed = ", ".join(names[:_LISTED]) + (" .." if len(names) > _LISTED else "")
+    return ModelError(
+        f"this chart has no {kind} {key!r}{nearest(key, names)}",
+        hint=f"Its {kind}s are: {listed}" if names else "It has none.",
+    )
+
+
+_LISTED = 12

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from plcopen_sfc.model.checked import Checked
 
 
-class MarkupText(BaseModel):
+class MarkupText(Checked):
     """A text with markup (XHTML in PLCopen XML). `text` is what a person reads, `markup` how the file writes it."""
-
-    model_config = ConfigDict(extra="forbid", validate_assignment=True)
 
     text: str
     markup: str
 
 
-class MultilingualText(BaseModel):
+class MultilingualText(Checked):
     """A text in several languages: `texts` maps a language tag (``de-DE``) to the text in it."""
-
-    model_config = ConfigDict(extra="forbid", validate_assignment=True)
 
     texts: dict[str, str]
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from plcopen_sfc.errors import Location, ModelError
+from plcopen_sfc.errors import Location, ModelError, check_argument
 from plcopen_sfc.languages.dialects import Dialect
 from plcopen_sfc.languages.edits import Edit, apply_edits
 from plcopen_sfc.languages.names.declarations import Declaration, Kind
@@ -57,6 +57,10 @@ class RenameResult:
     changed: tuple[Use, ...] = ()
     undecided: tuple[Undecided, ...] = ()
 
+    def __repr__(self) -> str:
+        places = f"{len(self.changed)} places changed, {len(self.undecided)} undecided"
+        return f"RenameResult({self.path!r} to {self.new!r}: {places})"
+
 
 def rename(project: Project, what: Declaration | Model | str, new: str) -> RenameResult:
     """Give what is declared as `what` the name `new`, wherever the project names it.
@@ -65,6 +69,9 @@ def rename(project: Project, what: Declaration | Model | str, new: str) -> Renam
     `ModelError` where there is no such thing, `new` is no name, or it would mean something else in a place that it
     comes to or is in already; then nothing is changed.
     """
+    check_argument(project, Project, "rename needs a project")
+    check_argument(what, (str, Model, Declaration), 'what to rename is a path ("Main.S3") or an object of the model')
+    check_argument(new, str, "the new name is a text")
     names = Names(project)
     if isinstance(what, str):
         what = the_one(names, what)

@@ -82,6 +82,9 @@ class CsvInputs:
     file: str | None = None
     ignored: list[str] = field(default_factory=list)
 
+    def __repr__(self) -> str:
+        return f"CsvInputs({self.file or 'text'}: {len(self.headers)} columns, {len(self.rows)} rows)"
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> CsvInputs:
         """Read a file. Raises `FileAccessError`, or `InputError` with the line that is wrong."""

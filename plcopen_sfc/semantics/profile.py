@@ -289,6 +289,9 @@ class Profile:
     be a division. The kinds of actions, forcing orders and enclosing steps of 60848 are known to every profile that
     tests transitions first, for they cannot be mistaken for anything else."""
 
+    def __repr__(self) -> str:
+        return f"Profile({self.name!r})"
+
     def __post_init__(self) -> None:
         """Refuse choices that contradict each other. Raises `ModelError`."""
         if self.max_evolutions < 1:

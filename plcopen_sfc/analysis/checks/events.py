@@ -72,7 +72,7 @@ def _not_boolean(chart: CheckedChart) -> Iterator[Finding]:
         if use.manner in (Manner.STORED, Manner.OTHER) or use.association.body is not None or len(use.path) != 1:
             continue
         type_ = chart.types.get(use.path[0])
-        named = chart.pou is not None and chart.pou.action(use.path[0]) is not None
+        named = chart.pou is not None and chart.pou.find_action(use.path[0]) is not None
         if type_ is None or named or isinstance(type_, DerivedType | PointerType):
             continue
         if not (isinstance(type_, ElementaryType) and type_.name is Elementary.BOOL):

@@ -121,7 +121,7 @@ def body_named(name: str | None, chart: CheckedChart) -> Body | None:
     """The body of the action of this name in the POU."""
     if not name or chart.pou is None:
         return None
-    action = chart.pou.action(name.strip('#"'))
+    action = chart.pou.find_action(name.strip('#"'))
     return action.body if action is not None else None
 
 

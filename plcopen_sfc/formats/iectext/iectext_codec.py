@@ -67,7 +67,11 @@ class _Finder:
                 label = next(labels, None)
                 if label is not None:
                     self._put(f"{path} / transition {label}", inner)
-            elif inner.kind is PartKind.ACTION and pou is not None and (action := pou.action(inner.name)) is not None:
+            elif (
+                inner.kind is PartKind.ACTION
+                and pou is not None
+                and (action := pou.find_action(inner.name)) is not None
+            ):
                 own = [action.body] if action.body is not None else []
                 self.note(inner, f"{path} / action {action.name}", own)
 

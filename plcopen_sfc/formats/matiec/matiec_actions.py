@@ -120,14 +120,14 @@ class ActionFitter:
                     target = line.target or ""
                     found.setdefault(target.casefold(), _Item(target)).users.append((step, line))
         for item in found.values():
-            if self.unit.pou.action(item.target) is not None:
+            if self.unit.pou.find_action(item.target) is not None:
                 item.text = self._text(item.target)
                 if item.text is None:
                     continue
             yield item
 
     def _text(self, target: str) -> str | None:
-        action = self.unit.pou.action(target)
+        action = self.unit.pou.find_action(target)
         if action is None or action.body is None:
             return None if action is None else ""
         if isinstance(action.body, StBody):

@@ -358,7 +358,7 @@ class ChartFitter:
         if found.value is not None and found.qualifier not in _WHENEVER:
             wrong.append(f"a value with the qualifier {found.qualifier}")
         target = found.target or ""
-        if self.unit.pou.action(target) is None and found.value is None:
+        if self.unit.pou.find_action(target) is None and found.value is None:
             kind = self._type(target)
             if isinstance(kind, ElementaryType) and kind.name is not Elementary.BOOL:
                 wrong.append(f"{target} is of type {kind.name.value}: only a Boolean variable can be an action")

@@ -239,7 +239,7 @@ class StepRewriter:
             name = self._action(f"{step.name}_{kind or 'action'}", row.body, uses)
             row = row.model_copy(update={"target": name, "body": None})
             self._note_action(Outcome.TRANSLATED, step, row.body, f"an action of the POU, {name}")
-        action = self._pou.action(row.target) if row.target is not None else None
+        action = self._pou.find_action(row.target) if row.target is not None else None
         if not kind or action is None or row.negated or getattr(step, f"{kind}_action") is not None:
             return row
         if kind == "main" and isinstance(action.body, SfcBody):
@@ -254,7 +254,7 @@ class StepRewriter:
         Blocks of S7 have no actions: a row with an action of a POU comes from a tool that has final scans, and goes
         back there.
         """
-        if self._rewriting.options.of_graph and self._pou.action(row.target or "") is not None:
+        if self._rewriting.options.of_graph and self._pou.find_action(row.target or "") is not None:
             return False
         if self._rewriting.options.final_scan or row not in self._rewriting.source_steps[step.id].actions:
             return False
@@ -264,7 +264,7 @@ class StepRewriter:
         """Let a main action of CODESYS act while its step is active only: an action of IEC 61131-3 has a final scan."""
         found: object = step.main_action
         if isinstance(found, str):
-            action = self._pou.action(found)
+            action = self._pou.find_action(found)
             found = action.body if action is not None else None
         if isinstance(found, StBody):
             lines = guarded(self._host.active(step), found.text.strip().splitlines())

@@ -121,7 +121,7 @@ class RowPlanner:
         if len(path) == 1:
             if not _is_action(self._pou, path[0]):
                 return None
-            own = self._pou.action(path[0])
+            own = self._pou.find_action(path[0])
             assert own is not None  # noqa: S101  # as was asked
             return own.body if own.body is not None else StBody(text="")
         block = self._instance(path)
@@ -192,7 +192,7 @@ class RowPlanner:
 
 def _is_action(pou: Pou, name: str) -> bool:
     """True if a name is that of an action of `pou`, and not of one of its variables."""
-    return pou.action(name) is not None and not any(v.name.casefold() == name.casefold() for v in pou.variables())
+    return pou.find_action(name) is not None and not any(v.name.casefold() == name.casefold() for v in pou.variables())
 
 
 def _reason_against_rows(action: ActionAssociation, *, inverted: bool) -> str:

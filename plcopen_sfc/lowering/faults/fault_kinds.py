@@ -128,6 +128,9 @@ class Fault:
     shortest: bool
     signals: Mapping[str, Signal]
 
+    def __repr__(self) -> str:
+        return f"Fault({self.code}, {_listed(self.place)}: {len(self.trace)} scans)"
+
     @property
     def code(self) -> str:
         """Stable code: ``LOW101`` ..."""

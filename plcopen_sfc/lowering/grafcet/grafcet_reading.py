@@ -164,7 +164,7 @@ class _Reader(TextReader):
         return (replace(action, uses=tuple(uses)) for action, uses in found)
 
     def _action(self, target: str, path: str) -> ActionSource:
-        action = self.pou.action(target)
+        action = self.pou.find_action(target)
         if action is None:
             return ActionSource(target, self.variable(target, self._targets, path), (), ())
         statements = self.statements(action.body, f"action {target}")

@@ -272,7 +272,7 @@ class _Reader(TextReader):
 
     def _called(self, target: str, qualifier: Qualifier, path: str) -> tuple[n.Statement, ...]:
         """Return the code of a target that is no Boolean operand: an action of the POU, or the call of an instance."""
-        action = self.pou.action(target)
+        action = self.pou.find_action(target)
         if action is not None:
             return self.statements(action.body, f"action {target}")
         if qualifier is Qualifier.CALL:

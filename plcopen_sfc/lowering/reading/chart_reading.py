@@ -190,7 +190,7 @@ class _Reader(TextReader):
             if assigned:
                 yield ActionSource(name, None, self.read(f"{name}{assigned};", f"action {name}"), tuple(uses))
                 continue
-            action = self.pou.action(name)
+            action = self.pou.find_action(name)
             if action is not None:
                 text = "" if self._stays(action) else _text_of(action.body)
                 statements = self._statements_of(action)
@@ -258,7 +258,7 @@ class _Reader(TextReader):
     def _step_action(self, action: str | Body | None, path: str) -> tuple[n.Statement, ...]:
         if not isinstance(action, str):
             return self.statements(action, path)
-        known = self.pou.action(action)
+        known = self.pou.find_action(action)
         if known is not None:
             return self._statements_of(known)
         return self.read(f"{action}();", path)

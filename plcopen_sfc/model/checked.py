@@ -1,0 +1,135 @@
+"""Objects that check what they are given, say in words what is wrong with it, and show themselves in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from plcopen_sfc.errors import ArgumentError, ModelError, nearest
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)  # pydantic has no public name for it
+
+
+class _Constructor(ModelMetaclass):
+    """Lets constructors raise errors of this package: pydantic makes its own of all that a validator raises."""
+
+    if not TYPE_CHECKING:
+
+        def __call__(cls, *values: Any, **fields: Any) -> Any:  # noqa: N805  # the object is a class
+            if values:
+                wanted = ", ".join(f"{name}=.." for name, field in cls.model_fields.items() if field.is_required())
+                raise ArgumentError(f"{cls.__name__} takes fields by their names: {cls.__name__}({wanted})")
+            try:
+                return super().__call__(**fields)
+            except ValidationError as error:
+                raise misfit(cls, cls.__name__, error) from None
+
+
+class Checked(BaseModel, metaclass=_Constructor):
+    """An object that can be changed; its fields are checked in the constructor and on every assignment."""
+
+    model_config = ConfigDict(validate_assignment=True, extra="forbid", defer_build=True)
+
+    if not TYPE_CHECKING:
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            try:
+                super().__setattr__(name, value)
+            except ValidationError as error:
+                raise misfit(type(self), _called(self), error) from None
+
+    def __repr__(self) -> str:
+        """The class and what differs from the defaults: texts cut off, of lists the number of items."""
+        text = ", ".join(f"{name}={_short(value)}" for name, value in _stated(self))
+        return f"{type(self).__name__}({_cut(text, _LINE)})"
+
+    __str__ = __repr__
+
+
+_LINE = 160
+_TEXT = 40
+_SHOWN = 8
+_FIRST = ("name", "id", "kind", "text", "type")
+
+
+def _stated(thing: Checked) -> Iterator[tuple[str, Any]]:
+    """The fields that were read already and differ from their defaults; names and ids come first."""
+    fields = type(thing).model_fields
+    present = thing.__dict__
+    for name in sorted(fields, key=lambda name: _FIRST.index(name) if name in _FIRST else len(_FIRST)):
+        value = present.get(name)
+        if name in present and value not in (None, "", [], {}) and value is not fields[name].default:
+            yield name, value
+
+
+def _short(value: Any) -> str:
+    match value:
+        case Enum():
+            return str(value.value)
+        case str():
+            return repr(_cut(value, _TEXT))
+        case list() if all(isinstance(each, int) for each in value[:_SHOWN]) and len(value) <= _SHOWN:
+            return repr(value)
+        case Mapping() | Sequence():
+            return f"[{len(value)} item{'' if len(value) == 1 else 's'}]"
+        case Checked():
+            inner = repr(value)
+            return inner if len(inner) <= _TEXT * 2 else f"{type(value).__name__}(..)"
+        case _:
+            return repr(value)
+
+
+def _cut(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{text[:length]}.."
+
+
+def _called(thing: Checked) -> str:
+    name = thing.__dict__.get("name")
+    return f"{type(thing).__name__} {name!r}" if isinstance(name, str) and name else type(thing).__name__
+
+
+def misfit(model: type[BaseModel], owner: str, error: ValidationError) -> ModelError:
+    """Return the error of this package that says what does not fit in the fields of `owner`."""
+    found = error.errors(include_url=False)
+    named = "; ".join(_problem(model, owner, each["type"], each["loc"], each) for each in found[:_NAMED])
+    more = f"; and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    return ModelError(named + more)
+
+
+_NAMED = 3
+
+_WANTED = {
+    "string_type": "a text",
+    "int_type": "a whole number",
+    "int_parsing": "a whole number",
+    "int_from_float": "a whole number",
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "bool_type": "True or False",
+    "bool_parsing": "True or False",
+    "list_type": "a list",
+    "dict_type": "a mapping",
+}
+"""What a field needs, by the type of pydantic's error."""
+
+
+def _problem(model: type[BaseModel], owner: str, kind: str, loc: Sequence[int | str], error: Mapping[str, Any]) -> str:
+    """Return what is wrong with the field at `loc` of `owner`, in words."""
+    field = ".".join(map(str, loc))
+    given = _cut(repr(error["input"]), _TEXT)
+    if kind == "missing":
+        return f"{owner} needs {field}"
+    if kind in ("extra_forbidden", "no_such_attribute"):
+        return f"{owner} has no field {field!r}{nearest(field, model.model_fields)}"
+    if kind in ("enum", "literal_error"):
+        known = str(error["ctx"]["expected"]).replace(" or ", ", ").replace("'", "").split(", ")
+        return f"{field} of {owner} is none of {', '.join(known)}: {given}{nearest(error['input'], known)}"
+    if kind in _WANTED:
+        return f"{field} of {owner} is not {_WANTED[kind]}: {given} ({type(error['input']).__name__})"
+    return f"{field} of {owner} cannot be {given} ({type(error['input']).__name__}): {error['msg']}"
