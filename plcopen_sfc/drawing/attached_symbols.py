@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcopen_sfc.drawing.document_order import node_inputs
+from plcopen_sfc.drawing.document_order import input_pins_of
 from plcopen_sfc.drawing.drawing_style import DrawingStyle
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.drawing import ActionEntry, Drawing, Places, StepActionKind, Symbol, SymbolKind
@@ -94,7 +94,7 @@ class AttachedSymbols:
         last.entries = [lines[number] for number in wanted[len(elsewhere) :]] + steps_own
 
     def _feeds_logic(self, step: int) -> bool:
-        pins = [pin for node in self.chart.logic for pin in node_inputs(node)]
+        pins = [pin for node in self.chart.logic for pin in input_pins_of(node)]
         return any(connection.source == step for pin in pins for connection in pin.connections)
 
     def _settle_condition(self, symbol: Symbol) -> None:

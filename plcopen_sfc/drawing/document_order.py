@@ -11,7 +11,7 @@ from plcopen_sfc.model.network import Block, InputPin, Node, RightPowerRail
 from plcopen_sfc.model.sfc import SfcNetwork
 
 
-def node_inputs(node: Node) -> Iterator[InputPin]:
+def input_pins_of(node: Node) -> Iterator[InputPin]:
     """The input pins of an element of logic."""
     if isinstance(node, Block):
         parameters = node.parameters
@@ -38,7 +38,7 @@ def feeding(pins: Iterable[InputPin], nodes: dict[int, Node]) -> list[int]:
         elif number in nodes and number not in seen:
             seen.add(number)
             stack.append((number, True))
-            for pin in node_inputs(nodes[number]):
+            for pin in input_pins_of(nodes[number]):
                 stack += [(c.source, False) for c in pin.connections]
     return found
 
@@ -128,7 +128,7 @@ def _input_pins(chart: SfcNetwork, symbols: Iterable[Symbol]) -> Iterator[InputP
         if symbol.condition is not None:
             pins.append(symbol.condition)
     for node in chart.logic:
-        pins += node_inputs(node)
+        pins += input_pins_of(node)
     for pin in pins:
         if id(pin) not in seen:
             seen.add(id(pin))

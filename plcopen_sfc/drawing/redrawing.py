@@ -38,12 +38,12 @@ from plcopen_sfc.model.wiring import trace_drawing
 _TWO_SIDED = STEPS | {SymbolKind.TRANSITION}
 
 
-def entry(number: int) -> int:
+def input_side(number: int) -> int:
     """The input side of a symbol. A bar or jump has no other."""
     return 2 * number
 
 
-def exit_(number: int) -> int:
+def output_side(number: int) -> int:
     """The output side of a step or transition."""
     return 2 * number + 1
 
@@ -57,21 +57,21 @@ class WireClusters:
         kinds = {symbol.id: symbol.kind for symbol in symbols}
         for symbol in symbols:
             if symbol.kind in _TWO_SIDED:
-                self.parent[entry(symbol.id)] = entry(symbol.id)
-                self.parent[exit_(symbol.id)] = exit_(symbol.id)
+                self.parent[input_side(symbol.id)] = input_side(symbol.id)
+                self.parent[output_side(symbol.id)] = output_side(symbol.id)
             elif symbol.kind in BARS or symbol.kind is SymbolKind.JUMP:
-                self.parent[entry(symbol.id)] = entry(symbol.id)
+                self.parent[input_side(symbol.id)] = input_side(symbol.id)
         for symbol in symbols:
-            if entry(symbol.id) not in self.parent:
+            if input_side(symbol.id) not in self.parent:
                 continue
             for pin in symbol.inputs:
                 for connection in pin.connections:
                     kind = kinds.get(connection.source)
-                    side = exit_(connection.source) if kind in _TWO_SIDED else entry(connection.source)
+                    side = output_side(connection.source) if kind in _TWO_SIDED else input_side(connection.source)
                     if side in self.parent:
-                        self._unite(side, entry(symbol.id))
+                        self._unite(side, input_side(symbol.id))
             if symbol.kind is SymbolKind.JUMP and symbol.target is not None and kinds.get(symbol.target) in BARS:
-                self._unite(entry(symbol.id), entry(symbol.target))
+                self._unite(input_side(symbol.id), input_side(symbol.target))
         self.members: dict[int, list[int]] = {}
         for side in self.parent:
             self.members.setdefault(self.root(side), []).append(side)
@@ -210,8 +210,8 @@ class _Redrawing:
         stale = self.stale(WireClusters(self.old.values()), WireClusters(self.new.values()))
         kept = {i for i in self.old if self.keeps(i, stale)}
         gone = [s for i, s in self.old.items() if s.kind in _FLOW and i not in kept]
-        fresh = [s for i, s in self.new.items() if s.kind in _FLOW and entry(i) in stale]
-        unused = {i for i, s in self.new.items() if s.kind in _FLOW and entry(i) not in stale}
+        fresh = [s for i, s in self.new.items() if s.kind in _FLOW and input_side(i) in stale]
+        unused = {i for i, s in self.new.items() if s.kind in _FLOW and input_side(i) not in stale}
         take_over(gone, fresh, self.old, self.new)
         self.new = {symbol.id: symbol for i, symbol in self.new.items() if i not in unused}
         symbols = {i: self.old[i] for i in kept}
@@ -220,7 +220,7 @@ class _Redrawing:
                 symbols[number] = symbol
             elif symbol.kind in STEPS or symbol.kind is SymbolKind.TRANSITION:
                 if number in kept:
-                    self.update(self.old[number], symbol, rewire=entry(number) in stale)
+                    self.update(self.old[number], symbol, rewire=input_side(number) in stale)
                 else:
                     symbols[number] = symbol
         parts = AttachedSymbols(self.chart, self.old, self.new, symbols, wired=self.wired)
@@ -240,7 +240,7 @@ class _Redrawing:
         """True if a symbol of the old drawing stays. Action blocks and expressions follow what they belong to."""
         symbol = self.old[number]
         if symbol.kind in _FLOW:
-            return entry(number) not in stale
+            return input_side(number) not in stale
         if symbol.kind in STEPS:
             return number in self.new and self.new[number].kind in STEPS
         if symbol.kind is SymbolKind.TRANSITION:
@@ -269,27 +269,27 @@ class _Redrawing:
             if symbol.kind in STEPS:
                 before = self.old.get(number)
                 if before is None or before.kind not in STEPS:
-                    sides += (entry(number), exit_(number))
+                    sides += (input_side(number), output_side(number))
             elif symbol.kind is SymbolKind.TRANSITION:
                 before = self.old.get(number)
                 members = [transitions[i] for i in symbol.transitions or [number]]
                 found = links.get(number, [])
                 same = before is not None and (before.transitions or [number]) == [t.id for t in members]
                 if not same or len(found) != len(members) or self.reorder:
-                    sides += (entry(number), exit_(number))
+                    sides += (input_side(number), output_side(number))
                 elif not all(link_fits(t, link, steps) for t, link in zip(members, found, strict=True)):
                     if any({*t.sources} & steps != set(f.sources) for t, f in zip(members, found, strict=True)):
-                        sides.append(entry(number))
+                        sides.append(input_side(number))
                     if any({*t.targets} & steps != set(f.targets) for t, f in zip(members, found, strict=True)):
-                        sides.append(exit_(number))
+                        sides.append(output_side(number))
         for number, symbol in self.old.items():
             if symbol.kind in STEPS or symbol.kind is SymbolKind.TRANSITION:
                 if number not in self.new or (self.new[number].kind in STEPS) != (symbol.kind in STEPS):
-                    sides += old.around(entry(number)) + old.around(exit_(number))
+                    sides += old.around(input_side(number)) + old.around(output_side(number))
             elif symbol.kind is SymbolKind.JUMP and symbol.target is not None and symbol.target not in self.new:
                 target = self.old.get(symbol.target)
                 if target is None or target.kind in STEPS:
-                    sides.append(entry(number))
+                    sides.append(input_side(number))
         return sides
 
     def arrange(self, symbols: dict[int, Symbol], kept_for: dict[int, int]) -> None:

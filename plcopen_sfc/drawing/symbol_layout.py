@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from plcopen_sfc.drawing.attached_symbols import block_owner
 from plcopen_sfc.drawing.chart_graph import ROOT, ForwardEdges
-from plcopen_sfc.drawing.document_order import feeding, node_inputs
+from plcopen_sfc.drawing.document_order import feeding, input_pins_of
 from plcopen_sfc.drawing.drawing_style import BARS
 from plcopen_sfc.drawing.symbol_wires import SymbolSizes, WireRouting, node_size, text_width
 from plcopen_sfc.model.conditions import WiredCondition
@@ -176,7 +176,7 @@ class _Layout:
         inside = set(numbers)
         depth = dict.fromkeys(numbers, 0)
         for number in reversed(numbers):
-            for pin in node_inputs(self.nodes[number]):
+            for pin in input_pins_of(self.nodes[number]):
                 for connection in pin.connections:
                     if connection.source in inside and connection.source != number:
                         depth[connection.source] = min(max(depth[connection.source], depth[number] + 1), len(numbers))

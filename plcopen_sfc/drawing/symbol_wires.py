@@ -5,7 +5,7 @@ Units are those of TC6 editors: about a pixel.
 
 from __future__ import annotations
 
-from plcopen_sfc.drawing.document_order import node_inputs
+from plcopen_sfc.drawing.document_order import input_pins_of
 from plcopen_sfc.drawing.drawing_style import BARS, STEPS
 from plcopen_sfc.model.actions import ActionAssociation
 from plcopen_sfc.model.conditions import BodyCondition, Expression, NamedCondition, WiredCondition
@@ -172,7 +172,7 @@ class WireRouting:
                 if self._is_new(symbol.id):
                     line.position = (0, ROW_HEIGHT * row)
         for node in self.nodes.values():
-            for row, pin in enumerate(node_inputs(node)):
+            for row, pin in enumerate(input_pins_of(node)):
                 _, _, _, height = self.boxes[node.id]
                 self._input(node.id, pin, (0, 30 + 20 * row if isinstance(node, Block) else height // 2))
 

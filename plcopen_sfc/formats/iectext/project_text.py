@@ -19,7 +19,7 @@ from plcopen_sfc.formats.iectext.text_configurations import (
     write_configuration,
     write_global_section,
 )
-from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_types, write_said_type
+from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_types, write_type_text
 from plcopen_sfc.formats.iectext.text_outline import POUS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, numbered_blocks, pragmas, split
 from plcopen_sfc.formats.iectext.text_source import Annotations, TextSource, newlines, unwrapped, wrapped
@@ -203,7 +203,7 @@ def _config_section(printer: TextPrinter, section: ConfigSection, late: list[Cha
 
 
 def _type(printer: TextPrinter, declaration: DataTypeDeclaration, late: list[Change], *, unique: bool) -> str:
-    text, read_back, intended = write_said_type(printer, declaration)
+    text, read_back, intended = write_type_text(printer, declaration)
     printer.note(Outcome.KEPT, "data type", f"data type {declaration.name}")
     near, far = split(changes(read_back, intended))
     if unique:

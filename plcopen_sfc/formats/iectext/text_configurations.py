@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
-from plcopen_sfc.formats.iectext.text_declarations import read_listing, read_section, said_listing, write_said_section
+from plcopen_sfc.formats.iectext.text_declarations import listing_text, read_listing, read_section, write_section_text
 from plcopen_sfc.formats.iectext.text_outline import KEYWORDS, PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter, comment_lines, foreign_pragmas, label, pragmas, split
 from plcopen_sfc.formats.iectext.text_source import (
@@ -30,6 +30,7 @@ from plcopen_sfc.report import Outcome
 CONFIG_NAME = "Config"
 ON_PLACE = "on"
 _LIST_FIELDS = {"VAR_ACCESS": "access_variables", "VAR_CONFIG": "config_variables"}
+_LISTS = frozenset({"resources", "global_variables", "access_variables", "config_variables", "tasks", "instances"})
 
 
 def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], place: str) -> list[Fields]:
@@ -50,11 +51,37 @@ def read_global_section(src: TextSource, part: TextPart, gap: tuple[int, int], p
     return sections
 
 
+def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
+    """A list of global variables, with pragmas before it for the fields that its declaration lacks."""
+    intended = plain_fields(section)
+    typed = listing_text(printer, section, intended)
+    text, read_back = typed if typed is not None else write_section_text(printer, section, indent)
+    return pragmas(changes(read_back, intended), indent) + text + "\n"
+
+
 def read_configuration(src: TextSource, part: TextPart, gap: tuple[int, int]) -> tuple[Fields, bool]:
     """A configuration, and True if it is an application of CODESYS or TwinCAT."""
     annotations = src.annotations(*gap)
     application = any(c.path == ("application",) for c, _ in annotations.changes)
     return config_fields(src, part, gap), application
+
+
+def write_configuration(printer: TextPrinter, configuration: Configuration) -> str:
+    """``CONFIGURATION name .. END_CONFIGURATION``."""
+    printer.note(Outcome.KEPT, "configuration", f"configuration {configuration.name}")
+    writer = _ConfigurationWriter(printer)
+    lines = writer.configuration(configuration, [])
+    return lines.rstrip("\n")
+
+
+def write_application(printer: TextPrinter, application: Resource) -> str:
+    """An application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
+    printer.note(
+        Outcome.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource"
+    )
+    writer = _ConfigurationWriter(printer)
+    around = Configuration(name=application.name, resources=[application])
+    return writer.configuration(around, [Change(("application",), True)]).rstrip("\n")
 
 
 def config_fields(src: TextSource, part: TextPart, gap: tuple[int, int]) -> Fields:
@@ -149,7 +176,7 @@ def _task(src: TextSource, tokens: list[Token], annotations: Annotations, place:
         else:
             value = [*value, token]
     read_back = {name: fields.get(name) for name in ("interval", "single")}
-    fields = _with_remark(src, fields, annotations, place)
+    fields = _with_annotations(src, fields, annotations, place)
     if "settings" in fields:
         form = iec_form(Task.model_validate(fields | {"instances": []}))
         if read_back != {"interval": duration_literal(form["interval"]), "single": form["single"]}:
@@ -172,7 +199,7 @@ def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations
         if end < len(rest):
             text = newlines(src.text[rest[end].span[0] : rest[-1].span[1]])
             instance["carried"] = {"data": [wrapped("arguments", text)]}
-    instance = _with_remark(src, instance, annotations, place)
+    instance = _with_annotations(src, instance, annotations, place)
     for known in fields.get("tasks", []):
         if task and known["name"].casefold() == task.casefold():
             known.setdefault("instances", []).append(instance)
@@ -183,40 +210,11 @@ def _add_instance(src: TextSource, tokens: list[Token], annotations: Annotations
     fields.setdefault("instances", []).append(instance)
 
 
-def _with_remark(src: TextSource, fields: Fields, annotations: Annotations, place: str) -> Fields:
+def _with_annotations(src: TextSource, fields: Fields, annotations: Annotations, place: str) -> Fields:
     annotations.put_into(fields)
     for found in annotations.changes:
         apply_change(src, fields, found, place)
     return fields
-
-
-_LISTS = frozenset({"resources", "global_variables", "access_variables", "config_variables", "tasks", "instances"})
-
-
-def write_configuration(printer: TextPrinter, configuration: Configuration) -> str:
-    """``CONFIGURATION name .. END_CONFIGURATION``."""
-    printer.note(Outcome.KEPT, "configuration", f"configuration {configuration.name}")
-    writer = _ConfigurationWriter(printer)
-    lines = writer.configuration(configuration, [])
-    return lines.rstrip("\n")
-
-
-def write_application(printer: TextPrinter, application: Resource) -> str:
-    """An application of CODESYS or TwinCAT: a resource without a configuration, which gets one."""
-    printer.note(
-        Outcome.TRANSLATED, "application", f"application {application.name}", "a configuration with one resource"
-    )
-    writer = _ConfigurationWriter(printer)
-    around = Configuration(name=application.name, resources=[application])
-    return writer.configuration(around, [Change(("application",), True)]).rstrip("\n")
-
-
-def write_global_section(printer: TextPrinter, section: VariableSection, indent: str) -> str:
-    """A list of global variables, with pragmas before it for the fields that its declaration lacks."""
-    intended = plain_fields(section)
-    typed = said_listing(printer, section, intended)
-    text, read_back = typed if typed is not None else write_said_section(printer, section, indent)
-    return pragmas(changes(read_back, intended), indent) + text + "\n"
 
 
 @dataclass(slots=True)

@@ -82,7 +82,7 @@ def write_interface(
         _keep_as_typed(intended["interface"], interface.declaration or "", text)
         return text, []
     header = _header(printer, keyword, name, interface, indent=indent, intended=intended, read_back=read_back)
-    sections = [write_said_section(printer, section, indent + INDENT) for section in interface.sections]
+    sections = [write_section_text(printer, section, indent + INDENT) for section in interface.sections]
     if sections:
         read_back["interface"]["sections"] = [fields for _, fields in sections]
     return header, [text for text, _ in sections]
@@ -170,31 +170,31 @@ def _keep_as_typed(fields: Fields, declaration: str, text: str) -> None:
 # -- sections and types -----------------------------------------------------------------------------------------------
 
 
-def write_said_section(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[str, Fields]:
+def write_section_text(printer: TextPrinter, section: VariableSection, indent: str) -> tuple[str, Fields]:
     """A section as text, and the fields that a reader takes from it."""
     quoted = [with_quotes(variable, printer.variables) for variable in section.variables]
     section = section.model_copy(update={"variables": quoted})
     text = write_section(section, printer.dialect, indent)
-    read_back = _said_section(printer, text)
+    read_back = _section_read_back(printer, text)
     if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
         return text, read_back
     variables = [_expressible(printer, variable) for variable in section.variables]
     simple = section.model_copy(update={"variables": variables, "comment": None, "carried": None})
     text = write_section(simple, printer.dialect, indent)
-    read_back = _said_section(printer, text)
+    read_back = _section_read_back(printer, text)
     if read_back is not None and len(read_back.get("variables", [])) == len(section.variables):
         return text, read_back
     text = f"{indent}VAR\n{indent}END_VAR"
-    return text, _said_section(printer, text) or {}
+    return text, _section_read_back(printer, text) or {}
 
 
-def said_listing(printer: TextPrinter, section: VariableSection, intended: Fields) -> tuple[str, Fields] | None:
+def listing_text(printer: TextPrinter, section: VariableSection, intended: Fields) -> tuple[str, Fields] | None:
     """A list of global variables as it was typed, and its fields; None where that cannot be in the text."""
     declaration = section.declaration
     if declaration is None or "\r" in declaration or "plcopen_sfc" in declaration:
         return None
     text = declaration.rstrip()
-    read_back = _said_section(printer, text)
+    read_back = _section_read_back(printer, text)
     if read_back is None or text != text.lstrip():
         return None
     read_back.pop("comment", None)
@@ -203,7 +203,7 @@ def said_listing(printer: TextPrinter, section: VariableSection, intended: Field
     return text, read_back
 
 
-def _said_section(printer: TextPrinter, text: str) -> Fields | None:
+def _section_read_back(printer: TextPrinter, text: str) -> Fields | None:
     found = outline(f"PROGRAM x\n{text}\nEND_PROGRAM\n", printer.dialect)
     if found.problems or len(found.parts) != 1 or [p.kind for p in found.parts[0].parts] != [PartKind.VAR]:
         return None
@@ -216,33 +216,33 @@ def _said_section(printer: TextPrinter, text: str) -> Fields | None:
 def _expressible(printer: TextPrinter, variable: Variable) -> Variable:
     """The variable, or one in its place where its declaration does not come back from text."""
     alone = VariableSection(variables=[variable])
-    read_back = _said_section(printer, write_section(alone, printer.dialect))
+    read_back = _section_read_back(printer, write_section(alone, printer.dialect))
     if read_back is not None and len(read_back.get("variables", [])) == 1:
         return variable
     name = variable.name if printer.is_name(variable.name) else printer.new_name(variable.name)
     return Variable.model_validate({"name": name, "type": "BOOL"})
 
 
-def write_said_type(printer: TextPrinter, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
+def write_type_text(printer: TextPrinter, declaration: DataTypeDeclaration) -> tuple[str, Fields, Fields]:
     """A declaration of a type as text, the fields that a reader takes from it, and those of the model."""
     intended = plain_fields(declaration)
     if declaration.declaration is not None and "plcopen_sfc" not in declaration.declaration:
         text = declaration.declaration.rstrip()
-        read_back = _said_type(printer, text)
+        read_back = _type_read_back(printer, text)
         if read_back is not None and read_back.get("name") == declaration.name and newlines(text) == text.lstrip():
             _keep_as_typed(intended, declaration.declaration, text)
             return text, read_back, intended
     text = write_data_type(declaration, printer.dialect)
-    read_back = _said_type(printer, text)
+    read_back = _type_read_back(printer, text)
     if read_back is None:
         name = declaration.name if printer.is_name(declaration.name) else printer.new_name(declaration.name)
         simple = DataTypeDeclaration.model_validate({"name": name, "type": "BOOL"})
         text = write_data_type(simple, printer.dialect)
-        read_back = _said_type(printer, text) or {}
+        read_back = _type_read_back(printer, text) or {}
     return text, read_back, intended
 
 
-def _said_type(printer: TextPrinter, text: str) -> Fields | None:
+def _type_read_back(printer: TextPrinter, text: str) -> Fields | None:
     found = outline(text + "\n", printer.dialect)
     if found.problems or len(found.parts) != 1 or found.parts[0].kind is not PartKind.TYPE:
         return None

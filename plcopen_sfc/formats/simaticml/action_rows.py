@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.added_elements import keep_added
+from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import ASSOCIATION
 from plcopen_sfc.formats.simaticml.element_writer import (
     DocumentWriting,
@@ -333,7 +333,7 @@ class RowsWriter:
         for row in planned.rows:
             element = sub(parent, "Action")
             write_row(element, row, self.blocks)
-            keep_added(element)
+            mark_added(element)
         self._note_rows(planned, what, what, f"`{_bare(code)}`" if isinstance(code, str) else "it")
         return bool(planned.rows)
 
@@ -373,7 +373,7 @@ class RowsWriter:
             element = sub(parent, "Action")
             write_row(element, row, self.blocks)
             if number:
-                keep_added(element)
+                mark_added(element)
             else:
                 keep_fields(element, association)
         shown = _bare(action.target) if action.target is not None else "in place"

@@ -40,12 +40,12 @@ class AddedMark(Enum):
     EDITED = "it was added, and edited since"
 
 
-def keep_added(element: etree._Element) -> None:
-    """Mark an element as added. `seal` the document when all is written."""
+def mark_added(element: etree._Element) -> None:
+    """Mark an element as added. `seal_marks` the document when all is written."""
     keep_fields(element, {ADDED: True})
 
 
-def seal(root: etree._Element) -> None:
+def seal_marks(root: etree._Element) -> None:
     """Put the digest of its element into each mark."""
     for comment in [*root.iter(etree.Comment)]:
         element = comment.getparent()
@@ -54,7 +54,7 @@ def seal(root: etree._Element) -> None:
             keep_fields(element, {ADDED: _digest(element)})
 
 
-def added(element: etree._Element) -> AddedMark:
+def mark_of(element: etree._Element) -> AddedMark:
     """The mark in the comments of an element; None without one."""
     for comment in element.iterchildren(etree.Comment):
         mark = _mark(comment)
@@ -65,7 +65,7 @@ def added(element: etree._Element) -> AddedMark:
 
 def is_added(element: etree._Element) -> bool:
     """True if an element is as we have added it."""
-    return added(element) is AddedMark.UNCHANGED
+    return mark_of(element) is AddedMark.UNCHANGED
 
 
 def forget_mark(element: etree._Element) -> None:
@@ -101,8 +101,8 @@ RETURN = "Return"
 def write_result(sections: etree._Element, type_: DataType) -> None:
     """Write the section with the result of a function."""
     section = sub(sections, "Section", {"Name": RETURN})
-    keep_added(section)
-    keep_added(sub(section, "Member", {"Name": RESULT, "Datatype": write_type(type_)}))
+    mark_added(section)
+    mark_added(sub(section, "Member", {"Name": RESULT, "Datatype": write_type(type_)}))
 
 
 def bodies_with_result(pou: Pou) -> list[Body]:
@@ -157,13 +157,13 @@ def add_system_parts(ctx: DocumentWriting, sections: etree._Element) -> None:
         section = _section(sections, name)
         if section is None:
             section = etree.Element(sections.tag.replace("Sections", "Section"), {"Name": name})
-            keep_added(section)
+            mark_added(section)
             sections.insert(_place(sections, name), section)
         for at, (parameter, datatype) in enumerate(
             (parameter, datatype) for parameter, datatype in parameters.items() if parameter.casefold() not in taken
         ):
             member = sub(section, "Member", {"Name": parameter, "Datatype": datatype})
-            keep_added(member)
+            mark_added(member)
             section.insert(at, member)
     ctx.note(Outcome.TRANSLATED, "interface", why="it got the standard parameters of S7-GRAPH")
 
@@ -179,7 +179,7 @@ def _place(sections: etree._Element, name: str) -> int:
 
 def _add_base(sections: etree._Element) -> None:
     base = etree.Element(sections.tag.replace("Sections", "Section"), {"Name": "Base"})
-    keep_added(base)
+    mark_added(base)
     inner = sub(base, "Sections", {"Datatype": "GRAPH_BASE", "Version": "1.0"})
     for name in ("Input", "Output", "InOut", "Static"):
         sub(inner, "Section", {"Name": name})

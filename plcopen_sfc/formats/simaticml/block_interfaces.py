@@ -10,11 +10,11 @@ from plcopen_sfc.formats.simaticml.added_elements import add_system_parts, is_ad
 from plcopen_sfc.formats.simaticml.declaration_spelling import (
     LAYOUT,
     SECTIONS,
+    are_usual_sections,
     is_tia_type,
-    is_usual,
-    merged,
+    merged_sections,
     read_type,
-    restored,
+    restored_sections,
     section_name,
     struct_of,
     write_type,
@@ -28,7 +28,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     carry_element,
     children,
     local,
-    merge,
+    merge_fields,
     read_comments,
     read_languages,
 )
@@ -40,7 +40,7 @@ from plcopen_sfc.formats.simaticml.member_start_values import (
     write_elements,
     write_nested,
 )
-from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting, of_member, warn_of_edit
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, member_digests, warn_of_edit
 from plcopen_sfc.formats.xml.extension_data import legal_text
 from plcopen_sfc.languages.s7_types import NO_START
 from plcopen_sfc.model.base import Carried
@@ -64,18 +64,9 @@ _INFORMATIVE = frozenset({"UserVisible", "UserReadOnly", "UserDeletable", "Offse
 _SPELLED = frozenset({"elementary", "string", "array", "struct", "derived"})
 """The kinds of types that TIA Portal spells; others are carried."""
 _INTEGERS = frozenset({"Offset", "PaddedSize"})
-
-
-def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
-    """The element that gives a member the attribute `name`, and its marks, where nothing else is known."""
-    kind = "IntegerAttribute" if name in _INTEGERS else "BooleanAttribute"
-    if kind == "BooleanAttribute" and value not in ("true", "false"):
-        kind = "StringAttribute"
-    marks = {"Informative": "true"} if name in _INFORMATIVE else {}
-    return kind, {**marks, "SystemDefined": "true"}
-
-
 _ADDABLE = frozenset({"Base", "Input", "Output", "Return"})
+_ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
+_NAMES = {kind: name for name, kind in SECTIONS.items()}
 
 
 def read_interface(ctx: DocumentReading, element: etree._Element) -> Fields:
@@ -101,11 +92,54 @@ def read_interface(ctx: DocumentReading, element: etree._Element) -> Fields:
         if kept.get("return_type") is not None and any(s["kind"] is SectionKind.RETURN for s in fields["sections"]):
             warn_of_edit(ctx, "the result of the function", sections)
             del kept["return_type"]
-        merge(fields, kept)
+        merge_fields(fields, kept)
     layout = fields.pop(LAYOUT, None)
     if layout is not None:
-        fields["sections"] = restored(fields["sections"], layout)
+        fields["sections"] = restored_sections(fields["sections"], layout)
     return fields
+
+
+def write_interface(
+    ctx: DocumentWriting,
+    parent: etree._Element,
+    interface: Interface,
+    renamed: dict[str, str] | None = None,
+    *,
+    graph: bool = False,
+    static: bool = True,
+) -> etree._Element:
+    """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
+
+    `graph`: the block has a chart, and needs the system parts of every sequencer. `static`: it has static variables,
+    which functions have not.
+    """
+    element = sub(parent, "Interface")
+    for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
+        element.set(key, value)
+    sections = ctx.root("Interface", "Sections", element)
+    for content in interface.carried.elements if interface.carried is not None else ():
+        add_element(ctx, sections, content)
+    left: dict[str, Any] = {}
+    given = interface.sections
+    if not ctx.keeps_sections and not are_usual_sections(given, static=static):
+        given, left[LAYOUT] = merged_sections(given, static=static)
+    for section in given:
+        _write_section(ctx, sections, section, renamed or {}, static=static)
+    for section in interface.sections:
+        if section.persistent:
+            why = "its variables are kept when the power fails, and not when the block is loaded again"
+            ctx.note(Outcome.APPROXIMATED, "section", f"{section.kind.value} persistent", why)
+        if section_name(section) is None:
+            external = section.kind is SectionKind.EXTERNAL  # names of global variables, which texts name as such
+            outcome = Outcome.EXTENSION_DATA if external else Outcome.NOT_EXECUTED
+            ctx.note(outcome, "section", section.kind.value, "TIA Portal has no such section")
+    if graph:
+        add_system_parts(ctx, sections)
+    if interface.return_type is not None:
+        write_result(sections, ctx.s7_types.type(interface.return_type))
+        left["return_type"] = interface.return_type.model_dump(mode="json", exclude_none=True)
+    finish(ctx, sections, interface, frozenset({"sections", "return_type"}), also=left)
+    return element
 
 
 def _read_section(ctx: DocumentReading, element: etree._Element, kind: SectionKind) -> Fields:
@@ -118,6 +152,24 @@ def _read_section(ctx: DocumentReading, element: etree._Element, kind: SectionKi
             carry_element(fields, child)
     read_comments(ctx, element, fields)
     return fields
+
+
+def _write_section(
+    ctx: DocumentWriting, parent: etree._Element, section: VariableSection, renamed: dict[str, str], *, static: bool
+) -> None:
+    name = section_name(section) or ""
+    element = sub(parent, "Section", {"Name": name})
+    for content in section.carried.elements if section.carried is not None else ():
+        add_element(ctx, element, content)
+    for variable in section.variables:
+        write_member(
+            ctx, element, variable, renamed.get(variable.name), starts=name == "Constant" or (static and name != "Temp")
+        )
+    if _NAMES.get(section.kind) == name:
+        finish(ctx, element, section, frozenset({"kind", "variables"}))
+    else:
+        also = {"kind": section.kind.value, "constant": True}
+        finish(ctx, element, section, frozenset({"kind", "variables", "constant"}), also=also)
 
 
 def _is_all_added(section: etree._Element) -> bool:
@@ -137,6 +189,14 @@ def read_members(ctx: DocumentReading, element: etree._Element) -> Fields | None
                 return None
             return {"kind": "struct", "members": [read_member(ctx, child) for child in children(found[0])]}
     return None
+
+
+def write_members(ctx: DocumentWriting, parent: etree._Element, struct: StructType) -> None:
+    """Write the ``Interface`` of a data type."""
+    sections = ctx.root("Interface", "Sections", sub(parent, "Interface"))
+    section = sub(sections, "Section", {"Name": "None"})
+    for member in struct.members:
+        write_member(ctx, section, member)
 
 
 def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
@@ -185,123 +245,8 @@ def read_member(ctx: DocumentReading, element: etree._Element) -> Fields:
     kept: Fields = {}
     read_comments(ctx, element, kept)
     if kept:
-        merge(fields, counting(ctx, kept, of_member(element), element))
+        merge_fields(fields, counting_fields(ctx, kept, member_digests(element), element))
     return fields
-
-
-def _keep_marks(fields: Fields, element: etree._Element, name: str) -> None:
-    """Keep the attributes of a part of a member, such as ``Informative``."""
-    for key, value in attributes(element).items():
-        carried(fields)["attributes"][f"{name}/{key}"] = value
-
-
-def _attribute_list(element: etree._Element, fields: Fields, listed: dict[str, str]) -> None:
-    for child in children(element):
-        marks = attributes(child)
-        name = marks.pop("Name", "")
-        if not name or name in listed or name in MEMBER_ATTRIBUTES or len(child):
-            carry_element(fields, element)
-            listed.clear()
-            return
-        value = child.text or ""
-        listed[name] = value
-        kind, usual = usual_form(name, value)
-        if (local(child), marks) != (kind, usual):
-            form = " ".join([local(child), *(f"{key}={mark}" for key, mark in sorted(marks.items()))])
-            carried(fields)["attributes"][f"{name}/form"] = form
-
-
-def spelled_as(fields: Fields) -> str:
-    """The spelling that `write_type` gives to a type that was just read."""
-    return write_type(_light(fields))
-
-
-def _light(fields: Fields) -> DataType:
-    kind = fields["kind"]
-    if kind == "elementary":
-        return _ELEMENTARY_TYPES.setdefault(fields["name"], ElementaryType(name=fields["name"]))
-    if kind == "string":
-        return StringType(wide=fields["wide"], length=fields["length"])
-    if kind == "struct":
-        return StructType()
-    if kind == "array":
-        return ArrayType.model_validate({**fields, "base": _light(fields["base"])})
-    return DerivedType(name=fields["name"])
-
-
-_ELEMENTARY_TYPES: dict[str, ElementaryType] = {}
-
-
-_NAMES = {kind: name for name, kind in SECTIONS.items()}
-
-
-def write_interface(
-    ctx: DocumentWriting,
-    parent: etree._Element,
-    interface: Interface,
-    renamed: dict[str, str] | None = None,
-    *,
-    graph: bool = False,
-    static: bool = True,
-) -> etree._Element:
-    """Write ``Interface``. `renamed` are new names of members that the chart of the block names.
-
-    `graph`: the block has a chart, and needs the system parts of every sequencer. `static`: it has static variables,
-    which functions have not.
-    """
-    element = sub(parent, "Interface")
-    for key, value in (interface.carried.attributes if interface.carried is not None else {}).items():
-        element.set(key, value)
-    sections = ctx.root("Interface", "Sections", element)
-    for content in interface.carried.elements if interface.carried is not None else ():
-        add_element(ctx, sections, content)
-    left: dict[str, Any] = {}
-    given = interface.sections
-    if not ctx.keeps_sections and not is_usual(given, static=static):
-        given, left[LAYOUT] = merged(given, static=static)
-    for section in given:
-        _write_section(ctx, sections, section, renamed or {}, static=static)
-    for section in interface.sections:
-        if section.persistent:
-            why = "its variables are kept when the power fails, and not when the block is loaded again"
-            ctx.note(Outcome.APPROXIMATED, "section", f"{section.kind.value} persistent", why)
-        if section_name(section) is None:
-            external = section.kind is SectionKind.EXTERNAL  # names of global variables, which texts name as such
-            outcome = Outcome.EXTENSION_DATA if external else Outcome.NOT_EXECUTED
-            ctx.note(outcome, "section", section.kind.value, "TIA Portal has no such section")
-    if graph:
-        add_system_parts(ctx, sections)
-    if interface.return_type is not None:
-        write_result(sections, ctx.s7_types.type(interface.return_type))
-        left["return_type"] = interface.return_type.model_dump(mode="json", exclude_none=True)
-    finish(ctx, sections, interface, frozenset({"sections", "return_type"}), also=left)
-    return element
-
-
-def _write_section(
-    ctx: DocumentWriting, parent: etree._Element, section: VariableSection, renamed: dict[str, str], *, static: bool
-) -> None:
-    name = section_name(section) or ""
-    element = sub(parent, "Section", {"Name": name})
-    for content in section.carried.elements if section.carried is not None else ():
-        add_element(ctx, element, content)
-    for variable in section.variables:
-        write_member(
-            ctx, element, variable, renamed.get(variable.name), starts=name == "Constant" or (static and name != "Temp")
-        )
-    if _NAMES.get(section.kind) == name:
-        finish(ctx, element, section, frozenset({"kind", "variables"}))
-    else:
-        also = {"kind": section.kind.value, "constant": True}
-        finish(ctx, element, section, frozenset({"kind", "variables", "constant"}), also=also)
-
-
-def write_members(ctx: DocumentWriting, parent: etree._Element, struct: StructType) -> None:
-    """Write the ``Interface`` of a data type."""
-    sections = ctx.root("Interface", "Sections", sub(parent, "Interface"))
-    section = sub(sections, "Section", {"Name": "None"})
-    for member in struct.members:
-        write_member(ctx, section, member)
 
 
 def write_member(
@@ -366,7 +311,7 @@ def write_member(
         why = f"TIA Portal has no type like this one; written as {spelled}, which does not compile"
         ctx.note(Outcome.NOT_EXECUTED, "data type", variable.name, why)
     if "type" not in native or also or (variable.initial is not None and "initial" not in native):
-        also[WRITTEN] = of_member(element)
+        also[WRITTEN] = member_digests(element)
     finish(ctx, element, variable, frozenset(native), also=also, reported=frozenset(reported))
 
 
@@ -378,12 +323,74 @@ def _is_nested(type_: DataType) -> bool:
     return isinstance(base, DerivedType) or (isinstance(base, StructType) and base is not type_)
 
 
+def _keep_marks(fields: Fields, element: etree._Element, name: str) -> None:
+    """Keep the attributes of a part of a member, such as ``Informative``."""
+    for key, value in attributes(element).items():
+        carried(fields)["attributes"][f"{name}/{key}"] = value
+
+
+def _marks(kept: dict[str, str], part: str) -> dict[str, str]:
+    start = f"{part}/"
+    return {key.removeprefix(start): value for key, value in kept.items() if key.startswith(start)}
+
+
+def _attribute_list(element: etree._Element, fields: Fields, listed: dict[str, str]) -> None:
+    for child in children(element):
+        marks = attributes(child)
+        name = marks.pop("Name", "")
+        if not name or name in listed or name in MEMBER_ATTRIBUTES or len(child):
+            carry_element(fields, element)
+            listed.clear()
+            return
+        value = child.text or ""
+        listed[name] = value
+        kind, usual = usual_form(name, value)
+        if (local(child), marks) != (kind, usual):
+            form = " ".join([local(child), *(f"{key}={mark}" for key, mark in sorted(marks.items()))])
+            carried(fields)["attributes"][f"{name}/form"] = form
+
+
+def usual_form(name: str, value: str) -> tuple[str, dict[str, str]]:
+    """The element that gives a member the attribute `name`, and its marks, where nothing else is known."""
+    kind = "IntegerAttribute" if name in _INTEGERS else "BooleanAttribute"
+    if kind == "BooleanAttribute" and value not in ("true", "false"):
+        kind = "StringAttribute"
+    marks = {"Informative": "true"} if name in _INFORMATIVE else {}
+    return kind, {**marks, "SystemDefined": "true"}
+
+
+def _form(name: str, value: str, kept: dict[str, str]) -> tuple[str, dict[str, str]]:
+    form = kept.get(f"{name}/form")
+    if form is None:
+        return usual_form(name, value)
+    kind, *marks = form.split(" ")
+    return kind, dict(mark.split("=", 1) for mark in marks)
+
+
+def spelled_as(fields: Fields) -> str:
+    """The spelling that `write_type` gives to a type that was just read."""
+    return write_type(_light(fields))
+
+
 def spelling(type: DataType, kept: dict[str, str]) -> str:
     """The spelling of the file as long as it is the same type, else that of TIA Portal."""
     spelled = kept.get("Datatype")
     if spelled is not None and _without_members(type) == read_type(spelled):
         return spelled
     return write_type(type)
+
+
+def _light(fields: Fields) -> DataType:
+    kind = fields["kind"]
+    if kind == "elementary":
+        return _ELEMENTARY_TYPES.setdefault(fields["name"], ElementaryType(name=fields["name"]))
+    if kind == "string":
+        return StringType(wide=fields["wide"], length=fields["length"])
+    if kind == "struct":
+        return StructType()
+    if kind == "array":
+        return ArrayType.model_validate({**fields, "base": _light(fields["base"])})
+    return DerivedType(name=fields["name"])
 
 
 def _without_members(type: DataType) -> object:
@@ -396,19 +403,6 @@ def _without_members(type: DataType) -> object:
     if isinstance(type, DerivedType):
         return {"kind": "derived", "name": type.name}
     return type.model_dump()
-
-
-def _form(name: str, value: str, kept: dict[str, str]) -> tuple[str, dict[str, str]]:
-    form = kept.get(f"{name}/form")
-    if form is None:
-        return usual_form(name, value)
-    kind, *marks = form.split(" ")
-    return kind, dict(mark.split("=", 1) for mark in marks)
-
-
-def _marks(kept: dict[str, str], part: str) -> dict[str, str]:
-    start = f"{part}/"
-    return {key.removeprefix(start): value for key, value in kept.items() if key.startswith(start)}
 
 
 def section_kinds(interface: Interface | None) -> set[SectionKind]:

@@ -25,7 +25,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     child_named,
     children,
     local,
-    opaque,
+    opaque_body,
     read_comments,
     read_model,
     read_object_text,
@@ -53,6 +53,8 @@ from plcopen_sfc.report import Outcome
 
 LANGUAGES = {"LAD": "LD", "FBD": "FBD", "SCL": "ST", "GRAPH": "SFC"}
 NAMES = {language: name for name, language in LANGUAGES.items()}
+_SHELLS = ("FlgNet", "Parts", "Wires", "StructuredText")
+UNIT = "SW.Blocks.CompileUnit"
 
 
 def read_units(ctx: DocumentReading, units: list[etree._Element], late: Fields) -> tuple[list[Fields | SfcBody], str]:
@@ -70,10 +72,50 @@ def read_units(ctx: DocumentReading, units: list[etree._Element], late: Fields) 
     return bodies, block_language(languages)
 
 
+def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> None:
+    """Write a body as one compile unit, or as one for each of its networks."""
+    if isinstance(body, FbdBody | LdBody):
+        for network in body.networks:
+            _network(ctx, parent, body, network)
+        ctx.keep(f"{body.language} body")
+        return
+    source, unit = _add_unit(ctx, parent, body, language_of(body) or ("" if isinstance(body, OpaqueBody) else "LAD"))
+    native = {"language", "title", "comment"}
+    also: dict[str, Any] = {}
+    if isinstance(body, StBody):
+        write_code(ctx, source, body)
+        native |= {"text", "markup"}
+        ctx.keep("ST body")
+    elif isinstance(body, SfcBody):
+        native.add("chart")
+        if ctx.body_name not in ctx.options.untouched:
+            write_graph(ctx, ctx.root("Graph", "Graph", source), body.chart)
+        ctx.keep("chart")
+    elif isinstance(body, OpaqueBody) and body.source == "simaticml":
+        for content in [body.content] if body.content else []:
+            add_element(ctx, source, content)
+        native |= {"source", "content"}
+    else:
+        what = "IL body" if isinstance(body, IlBody) else "body"
+        why = "the block is empty and does nothing: it is in no language that is written for TIA Portal"
+        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+        keep_fields(unit, {"body": body.model_dump(mode="json", exclude_none=True)})
+        return
+    finish(ctx, unit, body, frozenset(native), also=also)
+
+
 def block_language(languages: list[str]) -> str:
     """The language of a block with networks in these: LAD and FBD blocks may have networks in SCL, not the reverse."""
     graphical = (name for name in languages if name.removeprefix("F_") in ("LAD", "FBD"))
     return next(graphical, languages[0] if languages else "")
+
+
+def language_of(body: Body | None) -> str:
+    """The language of a body as TIA Portal calls it."""
+    if body is None:
+        return ""
+    kept = body.carried.attributes.get("ProgrammingLanguage") if body.carried is not None else None
+    return kept or NAMES.get(body.language, "")
 
 
 def _continues(last: Fields, body: Fields) -> bool:
@@ -128,12 +170,61 @@ def _read_unit(ctx: DocumentReading, unit: etree._Element, late: Fields) -> tupl
     return name, _body(ctx, name, parts, own, late)
 
 
+def _add_unit(
+    ctx: DocumentWriting, parent: etree._Element, thing: Element, language: str
+) -> tuple[etree._Element, etree._Element]:
+    """A new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
+    unit = sub(parent, UNIT, {ID: "", "CompositionName": "CompileUnits"})
+    values = sub(unit, "AttributeList")
+    kept = dict(thing.carried.attributes) if thing.carried is not None else {}
+    source = sub(values, "NetworkSource")
+    if kept.pop("NetworkSource", None) is not None:
+        values.remove(source)
+    objects = sub(unit, "ObjectList")
+    for name, value in kept.items():
+        if name.startswith("@"):
+            owner, _, mark = name[1:].rpartition("@")
+            {"AttributeList": values, "ObjectList": objects, "NetworkSource": source}.get(owner, unit).set(mark, value)
+        elif " " not in name and name != "ProgrammingLanguage":
+            sub(values, name).text = value or None
+    _unknown(ctx, values, objects, thing.carried)
+    if language:
+        sub(values, "ProgrammingLanguage").text = language
+    write_object_text(ctx, objects, "Comment", thing.comment)
+    write_object_text(ctx, objects, "Title", getattr(thing, "title", None))
+    if not len(objects):
+        unit.remove(objects)
+    return source, unit
+
+
+def _network(ctx: DocumentWriting, parent: etree._Element, body: FbdBody | LdBody, network: LogicNetwork) -> None:
+    source, unit = _add_unit(ctx, parent, network, language_of(body))
+    if network.nodes or (network.carried is not None and network.carried.data):
+        root = ctx.root("FlgNet", "FlgNet", source)
+        if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
+            network = network.model_copy(deep=True)
+            put_assignments(network, ctx.types, {pou.name.casefold() for pou in ctx.project.pous})
+        if isinstance(body, LdBody) and lacks_power(network):
+            network = network.model_copy(deep=True)
+            put_in_series(network)
+        instead = write_network(ctx, root, network)
+        if instead is not None:
+            source.replace(root, instead)
+    left = LogicNetwork(global_id=network.global_id)
+    finish(ctx, unit, left, frozenset())
+
+
 def _is_empty(parts: list[etree._Element]) -> bool:
     """True if nothing is programmed in a compile unit."""
     return all(local(each) in _SHELLS for part in parts for each in part.iter(etree.Element))
 
 
-_SHELLS = ("FlgNet", "Parts", "Wires", "StructuredText")
+def _unknown(ctx: DocumentWriting, values: etree._Element, objects: etree._Element, carried: Carried | None) -> None:
+    for content in carried.elements if carried is not None else ():
+        holder = etree.Element("holder")
+        add_element(ctx, holder, content)
+        for element in list(holder):
+            (objects if element.get(ID) is not None else values).append(element)
 
 
 def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fields, late: Fields) -> Fields | SfcBody:
@@ -156,7 +247,7 @@ def _body(ctx: DocumentReading, name: str, parts: list[etree._Element], own: Fie
         except NotUnderstoodError:
             pass
     carry_attribute(own, "ProgrammingLanguage", name)
-    return {**opaque(*parts), **own}
+    return {**opaque_body(*parts), **own}
 
 
 def _merged(fields: Fields, own: Fields) -> Fields:
@@ -195,98 +286,3 @@ def misfit(error: ValidationError, file: str | None) -> StructureError:
     first = error.errors()[0]
     path = ".".join(map(str, first["loc"]))
     return StructureError(f"carried data does not fit the model at {path}: {first['msg']}", location=Location(file))
-
-
-UNIT = "SW.Blocks.CompileUnit"
-
-
-def language_of(body: Body | None) -> str:
-    """The language of a body as TIA Portal calls it."""
-    if body is None:
-        return ""
-    kept = body.carried.attributes.get("ProgrammingLanguage") if body.carried is not None else None
-    return kept or NAMES.get(body.language, "")
-
-
-def write_units(ctx: DocumentWriting, parent: etree._Element, body: Body) -> None:
-    """Write a body as one compile unit, or as one for each of its networks."""
-    if isinstance(body, FbdBody | LdBody):
-        for network in body.networks:
-            _network(ctx, parent, body, network)
-        ctx.keep(f"{body.language} body")
-        return
-    source, unit = _add_unit(ctx, parent, body, language_of(body) or ("" if isinstance(body, OpaqueBody) else "LAD"))
-    native = {"language", "title", "comment"}
-    also: dict[str, Any] = {}
-    if isinstance(body, StBody):
-        write_code(ctx, source, body)
-        native |= {"text", "markup"}
-        ctx.keep("ST body")
-    elif isinstance(body, SfcBody):
-        native.add("chart")
-        if ctx.body_name not in ctx.options.untouched:
-            write_graph(ctx, ctx.root("Graph", "Graph", source), body.chart)
-        ctx.keep("chart")
-    elif isinstance(body, OpaqueBody) and body.source == "simaticml":
-        for content in [body.content] if body.content else []:
-            add_element(ctx, source, content)
-        native |= {"source", "content"}
-    else:
-        what = "IL body" if isinstance(body, IlBody) else "body"
-        why = "the block is empty and does nothing: it is in no language that is written for TIA Portal"
-        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
-        keep_fields(unit, {"body": body.model_dump(mode="json", exclude_none=True)})
-        return
-    finish(ctx, unit, body, frozenset(native), also=also)
-
-
-def _add_unit(
-    ctx: DocumentWriting, parent: etree._Element, thing: Element, language: str
-) -> tuple[etree._Element, etree._Element]:
-    """A new compile unit with the texts of `thing`: its ``NetworkSource`` and itself."""
-    unit = sub(parent, UNIT, {ID: "", "CompositionName": "CompileUnits"})
-    values = sub(unit, "AttributeList")
-    kept = dict(thing.carried.attributes) if thing.carried is not None else {}
-    source = sub(values, "NetworkSource")
-    if kept.pop("NetworkSource", None) is not None:
-        values.remove(source)
-    objects = sub(unit, "ObjectList")
-    for name, value in kept.items():
-        if name.startswith("@"):
-            owner, _, mark = name[1:].rpartition("@")
-            {"AttributeList": values, "ObjectList": objects, "NetworkSource": source}.get(owner, unit).set(mark, value)
-        elif " " not in name and name != "ProgrammingLanguage":
-            sub(values, name).text = value or None
-    _unknown(ctx, values, objects, thing.carried)
-    if language:
-        sub(values, "ProgrammingLanguage").text = language
-    write_object_text(ctx, objects, "Comment", thing.comment)
-    write_object_text(ctx, objects, "Title", getattr(thing, "title", None))
-    if not len(objects):
-        unit.remove(objects)
-    return source, unit
-
-
-def _unknown(ctx: DocumentWriting, values: etree._Element, objects: etree._Element, carried: Carried | None) -> None:
-    for content in carried.elements if carried is not None else ():
-        holder = etree.Element("holder")
-        add_element(ctx, holder, content)
-        for element in list(holder):
-            (objects if element.get(ID) is not None else values).append(element)
-
-
-def _network(ctx: DocumentWriting, parent: etree._Element, body: FbdBody | LdBody, network: LogicNetwork) -> None:
-    source, unit = _add_unit(ctx, parent, network, language_of(body))
-    if network.nodes or (network.carried is not None and network.carried.data):
-        root = ctx.root("FlgNet", "FlgNet", source)
-        if any(isinstance(node, OutputVariable) for node in network.nodes):  # drawn here since the file was read
-            network = network.model_copy(deep=True)
-            put_assignments(network, ctx.types, {pou.name.casefold() for pou in ctx.project.pous})
-        if isinstance(body, LdBody) and lacks_power(network):
-            network = network.model_copy(deep=True)
-            put_in_series(network)
-        instead = write_network(ctx, root, network)
-        if instead is not None:
-            source.replace(root, instead)
-    left = LogicNetwork(global_id=network.global_id)
-    finish(ctx, unit, left, frozenset())

@@ -150,7 +150,7 @@ def holds_constants(section: VariableSection) -> bool:
     return section.kind is SectionKind.CONSTANT or (section.kind is SectionKind.LOCAL and section.constant)
 
 
-def is_usual(sections: list[VariableSection], *, static: bool = True) -> bool:
+def are_usual_sections(sections: list[VariableSection], *, static: bool = True) -> bool:
     """True if TIA Portal has these sections as they are."""
     names = [section_name(section, static=static) for section in sections]
     if not static and any(section.kind is SectionKind.LOCAL and not section.constant for section in sections):
@@ -160,7 +160,9 @@ def is_usual(sections: list[VariableSection], *, static: bool = True) -> bool:
     return None not in names and places == sorted(set(places)) and not kept
 
 
-def merged(sections: list[VariableSection], *, static: bool = True) -> tuple[list[VariableSection], list[Fields]]:
+def merged_sections(
+    sections: list[VariableSection], *, static: bool = True
+) -> tuple[list[VariableSection], list[Fields]]:
     """The sections that TIA Portal has for these, and the content of the comment about them."""
     found: dict[str, VariableSection] = {}
     layout: list[Fields] = []
@@ -182,8 +184,8 @@ def _retained(variable: Variable, section: VariableSection) -> Variable:
     return variable.model_copy(update={"attributes": {_REMANENCE: _RETAIN, **variable.attributes}})
 
 
-def restored(sections: list[Any], layout: list[Fields]) -> list[Any]:
-    """The sections that `merged` was given; variables that came since, or are in another, go into the first of it."""
+def restored_sections(sections: list[Any], layout: list[Fields]) -> list[Any]:
+    """The sections that `merged_sections` was given; variables that are new, or moved, go into the first of a kind."""
     pool = {variable["name"]: (variable, section["kind"]) for section in sections for variable in section["variables"]}
     found: list[Any] = []
     for entry in layout:

@@ -15,7 +15,7 @@ from plcopen_sfc.diagnostics import Diagnostic
 from plcopen_sfc.errors import Location, StructureError, UnknownVersionError
 from plcopen_sfc.formats.format_interface import TIA_PORTAL
 from plcopen_sfc.formats.provenance import read_later, remember_body
-from plcopen_sfc.formats.simaticml.added_elements import AddedMark, added, forget_mark
+from plcopen_sfc.formats.simaticml.added_elements import AddedMark, forget_mark, mark_of
 from plcopen_sfc.formats.simaticml.element_reader import (
     DocumentReading,
     Fields,
@@ -290,7 +290,7 @@ def read_project(
         if kind == "DocumentInfo":
             _document_info(header, child)
         elif (where := _list_for(kind)) is not None:
-            copied = added(child)
+            copied = mark_of(child)
             if copied is AddedMark.UNCHANGED:
                 continue  # the project has the global variables in it
             if copied is AddedMark.EDITED:

@@ -12,7 +12,7 @@ from difflib import SequenceMatcher
 from lxml import etree
 
 from plcopen_sfc.formats.format_interface import WriteOptions
-from plcopen_sfc.formats.simaticml.added_elements import keep_added, seal
+from plcopen_sfc.formats.simaticml.added_elements import mark_added, seal_marks
 from plcopen_sfc.formats.simaticml.document_reader import IDS, PRODUCT, SCHEMA
 from plcopen_sfc.formats.simaticml.element_writer import ID, DocumentWriting, add_element, finish, sub
 from plcopen_sfc.formats.simaticml.openness_objects import (
@@ -31,7 +31,7 @@ from plcopen_sfc.model.types import DataTypeDeclaration
 from plcopen_sfc.report import ConversionReport, Outcome
 
 
-def number(root: etree._Element, given: list[str]) -> None:
+def number_objects(root: etree._Element, given: list[str]) -> None:
     """Give every object its id: those of the file (`given`) where they are no running numbers, else these."""
     objects = _all_objects(root)
     ids = given if len(given) == len(objects) else [format(place, "X") for place in range(len(objects))]
@@ -43,7 +43,7 @@ def number_like(root: etree._Element, before: etree._Element, given: list[str]) 
     """Give every object of an edited document the id that it had `before`; new ones get numbers above all others."""
     pairs: list[tuple[etree._Element, etree._Element]] = []
     _pair(before, root, pairs)
-    number(before, given)
+    number_objects(before, given)
     for old, new in pairs:
         new.set(ID, old.get(ID, ""))
     used = [_value(element.get(ID, "")) for element in _all_objects(before)]
@@ -101,7 +101,7 @@ def write_project(
     if options.baseline is None:
         if not options.same:
             refuse_older(root, version)
-        number(root, _ids(project))
+        number_objects(root, _ids(project))
     else:
         before = _tree(options.baseline, version, ConversionReport(), replace(options, baseline=None))
         refuse_older(root, version, before)
@@ -141,7 +141,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
         else:
             write_tag_table(ctx, root, thing)
         if id(thing) in added:
-            keep_added(root[-1])
+            mark_added(root[-1])
             if isinstance(thing, DataBlock):
                 ctx.note(Outcome.TRANSLATED, "global variables", thing.name, "a data block")
             elif thing.name == TABLE:  # others are of enumerations
@@ -153,7 +153,7 @@ def _tree(project: Project, version: TiaVersion, report: ConversionReport, optio
     for content in project.carried.elements if project.carried is not None else ():
         add_element(ctx, root, content)
     finish(ctx, root, project, _NATIVE, reported=frozenset({"applications", "configurations"}))
-    seal(root)
+    seal_marks(root)
     return root
 
 

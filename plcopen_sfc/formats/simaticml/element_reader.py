@@ -152,7 +152,7 @@ def carry_attribute(fields: Fields, name: str, value: str) -> None:
     carried(fields)["attributes"][name] = value
 
 
-def opaque(*elements: etree._Element) -> Fields:
+def opaque_body(*elements: etree._Element) -> Fields:
     """A body that is kept as it is."""
     content = "".join(neutral(markup(element)) for element in elements)
     return {"language": "opaque", "source": "simaticml", "content": content}
@@ -175,7 +175,7 @@ def keep_verbatim(fields: Fields, element: etree._Element) -> None:
     carried(fields)["data"].append({"name": VERBATIM, "content": neutral(markup(element))})
 
 
-def same(one: XmlNode, other: XmlNode) -> bool:
+def same_content(one: XmlNode, other: XmlNode) -> bool:
     """True if two elements are equal; namespaces and blanks between elements do not count."""
     if local(one) != local(other) or one.attrib != other.attrib:
         return False
@@ -185,7 +185,7 @@ def same(one: XmlNode, other: XmlNode) -> bool:
     text, other_text = one.text or "", other.text or ""
     if mine:
         text, other_text = text.strip(), other_text.strip()
-    return text == other_text and all(same(a, b) for a, b in zip(mine, theirs, strict=True))
+    return text == other_text and all(same_content(a, b) for a, b in zip(mine, theirs, strict=True))
 
 
 def read_languages(element: etree._Element) -> Fields | None:
@@ -243,7 +243,7 @@ def read_comments(ctx: DocumentReading, element: etree._Element, fields: Fields)
                 continue
             if isinstance(found, dict):
                 found.pop(ADDED, None)
-                merge(fields, found)
+                merge_fields(fields, found)
 
 
 def first_line(error: Exception) -> str:
@@ -289,12 +289,12 @@ def _misfit(ctx: DocumentReading, error: Exception) -> Exception:
     return StructureError(f"the document does not fit the model at {first_line(error)}", location=Location(ctx.file))
 
 
-def merge(fields: Fields, found: Fields) -> None:
+def merge_fields(fields: Fields, found: Fields) -> None:
     """Add `found` to `fields`; lists and parts of objects are added to those that are there."""
     for name, value in found.items():
         present = fields.get(name)
         if isinstance(value, dict) and isinstance(present, dict) and not value.keys() & {"kind", "language"}:
-            merge(present, value)
+            merge_fields(present, value)
         elif isinstance(value, list) and isinstance(present, list):
             present.extend(value)
         else:

@@ -21,7 +21,7 @@ from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, keep_f
 from plcopen_sfc.formats.simaticml.graph_reader import RESULT_OF
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import has_all_elements, write_flgnet_body
 from plcopen_sfc.formats.simaticml.network_operands import literal_type
-from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, of_condition
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, condition_digest
 from plcopen_sfc.formats.simaticml.tia_adaptation import mark_constants, network_text, user_constants
 from plcopen_sfc.formats.xml.extension_data import Markup, markup_of
 from plcopen_sfc.languages.networks import NetworkExpression
@@ -342,7 +342,7 @@ class ConditionWriter:
         place = len(element)
         write_flgnet_body(self.ctx, element, body)
         result = RESULT_OF[local(element)]
-        keep_fields(element, {"condition": source, WRITTEN: of_condition(element, result)})
+        keep_fields(element, {"condition": source, WRITTEN: condition_digest(element, result)})
         element.insert(place, element[-1])
 
 

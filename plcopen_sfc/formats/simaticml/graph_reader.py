@@ -19,7 +19,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     child_named,
     children,
     local,
-    merge,
+    merge_fields,
     read_comments,
     read_languages,
     whole_number,
@@ -27,10 +27,10 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_flgnet_body
 from plcopen_sfc.formats.simaticml.replaced_elements import (
     WRITTEN,
+    condition_digest,
     edited_fields,
     forget_edited_exclusions,
     forget_edited_times,
-    of_condition,
     warn_of_edit,
 )
 from plcopen_sfc.formats.simaticml.row_tokens import read_action
@@ -283,7 +283,7 @@ class _ChartReader:
             native = [row for row in fields["actions"] if row["id"] not in self._unwritten]
             self._excluded[number] = {**copy.deepcopy(fields), "actions": copy.deepcopy(native)}
             self._edited += [number] if edited else []
-        merge(fields, {name: value for name, value in kept.items() if name not in edited})
+        merge_fields(fields, {name: value for name, value in kept.items() if name not in edited})
 
     def _actions(self, step: Fields, element: etree._Element) -> list[str]:
         """Read the rows of a step. Returns the fields of it in comments that do not count, as the rows were edited."""
@@ -427,12 +427,12 @@ def _replace_condition(ctx: DocumentReading, element: etree._Element, fields: Fi
     is_kept = "condition" in kept
     if is_kept:
         condition = kept.pop("condition")
-        if digest is None or digest == of_condition(element, RESULT_OF[local(element)]):
+        if digest is None or digest == condition_digest(element, RESULT_OF[local(element)]):
             fields["condition"] = condition
         else:
             kept.pop("exclude", None)  # the excluded condition has been programmed since
             warn_of_edit(ctx, f"the condition of the {local(element).lower()}", element)
-    merge(fields, kept)
+    merge_fields(fields, kept)
     return is_kept
 
 

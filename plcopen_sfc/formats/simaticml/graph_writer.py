@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.action_rows import RowPlanner, RowsWriter
-from plcopen_sfc.formats.simaticml.added_elements import keep_added
+from plcopen_sfc.formats.simaticml.added_elements import mark_added
 from plcopen_sfc.formats.simaticml.element_reader import children, local
 from plcopen_sfc.formats.simaticml.element_writer import (
     DocumentWriting,
@@ -27,13 +27,13 @@ from plcopen_sfc.formats.simaticml.graph_conditions import (
 )
 from plcopen_sfc.formats.simaticml.graph_reader import CONNECTIONS, RESULT_OF, USUAL_CATEGORIES, carried_order
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import write_flgnet_body
-from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, of_rows
+from plcopen_sfc.formats.simaticml.replaced_elements import INSTEAD, WRITTEN, rows_digest
 from plcopen_sfc.formats.simaticml.sequence_rules import (
     ElementRef,
     InsertedElements,
     Legaliser,
     SequenceLink,
-    problems,
+    connection_problems,
     with_competing_transitions_joined,
     without_joined_jumps,
     write_link,
@@ -241,7 +241,7 @@ class _ChartWriter:
         added = legaliser.added
         self.last_step = max(self.last_step, *added.steps, 0)
         self.last_transition = max(self.last_transition, *added.transitions, 0)
-        self._report(problems(links, types), dead_ends)
+        self._report(connection_problems(links, types), dead_ends)
         return _Connections(links, branches, added)
 
     def _report(self, refused: list[str], dead_ends: list[int]) -> None:
@@ -269,14 +269,14 @@ class _ChartWriter:
         step = Step(id=0, name=name)
         self._supervised(element, step, "Supervision", None)
         self._supervised(element, step, "Interlock", None)
-        keep_added(element)
+        mark_added(element)
 
     def _added_transition(self, parent: etree._Element, number: int, *, never: bool) -> None:
         marks = {"IsMissing": "false", "Name": self._free_name("Trans", number), "Number": str(number)}
         element = sub(parent, "Transition", marks)
         body = condition_body(Expression(text="FALSE"), RESULT_OF["Transition"]) if never else None
         write_flgnet_body(self.ctx, element, body or empty_network(RESULT_OF["Transition"]))
-        keep_added(element)
+        mark_added(element)
 
     def _belongs(self, source: ElementRef, members: set[tuple[str, int]], writer: TopologyWriter) -> bool:
         """True if a connection that starts at a step, transition or branch is one of a sequence."""
@@ -304,7 +304,7 @@ class _ChartWriter:
         self._fill_shell(actions, step.carried, "Actions")
         instead = self.rows.write(actions, step) or (["exclude"] if step.exclude else [])
         if instead:
-            keep_fields(actions, {WRITTEN: of_rows(actions), INSTEAD: instead})
+            keep_fields(actions, {WRITTEN: rows_digest(actions), INSTEAD: instead})
         sub(actions, "Action")
         self._supervised(element, step, "Supervision", step.supervision)
         self._supervised(element, step, "Interlock", step.interlock)

@@ -17,7 +17,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     carry_attribute,
     child_named,
     keep_verbatim,
-    opaque,
+    opaque_body,
     read_comments,
 )
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, keep_fields, sub, verbatim
@@ -26,12 +26,12 @@ from plcopen_sfc.formats.simaticml.flgnet_writer import write_flgnet
 from plcopen_sfc.formats.simaticml.network_operands import operand_hints
 from plcopen_sfc.formats.simaticml.program_comparison import (
     NUMBERS,
-    equal,
-    light,
+    is_identical,
     numbers_like,
     numbers_of,
+    parse_program,
+    program_text,
     shortened,
-    text_of,
 )
 from plcopen_sfc.model.body import Body, FbdBody, LdBody, OpaqueBody
 from plcopen_sfc.model.network import LogicNetwork
@@ -46,7 +46,7 @@ def read_network(ctx: DocumentReading, element: etree._Element) -> Fields:
 
     Parts that our writer would write differently are kept besides it as they are.
     """
-    text = text_of(element)
+    text = program_text(element)
     kept: dict[str, str] | None
     if next(element.iterchildren(etree.Comment), None) is None:
         found: tuple[Fields, dict[str, str] | None] = marshal.loads(_remembered(text))  # noqa: S302  # dumped below
@@ -75,7 +75,7 @@ def _remembered(text: bytes) -> bytes:
 
 def _read_text(text: bytes) -> tuple[XmlNode, Fields, dict[str, str]]:
     """The elements of a network, its fields, and the hints of its operands."""
-    net = light(text)
+    net = parse_program(text)
     texts: dict[str, str] = {}
     nodes = read_flgnet(net, texts)
     return net, {"nodes": nodes}, operand_hints(net, texts)
@@ -91,7 +91,7 @@ def _beside(net: XmlNode, fields: Fields, hints: dict[str, str]) -> dict[str, st
     except NotUnderstoodError:
         return None
     kept = hints if matter else {}
-    if equal(net, copy):
+    if is_identical(net, copy):
         return kept
     numbers = numbers_like(net, copy)
     if numbers is None:
@@ -150,7 +150,7 @@ def read_flgnet_body(ctx: DocumentReading, owner: etree._Element) -> Fields:
             fields["networks"].append(read_network(ctx, flgnet))
         except NotUnderstoodError as error:
             report_network(ctx, error, flgnet)
-            fields = opaque(flgnet)
+            fields = opaque_body(flgnet)
             carry_attribute(fields, "ProgrammingLanguage", language)
     return fields
 

@@ -280,7 +280,7 @@ def write_path(
         for text in part.indices:
             own_hint = index(text) if index is not None else None
             differs |= write_operand(component, text, "DInt", hint=own_hint, index=index)
-    if address := details(hint or ""):
+    if address := hint_details(hint or ""):
         sub(parent, "Address", {**address, "Informative": "true"})
         differs = True
     return differs
@@ -292,7 +292,7 @@ def _is_first_schema(element: XmlNode) -> bool:
     return found is not None and found[1] == 1 and found[0] != "StructuredText"
 
 
-def details(hint: str) -> dict[str, str]:
+def hint_details(hint: str) -> dict[str, str]:
     """The details in a hint by name; empty if it has none, or is damaged."""
     try:
         found = json.loads(hint) if hint.startswith("{") else {}

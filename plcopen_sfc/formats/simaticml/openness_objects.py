@@ -6,7 +6,7 @@ from typing import Any
 
 from lxml import etree
 
-from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, keep_added, name_result
+from plcopen_sfc.formats.simaticml.added_elements import bodies_with_result, is_added, mark_added, name_result
 from plcopen_sfc.formats.simaticml.block_interfaces import (
     read_interface,
     read_members,
@@ -29,7 +29,7 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     child_named,
     children,
     local,
-    merge,
+    merge_fields,
     plain_text,
     read_comments,
     read_object_text,
@@ -44,7 +44,7 @@ from plcopen_sfc.formats.simaticml.element_writer import (
     sub,
     write_object_text,
 )
-from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting, of_interface
+from plcopen_sfc.formats.simaticml.replaced_elements import WRITTEN, counting_fields, interface_digest
 from plcopen_sfc.languages.s7_globals import UNCALLED
 from plcopen_sfc.model.base import Element
 from plcopen_sfc.model.body import SfcBody
@@ -84,6 +84,11 @@ SETTING_TEXTS = {
     "InitialValuesAcquisition": "initial_values_acquisition",
     "LanguageInNetworks": "network_language",
 }
+_POU_TAGS = {kind: tag for tag, kind in POUS.items()}
+_DATA_BLOCK_TAGS = {kind: tag for tag, kind in DATA_BLOCKS.items()}
+_MARKED = frozenset({"Name"})
+"""Attributes that the model has even where they are more than text in the file, and so are kept too."""
+_TEXTS = frozenset({"name", "number", "title", "comment"})
 
 
 def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
@@ -114,6 +119,103 @@ def read_pou(ctx: DocumentReading, element: etree._Element) -> Fields:
     return _end(ctx, element, fields, values)
 
 
+def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
+    """Write a code block. A program becomes a function block: TIA Portal has none."""
+    writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
+    ctx.place.append(f"POU {pou.name}")
+    ctx.body_name = pou.name
+    ctx.types = types_of(ctx.project, pou)
+    sections = pou.interface.sections if pou.interface is not None else []
+    constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
+    ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)
+    native = {"interface", "bodies"}
+    if pou.kind in _POU_TAGS:
+        native.add("kind")
+        ctx.keep("POU")
+    else:
+        what = "program" if pou.kind is PouKind.PROGRAM else "POU"
+        why = "a function block; no organization block calls it, and it has no instance data block"
+        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
+    chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
+    if pou.interface is not None:
+        static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
+        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None, static=static)
+    elif chart is not None:
+        mark_added(write_interface(ctx, writer.values, Interface(), graph=True))
+    kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
+    writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
+    if chart is not None and ctx.body_name not in ctx.options.untouched:
+        _write_settings(writer, chart.chart.graph_settings)
+    write_object_text(ctx, writer.objects, "Comment", pou.comment)
+    ctx.actions_told = set()
+    for body in bodies_with_result(pou):
+        write_units(ctx, writer.objects, body)
+    for action in pou.actions:
+        if action.body is not None and action.name.casefold() not in ctx.actions_told:
+            is_called = id(action) in ctx.called_actions
+            why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
+            outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA
+            ctx.note(outcome, "POU action", f"action {action.name}", why)
+    for method in pou.methods:
+        why = "blocks of TIA Portal have no methods: what calls it does not execute it"
+        ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
+    writer.finish(frozenset(native), reported=frozenset({"kind", "actions", "methods"}))
+    if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
+        _without_graph(writer.values)
+    ctx.place.pop()
+
+
+def _without_graph(values: etree._Element) -> None:
+    """Take the base of GRAPH out of the interface of a block that was one: only those have it."""
+    for section in list(values.iterfind("Interface/{*}Sections/{*}Section[@Name='Base']")):
+        if section.find("{*}Sections[@Datatype='GRAPH_BASE']") is not None:
+            section.getparent().remove(section)  # type: ignore[union-attr]  # it has one
+
+
+def _renamed(ctx: DocumentWriting, pou: Pou) -> dict[str, str]:
+    """New names of the static members that belong to steps and transitions, where these were renamed."""
+    baseline = ctx.options.baseline
+    before = next((p for p in baseline.pous if p.name == pou.name), None) if baseline is not None else None
+    if before is None or before.chart is None or pou.name in ctx.options.untouched or pou.chart is None:
+        return {}
+    old = _chart_names(before.chart)
+    new = _chart_names(pou.chart)
+    return {old[key]: new[key] for key in old.keys() & new.keys() if old[key] != new[key]}
+
+
+def _chart_names(chart: SfcNetwork) -> dict[int, str]:
+    """The names of steps and transitions by id."""
+    return {step.id: step.name for step in chart.steps} | {t.id: t.name for t in chart.transitions}
+
+
+def _read_settings(values: dict[str, etree._Element]) -> Fields:
+    settings: Fields = {}
+    for name, field in SETTINGS.items():
+        truth = TRUTHS.get(plain_text(values.get(name)) or "")
+        if truth is not None:
+            settings[field] = truth
+            del values[name]
+    for name, field in SETTING_TEXTS.items():
+        text = plain_text(values.get(name))
+        if text is not None:
+            settings[field] = text
+            del values[name]
+    return settings
+
+
+def _write_settings(writer: _Object, settings: GraphSettings | None) -> None:
+    if settings is None:
+        settings = GraphSettings()
+    for name, field in SETTINGS.items():
+        truth = getattr(settings, field)
+        if truth is not None:
+            writer.set(name, flag(truth))
+    for name, field in SETTING_TEXTS.items():
+        text = getattr(settings, field)
+        if text is not None:
+            writer.set(name, text)
+
+
 def read_data_block(ctx: DocumentReading, element: etree._Element) -> Fields:
     """Read a data block."""
     fields: Fields = {"kind": DATA_BLOCKS[local(element)]}
@@ -129,6 +231,22 @@ def read_data_block(ctx: DocumentReading, element: etree._Element) -> Fields:
     return _end(ctx, element, fields, values)
 
 
+def write_data_block(ctx: DocumentWriting, parent: etree._Element, block: DataBlock) -> None:
+    """Write a data block."""
+    writer = _Object(ctx, parent, _DATA_BLOCK_TAGS[block.kind], block)
+    ctx.place.append(f"data block {block.name}")
+    if block.interface is not None:
+        write_interface(ctx, writer.values, block.interface)
+    if block.type_name is not None:
+        writer.set("InstanceOfName", block.type_name)
+    kept = block.carried.attributes.get("ProgrammingLanguage") if block.carried is not None else None
+    writer.set("ProgrammingLanguage", kept or "DB")
+    ctx.keep("data block")
+    write_object_text(ctx, writer.objects, "Comment", block.comment)
+    writer.finish(frozenset({"kind", "interface", "type_name"}))
+    ctx.place.pop()
+
+
 def read_data_type(ctx: DocumentReading, element: etree._Element) -> Fields:
     """Read a PLC data type."""
     fields: Fields = {"type": {"kind": "struct", "members": []}}
@@ -140,8 +258,34 @@ def read_data_type(ctx: DocumentReading, element: etree._Element) -> Fields:
         del values["Interface"]
     for child in _object_list(element, fields, ""):
         carry_element(fields, child)
-    digest = of_interface(interface) if interface is not None else ""
+    digest = interface_digest(interface) if interface is not None else ""
     return _end(ctx, element, fields, values, {"type": digest, "initial": digest})
+
+
+def write_data_type(ctx: DocumentWriting, parent: etree._Element, declaration: DataTypeDeclaration) -> None:
+    """Write a PLC data type. TIA Portal has structures only."""
+    writer = _Object(ctx, parent, DATA_TYPE, declaration)
+    ctx.place.append(f"type {declaration.name}")
+    native = {"type"}
+    also: dict[str, Any] = {}
+    if isinstance(declaration.type, StructType):
+        kept = declaration.carried.elements if declaration.carried is not None else []
+        if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
+            write_members(ctx, writer.values, declaration.type)
+        ctx.keep("data type")
+    else:
+        native.discard("type")
+        held = Variable(name="Value", type=ctx.s7_types.type(declaration.type))
+        write_members(ctx, writer.values, StructType(members=[held]))
+        written = interface_digest(writer.values[-1])
+        also[WRITTEN] = {"type": written, "initial": written}
+        why = f"its variables are of the type {write_type(held.type)}"
+        if isinstance(declaration.type, EnumType):
+            why += "; its values are user constants"
+        ctx.note(Outcome.TRANSLATED, "data type", why=why)
+    write_object_text(ctx, writer.objects, "Comment", declaration.comment)
+    writer.finish(frozenset(native), reported=frozenset({"type", "initial"}), also=also)
+    ctx.place.pop()
 
 
 def read_tag_table(ctx: DocumentReading, element: etree._Element) -> Fields:
@@ -156,6 +300,19 @@ def read_tag_table(ctx: DocumentReading, element: etree._Element) -> Fields:
     return _end(ctx, element, fields, values)
 
 
+def write_tag_table(ctx: DocumentWriting, parent: etree._Element, table: TagTable) -> None:
+    """Write a tag table."""
+    writer = _Object(ctx, parent, TAG_TABLE, table)
+    ctx.place.append(f"tag table {table.name}")
+    for tag in table.tags:
+        _write_tag(ctx, writer.objects, tag)
+    for constant in table.constants:
+        _write_constant(ctx, writer.objects, constant)
+    ctx.keep("tag table")
+    writer.finish(frozenset({"tags", "constants"}))
+    ctx.place.pop()
+
+
 def _read_tag(ctx: DocumentReading, element: etree._Element) -> Fields:
     fields: Fields = {}
     values = _start(ctx, element, fields)
@@ -164,6 +321,15 @@ def _read_tag(ctx: DocumentReading, element: etree._Element) -> Fields:
     for child in _object_list(element, fields, ""):
         carry_element(fields, child)
     return _end(ctx, element, fields, values)
+
+
+def _write_tag(ctx: DocumentWriting, parent: etree._Element, tag: Tag) -> None:
+    writer = _Object(ctx, parent, TAG, tag, "Tags")
+    writer.set("DataTypeName", tag.type)
+    if tag.address is not None:
+        writer.set("LogicalAddress", tag.address)
+    write_object_text(ctx, writer.objects, "Comment", tag.comment)
+    writer.finish(frozenset({"type", "address"}))
 
 
 def _read_constant(ctx: DocumentReading, element: etree._Element) -> Fields:
@@ -179,6 +345,18 @@ def _read_constant(ctx: DocumentReading, element: etree._Element) -> Fields:
     for child in _object_list(element, fields, ""):
         carry_element(fields, child)
     return _end(ctx, element, fields, values)
+
+
+def _write_constant(ctx: DocumentWriting, parent: etree._Element, constant: Variable) -> None:
+    writer = _Object(ctx, parent, CONSTANT, constant, "UserConstants")
+    kept = constant.carried.attributes if constant.carried is not None else {}
+    writer.set("DataTypeName", spelling(constant.type, kept))
+    native = {"type"}
+    if isinstance(constant.initial, SimpleValue):
+        writer.set("Value", constant.initial.text or "")
+        native.add("initial")
+    write_object_text(ctx, writer.objects, "Comment", constant.comment)
+    writer.finish(frozenset(native))
 
 
 def _start(ctx: DocumentReading, element: etree._Element, fields: Fields) -> dict[str, etree._Element]:
@@ -221,7 +399,7 @@ def _end(
             carry_attribute(fields, f"@{key}", mark)
     kept: Fields = {}
     read_comments(ctx, element, kept)
-    merge(fields, counting(ctx, kept, digests or {}, element))
+    merge_fields(fields, counting_fields(ctx, kept, digests or {}, element))
     ctx.place.pop()
     return fields
 
@@ -232,21 +410,6 @@ def _take(values: dict[str, etree._Element], name: str) -> str | None:
     if text is not None:
         del values[name]
     return text
-
-
-def _read_settings(values: dict[str, etree._Element]) -> Fields:
-    settings: Fields = {}
-    for name, field in SETTINGS.items():
-        truth = TRUTHS.get(plain_text(values.get(name)) or "")
-        if truth is not None:
-            settings[field] = truth
-            del values[name]
-    for name, field in SETTING_TEXTS.items():
-        text = plain_text(values.get(name))
-        if text is not None:
-            settings[field] = text
-            del values[name]
-    return settings
 
 
 def _object_list(element: etree._Element, fields: Fields, *expected: str) -> list[etree._Element]:
@@ -263,13 +426,6 @@ def _object_list(element: etree._Element, fields: Fields, *expected: str) -> lis
         else:
             carry_element(fields, child)
     return found
-
-
-_POU_TAGS = {kind: tag for tag, kind in POUS.items()}
-_DATA_BLOCK_TAGS = {kind: tag for tag, kind in DATA_BLOCKS.items()}
-_MARKED = frozenset({"Name"})
-"""Attributes that the model has even where they are more than text in the file, and so are kept too."""
-_TEXTS = frozenset({"name", "number", "title", "comment"})
 
 
 class _Object:
@@ -315,161 +471,3 @@ class _Object:
         if not len(self.objects):
             self.element.remove(self.objects)
         finish(self.ctx, self.element, self.thing, native | _TEXTS, reported=reported, also=also)
-
-
-def write_pou(ctx: DocumentWriting, parent: etree._Element, pou: Pou) -> None:
-    """Write a code block. A program becomes a function block: TIA Portal has none."""
-    writer = _Object(ctx, parent, _POU_TAGS.get(pou.kind, "SW.Blocks.FB"), pou)
-    ctx.place.append(f"POU {pou.name}")
-    ctx.body_name = pou.name
-    ctx.types = types_of(ctx.project, pou)
-    sections = pou.interface.sections if pou.interface is not None else []
-    constants = [variable for section in sections if holds_constants(section) for variable in section.variables]
-    ctx.constants = frozenset(f"#{variable.name.lower()}" for variable in constants)
-    native = {"interface", "bodies"}
-    if pou.kind in _POU_TAGS:
-        native.add("kind")
-        ctx.keep("POU")
-    else:
-        what = "program" if pou.kind is PouKind.PROGRAM else "POU"
-        why = "a function block; no organization block calls it, and it has no instance data block"
-        ctx.note(Outcome.NOT_EXECUTED, what, why=why)
-    chart = next((body for body in pou.bodies if isinstance(body, SfcBody)), None)
-    if pou.interface is not None:
-        static = pou.kind is not PouKind.FUNCTION or ctx.keeps_sections
-        write_interface(ctx, writer.values, pou.interface, _renamed(ctx, pou), graph=chart is not None, static=static)
-    elif chart is not None:
-        keep_added(write_interface(ctx, writer.values, Interface(), graph=True))
-    kept = pou.carried.attributes.get("ProgrammingLanguage") if pou.carried is not None else None
-    writer.set("ProgrammingLanguage", kept or block_language([language_of(body) for body in pou.bodies]) or "LAD")
-    if chart is not None and ctx.body_name not in ctx.options.untouched:
-        _write_settings(writer, chart.chart.graph_settings)
-    write_object_text(ctx, writer.objects, "Comment", pou.comment)
-    ctx.actions_told = set()
-    for body in bodies_with_result(pou):
-        write_units(ctx, writer.objects, body)
-    for action in pou.actions:
-        if action.body is not None and action.name.casefold() not in ctx.actions_told:
-            is_called = id(action) in ctx.called_actions
-            why = "blocks of TIA Portal have no actions: what calls it does not execute it" if is_called else UNCALLED
-            outcome = Outcome.NOT_EXECUTED if is_called else Outcome.EXTENSION_DATA
-            ctx.note(outcome, "POU action", f"action {action.name}", why)
-    for method in pou.methods:
-        why = "blocks of TIA Portal have no methods: what calls it does not execute it"
-        ctx.note(Outcome.NOT_EXECUTED, "method", f"method {method.name}", why)
-    writer.finish(frozenset(native), reported=frozenset({"kind", "actions", "methods"}))
-    if writer.values.findtext("ProgrammingLanguage") != "GRAPH":
-        _without_graph(writer.values)
-    ctx.place.pop()
-
-
-def _without_graph(values: etree._Element) -> None:
-    """Take the base of GRAPH out of the interface of a block that was one: only those have it."""
-    for section in list(values.iterfind("Interface/{*}Sections/{*}Section[@Name='Base']")):
-        if section.find("{*}Sections[@Datatype='GRAPH_BASE']") is not None:
-            section.getparent().remove(section)  # type: ignore[union-attr]  # it has one
-
-
-def _write_settings(writer: _Object, settings: GraphSettings | None) -> None:
-    if settings is None:
-        settings = GraphSettings()
-    for name, field in SETTINGS.items():
-        truth = getattr(settings, field)
-        if truth is not None:
-            writer.set(name, flag(truth))
-    for name, field in SETTING_TEXTS.items():
-        text = getattr(settings, field)
-        if text is not None:
-            writer.set(name, text)
-
-
-def _renamed(ctx: DocumentWriting, pou: Pou) -> dict[str, str]:
-    """New names of the static members that belong to steps and transitions, where these were renamed."""
-    baseline = ctx.options.baseline
-    before = next((p for p in baseline.pous if p.name == pou.name), None) if baseline is not None else None
-    if before is None or before.chart is None or pou.name in ctx.options.untouched or pou.chart is None:
-        return {}
-    old = _chart_names(before.chart)
-    new = _chart_names(pou.chart)
-    return {old[key]: new[key] for key in old.keys() & new.keys() if old[key] != new[key]}
-
-
-def _chart_names(chart: SfcNetwork) -> dict[int, str]:
-    """The names of steps and transitions by id."""
-    return {step.id: step.name for step in chart.steps} | {t.id: t.name for t in chart.transitions}
-
-
-def write_data_block(ctx: DocumentWriting, parent: etree._Element, block: DataBlock) -> None:
-    """Write a data block."""
-    writer = _Object(ctx, parent, _DATA_BLOCK_TAGS[block.kind], block)
-    ctx.place.append(f"data block {block.name}")
-    if block.interface is not None:
-        write_interface(ctx, writer.values, block.interface)
-    if block.type_name is not None:
-        writer.set("InstanceOfName", block.type_name)
-    kept = block.carried.attributes.get("ProgrammingLanguage") if block.carried is not None else None
-    writer.set("ProgrammingLanguage", kept or "DB")
-    ctx.keep("data block")
-    write_object_text(ctx, writer.objects, "Comment", block.comment)
-    writer.finish(frozenset({"kind", "interface", "type_name"}))
-    ctx.place.pop()
-
-
-def write_data_type(ctx: DocumentWriting, parent: etree._Element, declaration: DataTypeDeclaration) -> None:
-    """Write a PLC data type. TIA Portal has structures only."""
-    writer = _Object(ctx, parent, DATA_TYPE, declaration)
-    ctx.place.append(f"type {declaration.name}")
-    native = {"type"}
-    also: dict[str, Any] = {}
-    if isinstance(declaration.type, StructType):
-        kept = declaration.carried.elements if declaration.carried is not None else []
-        if declaration.type.members or not any(content.startswith("<Interface ") for content in kept):
-            write_members(ctx, writer.values, declaration.type)
-        ctx.keep("data type")
-    else:
-        native.discard("type")
-        held = Variable(name="Value", type=ctx.s7_types.type(declaration.type))
-        write_members(ctx, writer.values, StructType(members=[held]))
-        written = of_interface(writer.values[-1])
-        also[WRITTEN] = {"type": written, "initial": written}
-        why = f"its variables are of the type {write_type(held.type)}"
-        if isinstance(declaration.type, EnumType):
-            why += "; its values are user constants"
-        ctx.note(Outcome.TRANSLATED, "data type", why=why)
-    write_object_text(ctx, writer.objects, "Comment", declaration.comment)
-    writer.finish(frozenset(native), reported=frozenset({"type", "initial"}), also=also)
-    ctx.place.pop()
-
-
-def write_tag_table(ctx: DocumentWriting, parent: etree._Element, table: TagTable) -> None:
-    """Write a tag table."""
-    writer = _Object(ctx, parent, TAG_TABLE, table)
-    ctx.place.append(f"tag table {table.name}")
-    for tag in table.tags:
-        _write_tag(ctx, writer.objects, tag)
-    for constant in table.constants:
-        _write_constant(ctx, writer.objects, constant)
-    ctx.keep("tag table")
-    writer.finish(frozenset({"tags", "constants"}))
-    ctx.place.pop()
-
-
-def _write_tag(ctx: DocumentWriting, parent: etree._Element, tag: Tag) -> None:
-    writer = _Object(ctx, parent, TAG, tag, "Tags")
-    writer.set("DataTypeName", tag.type)
-    if tag.address is not None:
-        writer.set("LogicalAddress", tag.address)
-    write_object_text(ctx, writer.objects, "Comment", tag.comment)
-    writer.finish(frozenset({"type", "address"}))
-
-
-def _write_constant(ctx: DocumentWriting, parent: etree._Element, constant: Variable) -> None:
-    writer = _Object(ctx, parent, CONSTANT, constant, "UserConstants")
-    kept = constant.carried.attributes if constant.carried is not None else {}
-    writer.set("DataTypeName", spelling(constant.type, kept))
-    native = {"type"}
-    if isinstance(constant.initial, SimpleValue):
-        writer.set("Value", constant.initial.text or "")
-        native.add("initial")
-    write_object_text(ctx, writer.objects, "Comment", constant.comment)
-    writer.finish(frozenset(native))

@@ -22,7 +22,7 @@ from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError, Xml
 from plcopen_sfc.formats.xml.extension_data import canonical_form
 
 
-def text_of(element: etree._Element) -> bytes:
+def program_text(element: etree._Element) -> bytes:
     """`element` as text without comments, marks of CDATA, and most of the blanks between elements."""
     text: bytes = etree.tostring(element, with_tail=False)
     if b"<!" in text:
@@ -34,8 +34,8 @@ _BEFORE_START = re.compile(rb">\s+<(?!/)")
 """Blanks before an element: they are no content, as those before an end may be."""
 
 
-def light(text: bytes) -> ET.Element:
-    """The tree of a text that `text_of` gave: of a document, so its entities and nesting have been looked at.
+def parse_program(text: bytes) -> ET.Element:
+    """The tree of a text that `program_text` gave: of a document, so its entities and nesting have been looked at.
 
     Raises `NotUnderstoodError` for processing instructions, which such a tree does not have.
     """
@@ -127,7 +127,7 @@ def numbers_like(given: XmlNode, written: XmlNode) -> list[str] | None:
 
     Mostly they are the same to the letter, or have other words in them; only what is left takes long to compare.
     """
-    if equal(given, written):
+    if is_identical(given, written):
         return numbers_of(written)
     if _words(given) != _words(written):  # cheap, and finds most differences
         return None
@@ -141,7 +141,7 @@ def numbers_like(given: XmlNode, written: XmlNode) -> list[str] | None:
     return [one[key][0] for key in sorted(other, key=lambda key: int(other[key][0]))]
 
 
-def equal(one: XmlNode, other: XmlNode) -> bool:
+def is_identical(one: XmlNode, other: XmlNode) -> bool:
     """True if two elements are the same to the letter but for blanks between elements."""
     pairs: Iterable[tuple[XmlNode, XmlNode]] = zip(one.iter(), other.iter(), strict=False)
     for mine, theirs in pairs:

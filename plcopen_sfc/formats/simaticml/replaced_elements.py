@@ -42,7 +42,7 @@ INSTEAD = "instead"
 """The field in our comments that holds the fields of a step which its rows express in another way."""
 
 
-def of_condition(element: etree._Element, result: str) -> str:
+def condition_digest(element: etree._Element, result: str) -> str:
     """The digest of the network of a transition, interlock or supervision, which ends in the coil `result`."""
     network = child_named(element, "FlgNet")
     if network is None:
@@ -50,13 +50,13 @@ def of_condition(element: etree._Element, result: str) -> str:
     return _digest(_expression(element, network, result) or _structure(network))
 
 
-def of_rows(actions: etree._Element) -> str:
+def rows_digest(actions: etree._Element) -> str:
     """The digest of the rows of a step; the empty row at the end does not count."""
     rows = [row for row in children(actions) if local(row) == "Action" and (len(row) or row.attrib)]
     return _digest([row_fields(row) for row in rows])
 
 
-def of_member(element: etree._Element) -> dict[str, str]:
+def member_digests(element: etree._Element) -> dict[str, str]:
     """The digests of the type and of the start value of a member, by the fields that hold them."""
     starts: list[Any] = []
     for value in element.iter("{*}StartValue"):
@@ -65,7 +65,7 @@ def of_member(element: etree._Element) -> dict[str, str]:
     return {"type": _digest(element.get("Datatype", "")), "initial": _digest(starts)}
 
 
-def of_interface(element: etree._Element) -> str:
+def interface_digest(element: etree._Element) -> str:
     """The digest of the members of a data type."""
     return _digest(_structure(element))
 
@@ -77,7 +77,7 @@ def warn_of_edit(ctx: DocumentReading, what: str, element: etree._Element) -> No
     )
 
 
-def counting(ctx: DocumentReading, kept: Fields, digests: dict[str, str], element: etree._Element) -> Fields:
+def counting_fields(ctx: DocumentReading, kept: Fields, digests: dict[str, str], element: etree._Element) -> Fields:
     """The fields in a comment at `element` without those whose native form was edited. `digests`: the present ones."""
     written = kept.pop(WRITTEN, None)
     if not isinstance(written, dict):
@@ -115,7 +115,7 @@ def edited_fields(kept: Fields, actions: etree._Element) -> list[str]:
     `kept`: the fields in the comment at the rows.
     """
     fields = kept.get(INSTEAD)
-    return fields if isinstance(fields, list) and kept.get(WRITTEN) != of_rows(actions) else []
+    return fields if isinstance(fields, list) and kept.get(WRITTEN) != rows_digest(actions) else []
 
 
 def forget_edited_exclusions(

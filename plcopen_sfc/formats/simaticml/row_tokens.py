@@ -15,8 +15,8 @@ from plcopen_sfc.formats.simaticml.element_reader import (
     children,
     keep_verbatim,
     local,
-    opaque,
-    same,
+    opaque_body,
+    same_content,
 )
 from plcopen_sfc.formats.simaticml.element_writer import sub
 from plcopen_sfc.formats.simaticml.network_operands import parse_operand
@@ -49,6 +49,38 @@ NEAREST = {
 """Substitutes for qualifiers that GRAPH does not have; only R0 means the same."""
 AS_EVENTS = {Qualifier.P1: ActionEvent.S1, Qualifier.P: ActionEvent.S1, Qualifier.P0: ActionEvent.S0}
 """Qualifiers of IEC 61131-3 that GRAPH expresses with an event: once at activation (P1, P), or at deactivation (P0)."""
+_WIDE = 4
+_LEXEMES = re.compile(
+    r"""\n|[ \t]+|'(?:[^'$]|\$.)*'|:=|=>|<=|>=|<>|\*\*
+    |(?:\#?"[^"]*"|\#?[^\W\d]\w*(?:\#[\w.+-]+)?)(?:\.(?:"[^"]*"|%?\w+)|\[[^\[\]\n]*\])*|\d[\w.\#]*|%\w+(?:\.\d)?|.""",
+    re.VERBOSE | re.DOTALL,
+)
+"""The tokens of a row: an operand is one token, however long its path is."""
+_CALL_ROW = re.compile(r'CALL\s+("[^"]+"|#?[^\s,(]+)(?:\s*,\s*("[^"]+"|#?[^\s,(]+))?\s*(?:\((.*)\))?\s*', re.DOTALL)
+_PARAMETER = re.compile(r"\s*([^\W\d]\w*)\s*(:=|=>)\s*(.*\S)\s*")
+_QUALIFIERS = frozenset(q.value for q in Qualifier) - {"None", "CALL"}
+_EVENTS = frozenset(e.value for e in ActionEvent) - {"C"}
+TIMED = frozenset({"L", "D", "TL", "TD", "TR", "TF"})
+"""Qualifiers whose operand is followed by a time."""
+
+
+def read_action(element: etree._Element) -> Fields:
+    """Read ``Action``, without an id. A row that no rule fits is a body that is kept as it is."""
+    fields = row_fields(element)
+    if fields.get("body", {}).get("language") == "opaque":
+        return fields
+    copy = etree.Element("Action")
+    write_row(copy, ActionAssociation.model_validate({"id": 0, **fields}))
+    if same_content(element, copy):
+        return fields
+    layout = layout_of(element)
+    if layout is not None and layout != layout_of(copy):
+        carry_attribute(fields, LAYOUT, layout)
+        write_row(copy := etree.Element("Action"), ActionAssociation.model_validate({"id": 0, **fields}))
+    if not same_content(element, copy):
+        keep_verbatim(fields, element)
+        fields["carried"]["attributes"].pop(LAYOUT, None)
+    return fields
 
 
 def write_row(element: etree._Element, action: ActionAssociation, blocks: Mapping[str, str] | None = None) -> None:
@@ -71,97 +103,6 @@ def write_row(element: etree._Element, action: ActionAssociation, blocks: Mappin
         sub(element, "Token", {"Text": legal_text(token)})
 
 
-def _laid_out(tokens: list[str], layout: str) -> list[str]:
-    """Tokens with the blanks between them that the row had, if it has the same number of tokens."""
-    words = [token for token in tokens if token.strip()]
-    widths = layout.split()
-    if len(widths) != len(words) or not all(width.isdigit() and len(width) < _WIDE for width in widths):
-        return tokens
-    return [part for word, width in zip(words, widths, strict=True) for part in (word, " " * int(width)) if part]
-
-
-_WIDE = 4
-_LEXEMES = re.compile(
-    r"""\n|[ \t]+|'(?:[^'$]|\$.)*'|:=|=>|<=|>=|<>|\*\*
-    |(?:\#?"[^"]*"|\#?[^\W\d]\w*(?:\#[\w.+-]+)?)(?:\.(?:"[^"]*"|%?\w+)|\[[^\[\]\n]*\])*|\d[\w.\#]*|%\w+(?:\.\d)?|.""",
-    re.VERBOSE | re.DOTALL,
-)
-"""The tokens of a row: an operand is one token, however long its path is."""
-
-
-def _tokens(action: ActionAssociation, callee: str) -> list[str]:
-    if isinstance(action.body, StBody):
-        called = _CALL_STATEMENT.fullmatch(action.body.text.strip()) if action.qualifier is Qualifier.CALL else None
-        return _call_tokens(called[1], called[2], callee) if called is not None else _LEXEMES.findall(action.body.text)
-    if action.target is None:
-        return []
-    if action.duration is not None:
-        return [action.target, ",", action.duration]
-    if action.value is not None:
-        return [action.target, "," if action.qualifier is Qualifier.CS else ":=", *_LEXEMES.findall(action.value)]
-    return [action.target]
-
-
-def _call_tokens(called: str, arguments: str, callee: str) -> list[str]:
-    """The tokens of a call, laid out as the editor does: a parameter on each line."""
-    named = [callee, ",", called] if callee else [called]
-    tokens = ["CALL", " ", *named, " ", "\n", " " * _INDENT, "("]
-    for number, argument in enumerate(_split(arguments)):
-        found = _ARGUMENT.fullmatch(argument)
-        words = [found[1], " ", found[2], " ", found[3]] if found is not None else [argument]
-        tokens += words if number == 0 else [" " * (_INDENT + 1), *words]
-        tokens.append("\n")
-    if tokens[-1] == "\n":
-        tokens.append(" " * _INDENT)
-    return [*tokens, ")"]
-
-
-def _split(arguments: str) -> list[str]:
-    """The arguments of a call: split at commas outside of strings and brackets."""
-    parts, depth, quote, start = [], 0, "", 0
-    for place, letter in enumerate(arguments):
-        if quote:
-            quote = "" if letter == quote else quote
-        elif letter in "'\"":
-            quote = letter
-        elif letter in "([":
-            depth += 1
-        elif letter in ")]":
-            depth -= 1
-        elif letter == "," and depth == 0:
-            parts.append(arguments[start:place].strip())
-            start = place + 1
-    last = arguments[start:].strip()
-    return [*parts, last] if last else parts
-
-
-_CALL_ROW = re.compile(r'CALL\s+("[^"]+"|#?[^\s,(]+)(?:\s*,\s*("[^"]+"|#?[^\s,(]+))?\s*(?:\((.*)\))?\s*', re.DOTALL)
-_PARAMETER = re.compile(r"\s*([^\W\d]\w*)\s*(:=|=>)\s*(.*\S)\s*")
-_QUALIFIERS = frozenset(q.value for q in Qualifier) - {"None", "CALL"}
-_EVENTS = frozenset(e.value for e in ActionEvent) - {"C"}
-TIMED = frozenset({"L", "D", "TL", "TD", "TR", "TF"})
-"""Qualifiers whose operand is followed by a time."""
-
-
-def read_action(element: etree._Element) -> Fields:
-    """Read ``Action``, without an id. A row that no rule fits is a body that is kept as it is."""
-    fields = row_fields(element)
-    if fields.get("body", {}).get("language") == "opaque":
-        return fields
-    copy = etree.Element("Action")
-    write_row(copy, ActionAssociation.model_validate({"id": 0, **fields}))
-    if same(element, copy):
-        return fields
-    layout = layout_of(element)
-    if layout is not None and layout != layout_of(copy):
-        carry_attribute(fields, LAYOUT, layout)
-        write_row(copy := etree.Element("Action"), ActionAssociation.model_validate({"id": 0, **fields}))
-    if not same(element, copy):
-        keep_verbatim(fields, element)
-        fields["carried"]["attributes"].pop(LAYOUT, None)
-    return fields
-
-
 def layout_of(row: etree._Element) -> str | None:
     """The blanks between the tokens of a row, each behind its token; None for a row of several lines."""
     found: list[int] = []
@@ -176,6 +117,15 @@ def layout_of(row: etree._Element) -> str | None:
     return " ".join(map(str, found)) if tokens[-1:] == ["\n"] else None
 
 
+def _laid_out(tokens: list[str], layout: str) -> list[str]:
+    """Tokens with the blanks between them that the row had, if it has the same number of tokens."""
+    words = [token for token in tokens if token.strip()]
+    widths = layout.split()
+    if len(widths) != len(words) or not all(width.isdigit() and len(width) < _WIDE for width in widths):
+        return tokens
+    return [part for word, width in zip(words, widths, strict=True) for part in (word, " " * int(width)) if part]
+
+
 def row_fields(element: etree._Element) -> Fields:
     """The fields of an association for a row."""
     left = attributes(element)
@@ -186,7 +136,7 @@ def row_fields(element: etree._Element) -> Fields:
     known = qualifier in ("", *_QUALIFIERS) and event in ("", *_EVENTS) and interlock is not None and not left
     fields: Fields = {"qualifier": Qualifier(qualifier) if qualifier in _QUALIFIERS else Qualifier.NONE}
     if not plain or not known:
-        return {**fields, "body": opaque(element)}
+        return {**fields, "body": opaque_body(element)}
     if event:
         fields["event"] = ActionEvent(event)
     if interlock:
@@ -225,6 +175,19 @@ def _is_value(text: str) -> bool:
     return parsed.tree is not None and not parsed.problems
 
 
+def _tokens(action: ActionAssociation, callee: str) -> list[str]:
+    if isinstance(action.body, StBody):
+        called = _CALL_STATEMENT.fullmatch(action.body.text.strip()) if action.qualifier is Qualifier.CALL else None
+        return _call_tokens(called[1], called[2], callee) if called is not None else _LEXEMES.findall(action.body.text)
+    if action.target is None:
+        return []
+    if action.duration is not None:
+        return [action.target, ",", action.duration]
+    if action.value is not None:
+        return [action.target, "," if action.qualifier is Qualifier.CS else ":=", *_LEXEMES.findall(action.value)]
+    return [action.target]
+
+
 def _call_statement(found: re.Match[str]) -> Fields | None:
     """A call row as a statement of SCL, which calls a function block by its instance."""
     callee, instance, listed = found[1], found[2], found[3]
@@ -240,3 +203,36 @@ def _call_statement(found: re.Match[str]) -> Fields | None:
     if instance is not None:
         carry_attribute(fields, CALLEE, callee)
     return fields
+
+
+def _call_tokens(called: str, arguments: str, callee: str) -> list[str]:
+    """The tokens of a call, laid out as the editor does: a parameter on each line."""
+    named = [callee, ",", called] if callee else [called]
+    tokens = ["CALL", " ", *named, " ", "\n", " " * _INDENT, "("]
+    for number, argument in enumerate(_split(arguments)):
+        found = _ARGUMENT.fullmatch(argument)
+        words = [found[1], " ", found[2], " ", found[3]] if found is not None else [argument]
+        tokens += words if number == 0 else [" " * (_INDENT + 1), *words]
+        tokens.append("\n")
+    if tokens[-1] == "\n":
+        tokens.append(" " * _INDENT)
+    return [*tokens, ")"]
+
+
+def _split(arguments: str) -> list[str]:
+    """The arguments of a call: split at commas outside of strings and brackets."""
+    parts, depth, quote, start = [], 0, "", 0
+    for place, letter in enumerate(arguments):
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "'\"":
+            quote = letter
+        elif letter in "([":
+            depth += 1
+        elif letter in ")]":
+            depth -= 1
+        elif letter == "," and depth == 0:
+            parts.append(arguments[start:place].strip())
+            start = place + 1
+    last = arguments[start:].strip()
+    return [*parts, last] if last else parts

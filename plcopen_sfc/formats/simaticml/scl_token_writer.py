@@ -23,17 +23,17 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 )
 from plcopen_sfc.formats.simaticml.element_writer import DocumentWriting, add_element, sub
 from plcopen_sfc.formats.simaticml.network_boxes import template_type
-from plcopen_sfc.formats.simaticml.network_operands import CONSTANTS, HINT, details, write_operand
+from plcopen_sfc.formats.simaticml.network_operands import CONSTANTS, HINT, hint_details, write_operand
 from plcopen_sfc.formats.simaticml.program_comparison import (
     FIRST,
     NUMBERS,
     UID,
     are_numbers,
-    equal,
-    light,
+    is_identical,
+    parse_program,
+    program_text,
     renumber,
     shortened,
-    text_of,
 )
 from plcopen_sfc.formats.simaticml.scl_token_reader import scl_text
 from plcopen_sfc.formats.simaticml.tia_versions import concrete, neutral
@@ -66,13 +66,13 @@ def read_code(element: etree._Element, names: InterfaceNames) -> Fields:
 
     Raises `NotUnderstoodError`. `names` as in `write_text`.
     """
-    program = light(text_of(element))
+    program = parse_program(program_text(element))
     fields: Fields = {"text": scl_text(program)}
     copy = ET.Element(program.tag)
     hints = {name: hint for name, hint in _hints(program).items() if not names.says(name, hint)}
     write_text(copy, fields["text"], names, _culture(program), hints)
     short = ""
-    if not equal(program, copy):
+    if not is_identical(program, copy):
         numbers = _numbers(program) if _alike(program, copy) else None
         if numbers is None:
             fields["markup"] = neutral(markup(element))
@@ -308,7 +308,7 @@ class _Writer:
         if not is_path and self._next_is("LPAR", joined=True):
             call = sub(parent, "Access", {"Scope": "Call"})
             instruction = sub(call, "Instruction", {"Name": name})
-            for key, value in details(self.hints.get(_TYPES + name, "")).items():
+            for key, value in hint_details(self.hints.get(_TYPES + name, "")).items():
                 sub(instruction, "TemplateValue", {"Name": key, "Type": template_type(key)}).text = value or None
             self._arguments(instruction)
             return

@@ -260,7 +260,7 @@ def _joined_once(
     return found
 
 
-def contracted(links: list[SequenceLink], added: frozenset[ElementRef]) -> list[SequenceLink]:
+def without_inserted(links: list[SequenceLink], added: frozenset[ElementRef]) -> list[SequenceLink]:
     """Links without the elements that `Legaliser` inserted; other structures stay."""
     leaving = {link.source: link for link in links if link.source in added}
     found: list[SequenceLink] = []
@@ -313,7 +313,7 @@ def kind_of(ref: ElementRef | None, types: Mapping[int, str]) -> str:
     return types.get(ref.number, "?") if ref.kind == "B" else ref.kind
 
 
-def problems(links: list[SequenceLink], types: Mapping[int, str]) -> list[str]:
+def connection_problems(links: list[SequenceLink], types: Mapping[int, str]) -> list[str]:
     """The connections that S7-GRAPH does not allow, in words."""
     found: list[str] = []
     entered: dict[ElementRef, int] = {}

@@ -23,9 +23,9 @@ from plcopen_sfc.formats.simaticml.element_reader import (
 from plcopen_sfc.formats.simaticml.sequence_rules import (
     ElementRef,
     SequenceLink,
-    contracted,
     is_contractible,
     read_link,
+    without_inserted,
 )
 from plcopen_sfc.model.drawing import Drawing, Symbol, SymbolKind
 from plcopen_sfc.model.sfc import SfcNetwork
@@ -137,7 +137,7 @@ class TopologyReader:
         """Read ``Connections``. Raises `NotUnderstoodError` where one of them cannot be expressed."""
         links = [read_link(child) for child in children(element)]
         if self.added:
-            links = contracted(links, frozenset(self.added))
+            links = without_inserted(links, frozenset(self.added))
         for link in links:
             self._connect(link, element)
         return links

@@ -9,7 +9,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.formats.simaticml.added_elements import AddedMark, added
+from plcopen_sfc.formats.simaticml.added_elements import AddedMark, mark_of
 from plcopen_sfc.model.compare import differences
 
 PROJECTS = ("codesys/distribution_belt.xml", "training-chain/plcopen_2.01.xml", "plcopen/filling_station_2.01.xml")
@@ -30,14 +30,14 @@ def with_jump_to_a_divergence() -> bytes:
 
 
 def added_elements(content: bytes) -> list[etree._Element]:
-    return [each for each in etree.fromstring(content).iter(etree.Element) if added(each) is not AddedMark.NO]
+    return [each for each in etree.fromstring(content).iter(etree.Element) if mark_of(each) is not AddedMark.NO]
 
 
 @pytest.mark.parametrize("name", PROJECTS)
 def test_all_that_was_added_is_known_again(name: str) -> None:
     content = sfc.dumps(sfc.load(FIXTURES / name), format="simaticml", partial=True)
     assert added_elements(content)
-    assert {added(each) for each in added_elements(content)} == {AddedMark.UNCHANGED}
+    assert {mark_of(each) for each in added_elements(content)} == {AddedMark.UNCHANGED}
 
 
 def test_edits_of_what_was_added_are_read() -> None:
@@ -49,7 +49,7 @@ def test_edits_of_what_was_added_are_read() -> None:
     tried = 0
     for index in range(len(added_elements(content))):
         root = etree.fromstring(content)
-        element = [each for each in root.iter(etree.Element) if added(each) is not AddedMark.NO][index]
+        element = [each for each in root.iter(etree.Element) if mark_of(each) is not AddedMark.NO][index]
         if etree.QName(element).localname not in ("Member", "Step", "Transition"):
             continue
         element.set("Name", f"{element.get('Name')}_edited")

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from lxml import etree
 
 import plcopen_sfc as sfc
-from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, DocumentReading, NotUnderstoodError, same
+from plcopen_sfc.formats.simaticml.element_reader import VERBATIM, DocumentReading, NotUnderstoodError, same_content
 from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_flgnet_body, read_network
-from plcopen_sfc.formats.simaticml.program_comparison import light, text_of
+from plcopen_sfc.formats.simaticml.program_comparison import parse_program, program_text
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT
 from plcopen_sfc.model import Block, FbdBody, LdBody, LogicNetwork
 from tests.documents.folders.exports import FIXTURES
@@ -62,12 +62,12 @@ def test_the_light_tree_has_every_text_and_attribute(texts: list[str], between: 
         child.text = text
     source = etree.tostring(root, encoding="unicode").replace("</ns0:b>", f"{between}</ns0:b>{indent}")
     given_root = etree.fromstring(source, etree.XMLParser(strip_cdata=False))
-    tree = light(text_of(given_root))
+    tree = parse_program(program_text(given_root))
     assert [child.tag for child in tree] == ["{urn:n}b"] * len(texts)
     assert [child.get("name") for child in tree] == [child.get("name") for child in given_root]
     assert [child.text or "" for child in tree] == ["".join(map(str, child.itertext())) for child in given_root]
     if "<!--" not in between:
-        assert same(given_root, tree)
+        assert same_content(given_root, tree)
 
 
 def test_what_stands_behind_a_comment_is_read() -> None:

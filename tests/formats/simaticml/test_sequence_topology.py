@@ -13,7 +13,7 @@ from lxml import etree
 import plcopen_sfc as sfc
 from plcopen_sfc.formats.simaticml.element_reader import NotUnderstoodError
 from plcopen_sfc.formats.simaticml.openness_schemas import validate
-from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef, SequenceLink, problems, read_link
+from plcopen_sfc.formats.simaticml.sequence_rules import ElementRef, SequenceLink, connection_problems, read_link
 from plcopen_sfc.model import Pou, Project, SfcBody, SfcNetwork
 from plcopen_sfc.model.pou import PouKind
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -182,7 +182,7 @@ def test_real_charts_are_legal_by_our_rules(path: Path) -> None:
             found = [read_link(link) for link in sequence.iterfind("{*}Connections/{*}Connection")]
         except NotUnderstoodError:
             pytest.skip("a template with a connection to nothing")
-        assert problems(found, types) == []
+        assert connection_problems(found, types) == []
 
 
 def test_edits_of_a_document_with_steps_put_in() -> None:
@@ -216,5 +216,5 @@ def test_edits_of_a_document_with_steps_put_in() -> None:
 )
 def test_a_refused_connection_is_named_in_words(found: list[tuple[str, str, bool]], problem: str) -> None:
     refs = [(ElementRef(a[0], int(a[1:])), ElementRef(b[0], int(b[1:])), jump) for a, b, jump in found]
-    refused = problems([SequenceLink(*ref) for ref in refs], {1: "AltBegin"})
+    refused = connection_problems([SequenceLink(*ref) for ref in refs], {1: "AltBegin"})
     assert any(problem in each for each in refused), refused
