@@ -26,7 +26,7 @@ from pathlib import Path
 
 import plcopen_sfc as sfc
 from plcopen_sfc.conversion.reporting import UNSAID
-from plcopen_sfc.documents.source import FileSource
+from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.report import ConversionReport, Outcome
 

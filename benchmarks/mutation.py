@@ -32,7 +32,7 @@ from benchmarks.chart_mutants import chart_mutants
 from benchmarks.code_mutants import Mutant, body_mutants, initial_value_mutants
 from plcopen_sfc import model as m
 from plcopen_sfc.analysis import Verdict, equivalent
-from plcopen_sfc.documents.file import read_document
+from plcopen_sfc.documents.file_documents import read_document
 from plcopen_sfc.errors import SfcError
 from plcopen_sfc.lowering import LoweredPou, lower
 from plcopen_sfc.lowering.proof import prove

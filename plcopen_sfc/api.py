@@ -6,8 +6,8 @@ import io
 from typing import TYPE_CHECKING
 
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.documents.file import read_document
-from plcopen_sfc.documents.source import FileSource, FolderSource
+from plcopen_sfc.documents.file_documents import read_document
+from plcopen_sfc.documents.sources import FileSource, FolderSource
 from plcopen_sfc.documents.storage import SaveOptions, Source, load_project, save_project
 from plcopen_sfc.errors import check_argument
 from plcopen_sfc.formats.format_interface import Format
@@ -17,7 +17,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Converted
 
 if TYPE_CHECKING:
-    from plcopen_sfc.documents.folders.loading import Progress
+    from plcopen_sfc.documents.folder_projects import Progress
     from plcopen_sfc.lowering.chart_lowering import LoweredPou
 
 
@@ -166,7 +166,7 @@ def check_syntax(project: Project) -> list[Diagnostic]:
 
     source = project.source
     if isinstance(source, FolderSource):
-        from plcopen_sfc.documents.folders.parts import documents_of  # noqa: PLC0415
+        from plcopen_sfc.documents.sources import documents_of  # noqa: PLC0415
 
         return [finding for document in documents_of(project) for finding in check_syntax(document)]
     if not isinstance(source, FileSource):

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from plcopen_sfc.documents.folders.parts import documents_of
-from plcopen_sfc.documents.source import FileSource, FolderSource
+from plcopen_sfc.documents.sources import FileSource, FolderSource, documents_of
 from plcopen_sfc.formats.registry import TIA_FORMAT, format_named
 from plcopen_sfc.model.body import Body, SfcBody
 from plcopen_sfc.model.conditions import NamedCondition

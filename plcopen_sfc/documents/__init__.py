@@ -1,5 +1,7 @@
-"""What joins a project to its files: reading, the source that it keeps, and writing with just the edits in it.
+"""Projects and their files: reading, the source that a project keeps, and writing with just the edits in it.
 
-`source` holds what was read, `file` reads and writes one file, `folders` a folder of documents, and `locating` finds
-the lines of objects. `storage` loads and saves whatever a path is, and `lowered` proves the code in lowered files.
+* `storage`: loads and saves a path, whatever it is. `lowered`: proves the code in lowered files.
+* `file_documents`: one file; `writer_preparation`: a project in the terms of the format to write.
+* `folder_projects`: a folder of documents as one project; `folder_documents`: its documents and their names.
+* `sources`: what a project was read from, and the lines of its objects.
 """

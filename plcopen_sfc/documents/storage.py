@@ -9,8 +9,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Protocol, TypedDict, runtime_checkable
 
-from plcopen_sfc.documents.file import encode, normalized, read_document, refuse_losses
-from plcopen_sfc.documents.source import FolderSource
+from plcopen_sfc.documents.file_documents import encode, normalized, read_document, refuse_losses
+from plcopen_sfc.documents.sources import FolderSource
 from plcopen_sfc.errors import Location, UnknownFormatError, check_argument
 from plcopen_sfc.files import read_bytes, refuse_empty, write_atomic
 from plcopen_sfc.formats.registry import FORMATS, TIA_FORMAT, for_tia, format_named
@@ -18,7 +18,7 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport
 
 if TYPE_CHECKING:
-    from plcopen_sfc.documents.folders.loading import Progress
+    from plcopen_sfc.documents.folder_projects import Progress
 
 Source = str | os.PathLike[str] | BinaryIO
 
@@ -54,7 +54,7 @@ def load_project(
         path = os.fspath(source)
         refuse_empty(path)
         if Path(path).is_dir():
-            from plcopen_sfc.documents.folders.loading import load_folder  # noqa: PLC0415  # most projects are files
+            from plcopen_sfc.documents.folder_projects import load_folder  # noqa: PLC0415  # most projects are files
 
             return load_folder(path, format=format, progress=progress, as_tool=as_tool)
         return read_document(read_bytes(path), format=format, path=path, as_tool=as_tool)
@@ -85,7 +85,7 @@ def save_project(
         refuse_empty(path)
     name = format_to_write(project, format, tia, path)
     if path is not None and is_folder(path, project, name):
-        from plcopen_sfc.documents.folders.saving import save_folder  # noqa: PLC0415  # most projects are files
+        from plcopen_sfc.documents.folder_projects import save_folder  # noqa: PLC0415  # most projects are files
 
         return save_folder(
             project,

@@ -31,6 +31,6 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
 
 
 def locations_of(project: Project, paths: Iterable[str]) -> list[Location]:
-    """`plcopen_sfc.documents.locating.locations_of`."""
-    places: list[Location] = import_module("plcopen_sfc.documents.locating").locations_of(project, paths)
+    """`plcopen_sfc.documents.sources.locations_of`."""
+    places: list[Location] = import_module("plcopen_sfc.documents.sources").locations_of(project, paths)
     return places

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.documents.folders.exports import block, changes, contents, export
+from tests.documents.exports import block, changes, contents, export
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
-from plcopen_sfc.documents.file import as_tool_sees
-from plcopen_sfc.documents.source import FileSource
+from plcopen_sfc.documents.file_documents import as_tool_sees
+from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.formats.registry import format_named
 from plcopen_sfc.model.compare import differences
 from tests.strategies import projects

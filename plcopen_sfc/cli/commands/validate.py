@@ -11,8 +11,7 @@ from plcopen_sfc.cli.paths import expand
 from plcopen_sfc.cli.reading import LoadedFile, error_data, exit_code_for, finding_data, load_each
 from plcopen_sfc.cli.screen import Screen
 from plcopen_sfc.diagnostics import Diagnostic
-from plcopen_sfc.documents.folders.parts import documents_of
-from plcopen_sfc.documents.source import FileSource
+from plcopen_sfc.documents.sources import FileSource, documents_of
 from plcopen_sfc.formats.registry import format_named
 
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import plcopen_sfc as sfc
 from plcopen_sfc.model import Project
 from plcopen_sfc.model.project_object import ProjectObject
-from tests.documents.folders.exports import FIXTURES, block
+from tests.documents.exports import FIXTURES, block
 
 PATHS = sorted(FIXTURES.glob("*.xml"))
 by_name = pytest.mark.parametrize("path", PATHS, ids=lambda path: path.name)

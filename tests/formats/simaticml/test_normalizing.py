@@ -11,7 +11,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.cli import main
-from plcopen_sfc.documents.file import normalized
+from plcopen_sfc.documents.file_documents import normalized
 from plcopen_sfc.errors import StructureError, UnknownFormatError
 from plcopen_sfc.formats.simaticml.openness_schemas import validate
 from plcopen_sfc.model.compare import differences

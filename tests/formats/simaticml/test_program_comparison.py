@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.formats.simaticml.program_comparison import UID, numbers_like, numbers_of
-from tests.documents.folders.exports import FIXTURES
+from tests.documents.exports import FIXTURES
 
 
 def networks() -> list[etree._Element]:

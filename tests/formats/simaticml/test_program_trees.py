@@ -15,7 +15,7 @@ from plcopen_sfc.formats.simaticml.lad_fbd_networks import read_flgnet_body, rea
 from plcopen_sfc.formats.simaticml.program_comparison import parse_program, program_text
 from plcopen_sfc.formats.simaticml.tia_versions import DEFAULT
 from plcopen_sfc.model import Block, FbdBody, LdBody, LogicNetwork
-from tests.documents.folders.exports import FIXTURES
+from tests.documents.exports import FIXTURES
 
 BOX = '<Part Name="Strange" UId="22" />'
 WIRE = '<Wires><Wire UId="23"><IdentCon UId="21" /><NameCon UId="22" Name="a" /></Wire></Wires>'

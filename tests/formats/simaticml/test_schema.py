@@ -9,7 +9,7 @@ from lxml import etree
 
 import plcopen_sfc as sfc
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.documents.file import normalized
+from plcopen_sfc.documents.file_documents import normalized
 from plcopen_sfc.errors import SfcError, XmlSyntaxError
 from plcopen_sfc.formats.simaticml.openness_schemas import validate
 from plcopen_sfc.formats.simaticml.tia_versions import LANGUAGES, SCHEMAS, VERSIONS

@@ -22,7 +22,7 @@ from plcopen_sfc.errors import (
 from plcopen_sfc.model import Project
 from plcopen_sfc.model.compare import differences
 from tests.corpus import ROOT
-from tests.documents.folders.exports import PLACES, block, changes, contents, export
+from tests.documents.exports import PLACES, block, changes, contents, export
 
 posix_only = pytest.mark.skipif(os.name == "nt", reason="needs POSIX permissions and links")
 not_root = pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="root may read everything")

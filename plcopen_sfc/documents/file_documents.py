@@ -1,34 +1,31 @@
-"""One file as bytes: reading it into a project that keeps its source, and writing it with just the edits in it."""
+"""One file as bytes: read into a project that keeps its source, and written with just the edits in it."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, cast
 
 from plcopen_sfc.collector import collector_paused
-from plcopen_sfc.conversion import Part, compare, executed, report_execution
+from plcopen_sfc.conversion import compare, executed, report_execution
 from plcopen_sfc.diagnostics import Severity
-from plcopen_sfc.documents.source import FileSource, FolderSource
+from plcopen_sfc.documents.sources import FileSource, FolderSource
+from plcopen_sfc.documents.writer_preparation import prepared
 from plcopen_sfc.errors import DamagedSourceError, LossError, UnknownFormatError
 from plcopen_sfc.formats.format_interface import DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest, is_from, place_in_folder, remember_body
-from plcopen_sfc.formats.registry import TIA_FORMAT, format_named, recognise
-from plcopen_sfc.languages.s7_boxes import translate_boxes
-from plcopen_sfc.languages.s7_results import has_results, name_results
+from plcopen_sfc.formats.registry import format_named, recognise
 from plcopen_sfc.languages.translation.families import family
 from plcopen_sfc.model.base import Carried, Model
-from plcopen_sfc.model.body import IlBody, SfcBody, StBody
+from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.compare import differences
-from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.numbering import numbered_in_order
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Chart, Project
-from plcopen_sfc.model.text import is_direct
 from plcopen_sfc.report import ConversionReport, Outcome
-from plcopen_sfc.semantics.profile import PROFILES, default_profile
+from plcopen_sfc.semantics.profile import PROFILES
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -260,132 +257,6 @@ def _shown(value: object) -> str:
 
 
 _SHOWN = 60
-
-
-class Prepared(NamedTuple):
-    """A project for a writer: a copy with its texts in the dialect of the target, and with the drawings it needs.
-
-    `meant` is what the written file means when this package reads it, which is the copy itself unless the format says
-    some things in other terms; `options` are those to write with. `behaviour` is everything that is executed of the
-    project, before anything but the dialect was adapted to the target; None where no tool executes such files.
-    """
-
-    project: Project
-    meant: Project
-    options: WriteOptions
-    behaviour: Part | None
-
-
-def prepared(project: Project, kind: Format, options: WriteOptions, report: ConversionReport) -> Prepared:
-    """A copy of `project` for the writer of the format `kind`."""
-    dialect = kind.dialect or (Dialect.IEC if options.flavour else None)
-    same_dialect = dialect in (None, project.dialect)
-    results = bool(kind.tool) and kind.name != TIA_FORMAT and has_results(project)
-    if kind.drawing is DrawingNeed.NONE and same_dialect and not options.flavour and not results:
-        behaviour = executed(project) if kind.tool else None
-        return Prepared(project, project, options, behaviour)
-    from plcopen_sfc.drawing import DrawingStyle, prepare  # noqa: PLC0415  # not needed to load and look
-
-    copy = project.model_copy(deep=True)
-    if results:
-        name_results(copy, report)
-    if kind.xml and kind.name != TIA_FORMAT and project.dialect is Dialect.SCL and dialect not in (None, Dialect.SCL):
-        translate_boxes(copy, dialect, kind.tool, report)
-    profile = default_profile(project)
-    options = replace(
-        options,
-        of_graph=profile.graph_parameters,
-        of_codesys=bool(profile.flags),
-        final_scan=profile.final_scan,
-    )
-    if kind.xml and not options.same:
-        _forget_direct_text(copy)
-    if dialect is not None:
-        _put_into_dialect(copy, dialect, report, wholly=bool(options.flavour))
-    if options.flavour:
-        kind.codec().fit(copy, options, report)
-        # what its rules would do otherwise is written out, or reported
-        rules = PROFILES[options.flavour]
-        profile = replace(
-            profile,
-            final_scan=rules.final_scan,
-            action_control=rules.action_control,
-            boolean_targets=rules.boolean_targets,
-        )
-    if not options.same:
-        kind.codec().replace_missing(copy, report)
-    # the writer changes its copy, and what is executed is looked at when source and result are compared
-    unchanged = copy.model_copy(deep=True)
-    behaviour = executed(unchanged, profile, source=project) if kind.tool else None
-    if kind.drawing is DrawingNeed.NONE:
-        return Prepared(copy, copy, options, behaviour)
-    style = DrawingStyle.STRUCTURED if kind.drawing is DrawingNeed.STRUCTURED else DrawingStyle.PLAIN
-    if style.structured and (project.source is None or project.source.format != kind.name):
-        _note_limits(copy, report)
-    meant = copy
-    copy, marks = kind.codec().rewrite(meant, options, report)
-    options = replace(options, marks=marks)
-    # a format without ids has branches of its own instead of the bars of others
-    other = project.source is None or project.source.format != kind.name
-    replaced = bool(options.flavour) or (not kind.ids and other)
-    prepare(copy, style, positions=kind.positions, replace=replaced, foreign=True)
-    kind.codec().adapt(copy, options, report)
-    return Prepared(copy, meant, options, behaviour)
-
-
-def _forget_direct_text(project: Project) -> None:
-    """Forget that program text stands in ``ST`` itself: every format writes its text as its tool does."""
-    for _, _, body in project.bodies():
-        if isinstance(body, StBody | IlBody) and is_direct(body.markup):
-            body.markup = None
-    for chart in project.charts():
-        for transition in chart.chart.transitions:
-            if isinstance(transition.condition, Expression):
-                transition.condition.markup = None
-
-
-def _put_into_dialect(project: Project, dialect: Dialect, report: ConversionReport, *, wholly: bool) -> None:
-    """Translate the program text between SCL and the others.
-
-    IEC 61131-3 and CODESYS are left as they stand unless `wholly`: their tools read most of each other's text, and
-    files of one often hold what is of the other. A text with something that only its own dialect has is translated.
-    """
-    own = project.dialect
-    if dialect is own:
-        return
-    from plcopen_sfc.refactor.dialect import translate_foreign, translate_project  # noqa: PLC0415  # rarely needed
-
-    if Dialect.SCL not in (own, dialect) and not wholly:
-        texts = translate_foreign(project, dialect) if family(own) is not family(dialect) else []
-        project.dialect = dialect
-    else:
-        texts = translate_project(project, dialect)
-    for text in texts:
-        for note in text.notes:
-            outcome = _OUTCOMES[note.severity]
-            report.add(outcome, "text", text.path, f"line {note.line}: {note.reason}")
-        if text.changed and not text.notes:
-            report.add(Outcome.TRANSLATED, "text", text.path, f"from {own} into {dialect}")
-
-
-_OUTCOMES = {
-    Severity.INFO: Outcome.TRANSLATED,
-    Severity.WARNING: Outcome.APPROXIMATED,
-    Severity.ERROR: Outcome.NOT_EXECUTED,
-}
-"""What became of a text by what its translation has to say: without a counterpart it is left as it stands."""
-
-
-def _note_limits(project: Project, report: ConversionReport) -> None:
-    """Say which charts tools that know nested branches only may not take."""
-    from plcopen_sfc.drawing import limits  # noqa: PLC0415
-
-    for chart in project.charts():
-        names = {step.id: f"step {step.name}" for step in chart.chart.steps}
-        names |= {id_: f"transition {label}" for id_, label in chart.chart.labels().items()}
-        for problem in limits(chart.chart):
-            path = f"{chart.report_path} / {names.get(problem.symbol, problem.symbol)}"
-            report.add(Outcome.APPROXIMATED, "chart", path, f"{problem.code}: {problem.detail}")
 
 
 def _patched(project: Project, source: FileSource, kind: Format, report: ConversionReport) -> bytes:

@@ -1,24 +1,154 @@
-"""Which document of a folder each object of a project stands in."""
+"""Documents of a folder: what they hold beside their objects, their names, and the document of each object.
+
+See docs/decisions/0012.
+"""
 
 from __future__ import annotations
 
+import copy
+import re
+import unicodedata
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, cast
 
-from plcopen_sfc.documents.folders.merging import SHARED, is_bare, with_objects
-from plcopen_sfc.documents.folders.naming import FileNames, legal_folder
-from plcopen_sfc.documents.source import FolderSource
+from plcopen_sfc.documents.sources import FolderSource, SourceDocument, with_objects
+from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.formats.provenance import as_in_file, place_in_folder
 from plcopen_sfc.model.base import Carried
-from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project import FileHeader, Project
 from plcopen_sfc.model.project_object import ProjectObject
 
 if TYPE_CHECKING:
     from plcopen_sfc.formats.xml.xml_codec import FolderCodec
 
-__all__ = ["PROJECT_DOCUMENT", "PlannedDocument", "plan_anew", "plan_like"]
+
+SHARED = tuple(name for name in Project.model_fields if name not in (*Project.OBJECTS, "dialect"))
+"""The fields with what belongs to the project and to none of its objects."""
+
+
+def without_objects(project: Project) -> Project:
+    """A copy of `project` that has nothing but what is beside its objects."""
+    return project.model_copy(update={name: [] for name in Project.OBJECTS})
+
+
+def shared_fields(project: Project) -> dict[str, Any]:
+    """What belongs to the project itself, by the names of the fields; a copy."""
+    return {name: copy.deepcopy(getattr(project, name)) for name in SHARED}
+
+
+def is_bare(project: Project) -> bool:
+    """Whether a document says nothing of the project beside its objects and its header."""
+    plain = Project()
+    return all(getattr(project, name) == getattr(plain, name) for name in SHARED if name not in ("header", "carried"))
+
+
+def merged(documents: dict[str, SourceDocument], kind: Format) -> Project:
+    """A project without objects that says what all of `documents` say beside theirs."""
+    frames = [document.frame for document in documents.values()]
+    fields: dict[str, Any] = {}
+    plain = Project()
+    for name in SHARED:
+        values = [value for frame in frames if (value := getattr(frame, name)) != getattr(plain, name)]
+        if not values or name == "header":
+            continue
+        if name == "carried":
+            fields[name] = _merged_extension_data(values)
+        elif isinstance(values[0], list):
+            fields[name] = [item for value in values for item in copy.deepcopy(value)]
+        else:
+            fields[name] = copy.deepcopy(values[0])
+    fields["header"] = _header(documents, kind)
+    fields["dialect"] = frames[0].dialect if frames else plain.dialect
+    return Project.model_validate({name: value for name, value in fields.items() if value is not None})
+
+
+def _header(documents: dict[str, SourceDocument], kind: Format) -> FileHeader:
+    """That of the document which speaks for the project, else what all documents agree on."""
+    for document in documents.values():
+        if not document.objects and not is_bare(document.frame):
+            return document.frame.header.model_copy(deep=True)
+    headers = [document.frame.header for document in documents.values()]
+    agreed = _agreed([header.model_dump(exclude={"carried"}) for header in headers])
+    agreed["version"] = newest(kind, [header.version for header in headers])
+    return FileHeader.model_validate(agreed)
+
+
+def newest(kind: Format, versions: Iterable[str]) -> str:
+    """The newest of `versions` of a format."""
+    order = {version: place for place, version in enumerate(kind.versions)}
+    return max(versions, key=lambda version: order.get(version, -1), default="")
+
+
+def _agreed(dumps: list[dict[str, Any]]) -> dict[str, Any]:
+    """The items that are in all of `dumps`."""
+    first = dumps[0] if dumps else {}
+    return {key: value for key, value in first.items() if all(dump.get(key) == value for dump in dumps)}
+
+
+def _merged_extension_data(values: list[Carried]) -> Carried | None:
+    """What documents carry for the project; their attributes describe the documents."""
+    data = [item for value in values for item in value.data]
+    elements = [item for value in values for item in value.elements]
+    return Carried(data=copy.deepcopy(data), elements=elements) if data or elements else None
+
+
+_ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f]')
+_DEVICES = frozenset({"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))})
+"""File names that Windows keeps for devices, whatever their extension."""
+_LONGEST = 120
+_MOST_BYTES = 200
+"""File systems allow 255 bytes; the name gets an extension, and a number where it is taken."""
+
+
+def file_stem(name: str) -> str:
+    """`name` as the name of a file without extension: what no file system takes is replaced by ``_``."""
+    stem = _ILLEGAL.sub("_", unicodedata.normalize("NFC", name))[:_LONGEST]
+    stem = stem.encode("utf-8", "replace")[:_MOST_BYTES].decode("utf-8", "ignore").strip().rstrip(".")
+    if not stem or stem.partition(".")[0].casefold() in _DEVICES:
+        stem = f"_{stem}"
+    # hidden files are not read as part of a project
+    return f"_{stem[1:]}" if stem.startswith(".") else stem
+
+
+def legal_folder(folder: str) -> str:
+    """`folder` with names that every file system takes. Raises `ModelError` where it leads out of the project."""
+    parts = folder.replace("\\", "/").split("/")
+    if folder.startswith(("/", "\\")) or ".." in parts or re.match(r"[A-Za-z]:", folder):
+        raise ModelError(
+            f"the folder {folder!r} leads out of the project",
+            hint="Folders of objects are relative to the folder of the project.",
+        )
+    return "/".join(file_stem(part) for part in parts if part not in ("", "."))
+
+
+class FileNames:
+    """The files that a folder has; where upper and lower case or the form of umlauts differ only, they are the same."""
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self._taken = {self._same(path) for path in taken}
+
+    @staticmethod
+    def _same(path: str) -> str:
+        return unicodedata.normalize("NFC", path).casefold()
+
+    def take(self, path: str) -> None:
+        """The folder has a file at `path`."""
+        self._taken.add(self._same(path))
+
+    def free(self, folder: str, name: str, extension: str) -> str:
+        """A path in `folder` for an object called `name` that no other file has; it is taken from now on."""
+        start = f"{folder}/" if folder else ""
+        stem = file_stem(name)
+        path, number = f"{start}{stem}{extension}", 1
+        while self._same(path) in self._taken:
+            number += 1
+            path = f"{start}{stem}_{number}{extension}"
+        self._taken.add(self._same(path))
+        return path
+
 
 PROJECT_DOCUMENT = "plcopen_sfc"
 """The name of the document with what belongs to no object; TIA Portal finds nothing to import in it."""
@@ -43,12 +173,12 @@ class PlannedDocument:
         return with_objects(self.frame, (as_in_file(thing) for thing in self.things))
 
 
-def plan_like(project: Project, source: FolderSource, kind: Format, *, home: bool) -> list[PlannedDocument]:
+def plan_like(project: Project, source: FolderSource, kind: Format, *, is_own: bool) -> list[PlannedDocument]:
     """The documents of a project that was read from those of `source`: every object stays where it was.
 
     One whose `folder` was changed moves there: with its document if all objects of that do, else into one of its own.
-    New objects get documents of their own. A document whose objects are all gone is not planned. `home`: the folder is
-    the one that was read, with files that are none of the project's.
+    New objects get documents of their own. A document whose objects are all gone is not planned. `is_own`: the folder
+    is the one that was read, with files that are none of the project's.
     """
     staying: dict[str, list[ProjectObject]] = {path: [] for path in source.documents}
     new: list[ProjectObject] = []
@@ -60,13 +190,13 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, home: boo
         else:
             claimed.add(place)
             staying[place[0]].append(thing)
-    names = FileNames([*source.others, *source.unreadable] if home else ())
+    names = FileNames([*source.others, *source.unreadable] if is_own else ())
     frames = _frames(project, source)
     planned: list[PlannedDocument] = []
     moving: list[PlannedDocument] = []
     for path, things in staying.items():
         document = source.documents[path]
-        if document.objects and not things and _says_nothing(frames[path]):
+        if document.objects and not things and _has_objects_only(frames[path]):
             continue
         here = _parent(path)
         away = [thing for thing in things if thing.folder not in (None, here)]
@@ -91,12 +221,12 @@ def plan_like(project: Project, source: FolderSource, kind: Format, *, home: boo
     return planned
 
 
-def plan_anew(project: Project, kind: Format, version: str) -> list[PlannedDocument]:
+def plan_new(project: Project, kind: Format, version: str) -> list[PlannedDocument]:
     """A document for each object of a project, in the folders of the tool, and one for what belongs to no object."""
     names = FileNames()
     codec = cast("FolderCodec", kind.codec())
     planned: list[PlannedDocument] = []
-    if not _says_nothing(project) or project.header != codec.new_document(version).header:
+    if not _has_objects_only(project) or project.header != codec.new_document(version).header:
         planned.append(_project_document(names, kind, with_objects(project, ())))
     planned += [
         PlannedDocument(_free_path(names, kind, thing), [thing], codec.new_document(version))
@@ -122,7 +252,7 @@ def _parent(path: str) -> str:
     return "" if folder == "." else folder
 
 
-def _says_nothing(frame: Project) -> bool:
+def _has_objects_only(frame: Project) -> bool:
     """Whether a document has nothing but objects, so that it means nothing without them."""
     carried = frame.carried
     return is_bare(frame) and (carried is None or not (carried.elements or carried.data))
@@ -149,7 +279,9 @@ def _frames(project: Project, source: FolderSource) -> dict[str | None, Project]
             frames[None] = Project(dialect=project.dialect, header=project.header)
         for path, frame in frames.items():
             value = getattr(project, name) if path == owner else plain
-            frames[path] = frame.model_copy(update={name: _carried(frame, value) if name == "carried" else value})
+            frames[path] = frame.model_copy(
+                update={name: _edited_extension_data(frame, value) if name == "carried" else value}
+            )
     return frames
 
 
@@ -159,7 +291,7 @@ def _content(frame: Project, name: str) -> Any:
     return None if name == "carried" and value is not None and not (value.data or value.elements) else value
 
 
-def _carried(frame: Project, value: Carried | None) -> Carried | None:
+def _edited_extension_data(frame: Project, value: Carried | None) -> Carried | None:
     """What a document carries: its own attributes, and data and elements of the project."""
     if frame.carried is None:
         return value

@@ -1,0 +1,457 @@
+"""A folder of documents as one project, loaded and saved.
+
+Saving goes into the documents that the project was read from, or writes one document for each object. See
+docs/decisions/0012.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, BinaryIO, TypeVar, cast
+
+from plcopen_sfc.collector import collector_paused
+from plcopen_sfc.conversion import compare, executed, report_execution
+from plcopen_sfc.diagnostics import Diagnostic, Severity
+from plcopen_sfc.documents.file_documents import (
+    encode,
+    names_in_the_source,
+    normalized,
+    read_document,
+    refuse_losses,
+    refuse_reading_errors,
+    verify,
+)
+from plcopen_sfc.documents.folder_documents import (
+    PROJECT_DOCUMENT,
+    PlannedDocument,
+    merged,
+    plan_like,
+    plan_new,
+    shared_fields,
+    without_objects,
+)
+from plcopen_sfc.documents.sources import FileSource, FolderSource, SourceDocument, with_objects
+from plcopen_sfc.documents.writer_preparation import prepared
+from plcopen_sfc.errors import (
+    FileAccessError,
+    Location,
+    OldVersionError,
+    SfcError,
+    UnknownFormatError,
+    UnreadFormatError,
+)
+from plcopen_sfc.files import access_failure, read_bytes, write_all
+from plcopen_sfc.formats.file_recognition import HEAD, named_like
+from plcopen_sfc.formats.format_interface import Format, WriteOptions
+from plcopen_sfc.formats.provenance import place_in_folder, put_in_folder, take_provenance
+from plcopen_sfc.formats.registry import FORMATS, format_named, recognised_as
+from plcopen_sfc.model.project import Project
+from plcopen_sfc.model.project_object import ProjectObject
+from plcopen_sfc.report import ConversionReport
+
+if TYPE_CHECKING:
+    from plcopen_sfc.formats.xml.xml_codec import FolderCodec
+
+
+Progress = Callable[[Sequence[str]], Iterable[str]]
+"""Goes through the files of a folder and shows somebody how far it is."""
+
+
+def load_folder(
+    folder: str, *, format: str | None = None, progress: Progress | None = None, as_tool: bool = False
+) -> Project:
+    """Read all documents below `folder` into one project; `as_tool`: as their tool sees them.
+
+    A document that cannot be read does not keep the others from it: it is an error in `Project.diagnostics`. Raises
+    `FileAccessError` where the folder cannot be read, `UnknownFormatError` where it has no document that can be.
+    """
+    kind = _folder_format(folder, format)
+    scan = _Scan(Path(folder))
+    source = FolderSource(kind.name, "", folder, {}, {}, {}, [], [])
+    things: list[ProjectObject] = []
+    source.unreadable.update(scan.failures)
+    with collector_paused():
+        for name in progress(scan.files) if progress is not None else scan.files:
+            try:
+                things += _read(source, kind, name, as_tool=as_tool)
+            except SfcError as error:
+                source.unreadable[name] = error
+            except (MemoryError, RecursionError) as error:
+                what = "memory" if isinstance(error, MemoryError) else "nesting"
+                place = Location(str(Path(folder, name)))
+                source.unreadable[name] = SfcError(f"the document takes more {what} than there is", location=place)
+    source.others += scan.links
+    if not source.documents:
+        raise _no_document(source, kind)
+    frame = merged(source.documents, kind)
+    project = with_objects(frame, things)
+    project.adopt()
+    source.version = frame.header.version if frame.header.version in kind.versions else kind.versions[-1]
+    source.shared = shared_fields(project)
+    source.own_diagnostics += _findings(source, project)
+    project.source = source
+    return project
+
+
+def _folder_format(folder: str, format: str | None) -> Format:
+    known = [kind for kind in FORMATS if kind.folders]
+    if format is None:
+        return known[0]
+    kind = format_named(format)[0]
+    if not kind.folders:
+        names = ", ".join(each.name for each in known)
+        raise UnknownFormatError(
+            f"a folder is no project in the format {kind.name}",
+            location=Location(folder),
+            hint=f"Folders are read in the format {names}; name the files otherwise.",
+        )
+    return kind
+
+
+class _Scan:
+    """The files below a folder, by their paths in it (with ``/``), in an order that no file system decides.
+
+    Hidden folders and files (``.git``) are none of the project's. Links to folders are not followed: they may lead
+    round in circles, or to files that are read already.
+    """
+
+    def __init__(self, top: Path) -> None:
+        self._top = top
+        self.files: list[str] = []
+        self.links: list[str] = []
+        self.failures: dict[str, SfcError] = {}
+        try:
+            os.scandir(top).close()
+        except OSError as error:
+            raise access_failure(top, error) from error
+        for parent, folders, files in os.walk(top, onerror=self._failed):
+            here = PurePosixPath(Path(parent).relative_to(top).as_posix())
+            self.links += [(here / name).as_posix() for name in folders if Path(parent, name).is_symlink()]
+            folders[:] = [name for name in folders if not name.startswith(".")]
+            self.files += [(here / name).as_posix() for name in files if not name.startswith(".")]
+        self.files.sort(key=lambda name: (name.casefold(), name))
+
+    def _failed(self, error: OSError) -> None:
+        name = Path(os.fsdecode(error.filename)).relative_to(self._top).as_posix()
+        self.failures[name] = access_failure(error.filename, error)
+
+
+def files_below(folder: str) -> list[str]:
+    """The paths of all files in `folder` that are not hidden, and of links to folders."""
+    scan = _Scan(Path(folder))
+    return [*scan.files, *scan.links]
+
+
+def _read(source: FolderSource, kind: Format, name: str, *, as_tool: bool) -> list[ProjectObject]:
+    """Read one file, if it is a document of `kind`; its objects."""
+    path = Path(source.path, name)
+    if path.suffix.casefold() not in kind.extensions:
+        source.others.append(name)
+        return []
+    if not recognised_as(kind, _start(path)):
+        source.others.append(name)
+        return []
+    return add_document(source, name, read_bytes(path), as_tool=as_tool)
+
+
+def _start(path: Path) -> bytes:
+    """Enough of a file to know what it is: a stranger may be of any size."""
+    try:
+        if path.exists() and not path.is_file():
+            return b""  # a pipe would wait for ever
+        file: BinaryIO
+        with path.open("rb") as file:
+            return file.read(HEAD)
+    except OSError as error:
+        raise access_failure(path, error) from error
+
+
+def add_document(source: FolderSource, name: str, data: bytes, *, as_tool: bool = False) -> list[ProjectObject]:
+    """Make `data` the document `name` of the folder; returns its objects, which know where they are from."""
+    part = read_document(data, format=source.format, path=str(Path(source.path, name)), as_tool=as_tool)
+    things = list(part.objects())
+    source.documents[name] = SourceDocument(without_objects(part), len(things))
+    place_objects(things, name)
+    return things
+
+
+def place_objects(things: Iterable[ProjectObject], name: str) -> None:
+    """Let objects know that they are those of the document `name`, in their order."""
+    folder = PurePosixPath(name).parent.as_posix()
+    for place, thing in enumerate(things):
+        put_in_folder(thing, name, place, "" if folder == "." else folder)
+
+
+def _no_document(source: FolderSource, kind: Format) -> SfcError:
+    if source.unreadable:
+        count = len(source.unreadable)
+        first = next(iter(source.unreadable.values()))
+        message = f"none of the {count} documents in this folder can be read; the first: {first.message}"
+        return FileAccessError(message, location=Location(source.path), hint=first.hint)
+    message = f"the folder has no document of {kind.name}"
+    known = next((known for name in source.others if (known := named_like(name)) is not None), None)
+    if known is not None:
+        message = f"{message}; a file in it is {known.title}, which is not read"
+        return UnreadFormatError(message, location=Location(source.path), hint=known.advice)
+    hint = "Folders are read as exports of TIA Portal Openness; name files of other formats one by one."
+    return UnknownFormatError(message, location=Location(source.path), hint=hint)
+
+
+def _findings(source: FolderSource, project: Project) -> list[Diagnostic]:
+    """What is wrong with the folder as a whole."""
+    found = [
+        Diagnostic("DIR101", Severity.ERROR, f"not read: {error.message}", _place(error, Path(source.path, name)))
+        for name, error in source.unreadable.items()
+    ]
+    versions = {document.source.version for document in source.documents.values()}
+    if len(versions) > 1:
+        message = "the documents are of several versions: " + ", ".join(sorted(versions))
+        found.append(Diagnostic("DIR104", Severity.INFO, message, Location(source.path)))
+    groups: list[Sequence[ProjectObject]] = [
+        [*project.pous, *project.data_blocks, *project.data_types],
+        project.tag_tables,
+    ]
+    for group in groups:
+        found += _duplicates(source, group, "DIR102", lambda thing: thing.name.casefold())
+    found += _duplicates(source, project.pous, "DIR103", lambda pou: pou.number and (pou.kind, pou.number))
+    found += _duplicates(source, project.data_blocks, "DIR103", lambda block: block.number)
+    return found
+
+
+T = TypeVar("T", bound=ProjectObject)
+
+
+def _duplicates(
+    source: FolderSource, things: Sequence[T], code: str, key: Callable[[T], Hashable | None]
+) -> Iterator[Diagnostic]:
+    """Objects that have the same `key` as one before them: its name, its number."""
+    first: dict[Hashable, T] = {}
+    for thing in things:
+        mine = key(thing)
+        other = first.setdefault(mine, thing)
+        if other is not thing and mine is not None:
+            message = f"{thing.name} is declared in {_file(other)} too"
+            if code == "DIR103":
+                message = f"{other.name}, in {_file(other)}, has the same number"
+            place = Location(str(Path(source.path, _file(thing))), None, None, thing.name)
+            yield Diagnostic(code, Severity.WARNING, message, place)
+
+
+def _file(thing: ProjectObject) -> str:
+    place = place_in_folder(thing)
+    return place[0] if place is not None else ""
+
+
+def _place(error: SfcError, path: Path) -> Location:
+    place = error.location
+    return Location(place.file or str(path), place.line, place.column, place.path)
+
+
+def save_folder(
+    project: Project,
+    folder: str,
+    name: str,
+    *,
+    flavour: str = "",
+    strict: bool = False,
+    partial: bool = False,
+    fresh: bool = False,
+    normalize: bool = False,
+    limit: float = 0,
+) -> ConversionReport:
+    """Save `project` in the format `name` into `folder`, which is made where it is missing.
+
+    A project that was read from documents of this format keeps them: those that nobody edited stay byte for byte as
+    they are, an edit changes its lines. New objects get documents of their own. In the folder that the project was read
+    from, a document is removed when its objects are. Everything is encoded before anything is written.
+
+    Raises `LossError`; `FileAccessError`, also where a document to be changed was changed on the disk meanwhile.
+    """
+    kind, version = format_named(name)
+    if not kind.folders:
+        message = f"the target is a folder, not a file, and in the format {kind.name} a project is one file"
+        raise FileAccessError(message, location=Location(folder), hint="Name a file inside it.")
+    report = ConversionReport(project.source.format if project.source is not None else "", name, unchanged=True)
+    source = _folder_source(project, kind)
+    is_own = source is not None and source is project.source and _same_folder(source.path, folder)
+    if source is None:
+        planned, contents = _convert(project, kind, version, report, limit)
+    else:
+        planned = plan_like(project, source, kind, is_own=is_own)
+        contents = _encode(planned, source, name, report, flavour=flavour, fresh=fresh)
+    if normalize:
+        plain, contents = contents, {path: normalized(data, name) for path, data in contents.items()}
+        report.unchanged = report.unchanged and contents == plain
+    if not is_own:
+        refuse_reading_errors(project, report)
+    refuse_losses(report, strict=strict, partial=partial)
+    before = {path: document.source.content for path, document in source.documents.items()} if is_own and source else {}
+    gone = [path for path in before if path not in contents]
+    if is_own:
+        changed = {path: data for path, data in contents.items() if before.get(path) != data}
+        _refuse_if_changed(folder, {path: before[path] for path in [*gone, *changed] if path in before})
+    else:
+        changed = {path: data for path, data in contents.items() if _on_disk(Path(folder, path)) != data}
+    write_all({Path(folder, path): data for path, data in changed.items()})
+    for path in gone:
+        Path(folder, path).unlink(missing_ok=True)
+    report.unchanged = not changed and not gone if is_own else report.unchanged
+    report.written += [str(Path(folder, path)) for path in changed]
+    report.removed += [str(Path(folder, path)) for path in gone]
+    report.left_alone += [str(Path(folder, path)) for path in files_below(folder) if path not in contents]
+    if is_own and source is not None:
+        _remember(project, source, planned, changed, gone)
+    return report
+
+
+def edited_files(project: Project, path: str) -> Iterator[tuple[str, bytes, bytes]]:
+    """What saving a project to the file or folder that it was read from would change: path, bytes before and after.
+
+    A file that is not there has no bytes.
+    """
+    source = project.source
+    if isinstance(source, FileSource):
+        yield path, source.content, encode(project, source.format, flavour="", fresh=False)[0]
+    if not isinstance(source, FolderSource):
+        return
+    kind = format_named(source.format)[0]
+    report = ConversionReport()
+    after = _encode(
+        plan_like(project, source, kind, is_own=True), source, source.format, report, flavour="", fresh=False
+    )
+    before = {name: document.source.content for name, document in source.documents.items()}
+    for name in sorted(before.keys() | after.keys()):
+        if before.get(name) != after.get(name):
+            yield str(Path(path, name)), before.get(name, b""), after.get(name, b"")
+
+
+def _folder_source(project: Project, kind: Format) -> FolderSource | None:
+    """The documents that the project was read from; None where they are of another format, or there are none."""
+    source = project.source
+    if isinstance(source, FolderSource) and source.format == kind.name:
+        return source
+    if not isinstance(source, FileSource) or source.format != kind.name:
+        return None
+    name = Path(source.path).name if source.path else f"{PROJECT_DOCUMENT}{kind.extensions[0]}"
+    things = list(project.objects())
+    for place, thing in enumerate(things):
+        put_in_folder(thing, name, place, None)
+    documents = {name: SourceDocument(without_objects(project), len(things))}
+    return FolderSource(kind.name, source.version, "", documents, shared_fields(project), {}, [], [])
+
+
+def _same_folder(one: str, other: str) -> bool:
+    try:
+        return Path(one).samefile(other)
+    except OSError:
+        return False
+
+
+def _encode(
+    planned: list[PlannedDocument],
+    source: FolderSource,
+    name: str,
+    report: ConversionReport,
+    *,
+    flavour: str,
+    fresh: bool,
+) -> dict[str, bytes]:
+    """The bytes of each document, by path."""
+
+    def write(document: PlannedDocument) -> bytes:
+        wanted = name if document.source is not None or name != source.format else f"{name}-{source.version}"
+        data, found = encode(document.project(), wanted, flavour=flavour, fresh=fresh)
+        report.extend(found.items)
+        report.unchanged = report.unchanged and found.unchanged and document.path == document.source
+        return data
+
+    return _write_each(planned, write)
+
+
+def _write_each(planned: list[PlannedDocument], write: Callable[[PlannedDocument], bytes]) -> dict[str, bytes]:
+    """The bytes of each document, by path. Raises one `OldVersionError` for all documents that need a newer version."""
+    contents: dict[str, bytes] = {}
+    refused: list[OldVersionError] = []
+    for document in planned:
+        try:
+            contents[document.path] = write(document)
+        except OldVersionError as error:
+            refused.append(error)
+    if refused:
+        raise OldVersionError(refused[0].version, [need for error in refused for need in error.needs])
+    return contents
+
+
+def _convert(
+    project: Project, kind: Format, version: str, report: ConversionReport, limit: float
+) -> tuple[list[PlannedDocument], dict[str, bytes]]:
+    """The documents of a project of another format: adapted as a whole, written one by one, read back as a whole."""
+    codec = cast("FolderCodec", kind.codec())
+    options = WriteOptions(version)
+    copy, _, options, behaviour = prepared(project, kind, options, report)
+    if not copy.header.product:
+        copy.header = codec.new_document(version).header
+    planned = plan_new(copy, kind, version)
+    options = replace(options, whole=copy)
+    contents = _write_each(
+        planned, lambda document: codec.write(document.project(), replace(options, added=document.added), report)
+    )
+    for document in planned:
+        if not document.added:
+            place_objects(document.things, document.path)
+    verify(copy, kind, _read_back(contents, kind, version, as_tool=False), report)
+    if behaviour is not None:
+        seen = _read_back(contents, kind, version, as_tool=True)
+        called = names_in_the_source(project, copy)
+        report_execution(report, compare(behaviour, executed(seen, lists=behaviour.lists)), kind.tool, called)
+        if limit:
+            from plcopen_sfc.conversion.running import report_running  # noqa: PLC0415  # brings the interpreter
+
+            report_running(report, project, seen, called, tool=kind.tool, target=None, limit=limit)
+    report.unchanged = False
+    return planned, contents
+
+
+def _read_back(contents: dict[str, bytes], kind: Format, version: str, *, as_tool: bool) -> Project:
+    """The project in the documents that are to be written."""
+    back = FolderSource(kind.name, version, "", {}, {}, {}, [], [])
+    things: list[ProjectObject] = []
+    for path, data in contents.items():
+        things += add_document(back, path, data, as_tool=as_tool)
+    return with_objects(merged(back.documents, kind), things)
+
+
+def _on_disk(path: Path) -> bytes | None:
+    """The bytes of a file; None where there is none."""
+    return read_bytes(path) if path.exists() else None
+
+
+def _refuse_if_changed(folder: str, expected: dict[str, bytes]) -> None:
+    """Refuse to overwrite what somebody else wrote since the project was read."""
+    for path, content in expected.items():
+        if _on_disk(Path(folder, path)) not in (None, content):
+            raise FileAccessError(
+                "the file was changed since the project was read, and so was the project",
+                location=Location(str(Path(folder, path))),
+                hint="Nothing was written. Load the folder again and repeat the edit.",
+            )
+
+
+def _remember(
+    project: Project, source: FolderSource, planned: list[PlannedDocument], changed: dict[str, bytes], gone: list[str]
+) -> None:
+    """The folder is what was written now: the next save changes what is edited from here on."""
+    for path in gone:
+        del source.documents[path]
+    for document in planned:
+        if document.path in changed:
+            found = add_document(source, document.path, changed[document.path])
+            saved = {(type(thing), thing.name): thing for thing in found}
+            for thing in document.things:
+                again = saved.get((type(thing), thing.name))
+                if again is not None:
+                    take_provenance(thing, again)
+    source.shared = shared_fields(project)

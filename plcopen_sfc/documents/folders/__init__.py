@@ -1,1 +1,0 @@
-"""A folder of documents as one project. See docs/decisions/0012."""
