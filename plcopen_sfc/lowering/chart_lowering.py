@@ -1,4 +1,4 @@
-"""Lowering a chart, with the proof that the code does the same."""
+"""Lowering of one chart, with the proof that the code does the same."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from plcopen_sfc.lowering.lowering_options import (
     tool_of,
     without_version,
 )
-from plcopen_sfc.lowering.other_bodies import ContactError, with_actions, with_actions_inside, without_leftovers
+from plcopen_sfc.lowering.other_bodies import ContactError, with_actions, with_actions_inside, without_unused_parts
 from plcopen_sfc.lowering.proof import ProofOptions, prove, refuse_untested
 from plcopen_sfc.model.body import Body
 from plcopen_sfc.model.pou import Pou
@@ -111,7 +111,7 @@ class LoweredPou:
         if self.proof is not None:
             verdict = str(self.proof).splitlines()
             lines.append(f"under the profile {self.profile.name}: {verdict[0]}")
-            lines += [] if self.faults else verdict[1:]  # their traces say it better
+            lines += [] if self.faults else verdict[1:]  # their traces show the same
         return "\n".join([*lines, *map(str, self.faults)])
 
     def as_dict(self) -> dict[str, Any]:
@@ -158,11 +158,11 @@ def lower(
     `subject` and `pou` as in `simulate`. `style`: ``exact`` does what the chart does, ``classic`` is the textbook form.
     `language`: ``ST``, ``FBD`` or ``LD``; usual are FBD for flip-flops and ST for all others, also where `target` is
     text. `profile`: what the chart does; that of its tool if not given. `lang`: of titles and comments, ``en`` or
-    ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being at rest;
-    `searching` says how (`equivalent`). `accept_untested`: take code of which not all was reached when it was compared.
-    All others are those of `LoweringRules`.
+    ``de``. `verify`: compare the code with the chart under the profile, all inputs that were added being inactive;
+    `searching` are options of the search (`equivalent`). `accept_untested`: take code of which not all was reached when
+    it was compared. All others are those of `LoweringRules`.
 
-    Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot say, and where exact code is
+    Nothing is changed in `subject`. Raises `LoweringError` for what the target cannot express, and where exact code is
     found to be different; `UntestedError` where it is equal, but steps or transitions were not reached that may be
     reachable; `ModelError` for an unknown name.
     """
@@ -259,7 +259,7 @@ def _constructed(chart: Subject, meant: Subject, wanted: _Wanted, rules: Lowerin
     if rules.target is not None and tool_of(rules.target, dialect) is Tool.S7:
         made = replace(made, pou=with_actions_inside(made.pou, dialect))
     if chart.name == chart.pou.name:
-        made = replace(made, pou=without_leftovers(meant.pou, made.pou, dialect))
+        made = replace(made, pou=without_unused_parts(meant.pou, made.pou, dialect))
     return made
 
 

@@ -1,4 +1,4 @@
-"""What lowered code says to its readers: titles, comments and names, in English or German."""
+"""Titles, comments and names in lowered code, in English and German."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ Suffix: TypeAlias = Literal[
     "time",
     "timer",
 ]
-"""What names of variables end with that belong to something else, in English."""
+"""Ends of the names of variables that belong to something else, in English."""
 
 
 class Texts:
@@ -161,13 +161,13 @@ class Texts:
     unstable = "unstable"
     unstable_comment = "no stable situation was found"
 
-    def said(self, *texts: Text | None) -> str:
+    def captions(self, *texts: Text | None) -> str:
         """Return captions of the chart in this language where they have it, each once."""
         return "\n".join(filter(None, dict.fromkeys(plain(text, self.language) for text in texts)))
 
     def remark(self, element: Step | Transition) -> str:
         """Return the title and comment of a step or transition."""
-        return self.said(element.title, element.comment)
+        return self.captions(element.title, element.comment)
 
     def set_while(self, condition: str) -> str:
         """Return the comment of an action with a condition."""

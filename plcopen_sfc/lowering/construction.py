@@ -30,7 +30,7 @@ from plcopen_sfc.lowering.graph.sequencer_cases import (
     on_by_hand,
     one_sequence,
     sequences,
-    with_hands_off,
+    without_switching_by_hand,
 )
 from plcopen_sfc.lowering.graph.sequencer_reading import read_sequencer, without_step_data
 from plcopen_sfc.lowering.graph.sequencer_scan import Sequencer
@@ -92,7 +92,7 @@ def choose(
         _check_options_of_sequencer(rules, place)
         chosen, why = _choice_for_sequencer(source, wanted, rules, language)
     elif rules.at_rest:
-        raise LoweringError("only blocks of S7-GRAPH have parameters that could be at rest", location=place)
+        raise LoweringError("only blocks of S7-GRAPH have parameters that could be inactive inputs", location=place)
     elif source.grafcet is not None:
         chosen, why = _choice_for_grafcet(source, wanted, rules)
     else:
@@ -115,9 +115,7 @@ def choose(
             hint=f"It was taken for this reason: {why}.",
         )
     if rules.actions is ActionPlace.BLOCK and style is Style.CLASSIC and chosen is Construction.CASE:
-        raise LoweringError(
-            "actions cannot stand in a block of their own where they are a part of a CASE", location=place
-        )
+        raise LoweringError("actions cannot be in a block of their own where they are a part of a CASE", location=place)
     if rules.flags != LOCAL and chosen not in (Construction.FLIPFLOP, Construction.BITS):
         raise LoweringError("only flip-flops and step bits have flags that could be put elsewhere", location=place)
     return chosen, language, why
@@ -136,7 +134,7 @@ def _choice(
     if rules.flags != LOCAL and style is Style.EXACT:
         return Construction.BITS, f"there are to be step flags at {rules.flags}"
     if firing_together(source.net, rules.profile) is not None:
-        why = f"rivals fire together under the profile {rules.profile.name}"
+        why = f"competing transitions fire together under the profile {rules.profile.name}"
         return Construction.BITS, f"no CASE can hold the chart: {why}"
     if not several:
         ends = any(not transition.targets for transition in source.net.transitions)
@@ -174,8 +172,8 @@ def _choice_for_sequencer(
     if not isinstance(objection, str):
         return Construction.REGIONS, f"in each of its parts at most one step is active at a time, but {several}"
     why = f"no CASE can hold the chart: {objection}"
-    if on_by_hand(source) and not isinstance(sequences(with_hands_off(source), rules.profile), str):
-        why += f"; with {ON_BY_HAND} at rest one could"
+    if on_by_hand(source) and not isinstance(sequences(without_switching_by_hand(source), rules.profile), str):
+        why += f"; with {ON_BY_HAND} inactive one could"
     return Construction.BITS, why
 
 
@@ -186,7 +184,7 @@ def _check_options_of_sequencer(rules: LoweringRules, place: Location) -> None:
         objection = "sequencers of S7-GRAPH have operating modes of their own"
         hint = "Declare SW_AUTO, SW_MAN, SW_TAP, SW_TOP, T_PUSH, S_SEL, S_ON or S_OFF in the block instead."
     elif rules.actions is not ActionPlace.INLINE:
-        objection = "actions of a sequencer of S7-GRAPH cannot stand in a block of their own"
+        objection = "actions of a sequencer of S7-GRAPH cannot be in a block of their own"
     elif rules.reset_actions:
         objection = "S in S7-GRAPH sets an operand that anything may reset: only R of the chart ends it"
     else:
@@ -264,8 +262,8 @@ def construct(
         chosen,
         rules,
         why,
-        {path: _told(expression, dialect) for path, expression in maker.tells().items()},
-        {step.path: _told(maker.active(step.index), dialect) for step in source.net.steps},
+        {path: _bare_names(expression, dialect) for path, expression in maker.active_steps().items()},
+        {step.path: _bare_names(maker.active(step.index), dialect) for step in source.net.steps},
         code.at_rest,
         code.left_out.identifier if code.left_out is not None else None,
         tuple(code.data_types),
@@ -337,7 +335,7 @@ def _numbers(source: ChartSource, construction: Construction, rules: LoweringRul
     return dict(zip((step.path for step in source.net.steps), step_numbers(source.net), strict=True))
 
 
-def _told(expression: Expression, dialect: Dialect) -> str:
+def _bare_names(expression: Expression, dialect: Dialect) -> str:
     """Return an expression with bare names of variables, which are the same in files of other dialects."""
 
     def bare(node: Node) -> Node:

@@ -115,13 +115,13 @@ def losses(subject: Subject, lowered: Sequence[Pou], profile: Profile, language:
     texts in the code (``de``).
     """
     own, pou = subject.pou, lowered[0]
-    said = CodeCaptions(lowered)
+    code_captions = CodeCaptions(lowered)
     found: list[Item] = []
     for path, part in _lowered_parts(subject, pou):
         if isinstance(part, SfcBody):
             found += _Chart(subject, part.chart, profile, path).losses()
         for remark in captions(part, path, subject.project.dialect):
-            found += _unsaid(remark, said, language)
+            found += _missing_in_code(remark, code_captions, language)
     kept = {variable.name.casefold() for variable in pou.variables()}
     gone = [variable.name for variable in own.variables() if variable.name.casefold() not in kept]
     if gone:
@@ -149,10 +149,10 @@ def _lowered_parts(subject: Subject, pou: Pou) -> Iterator[tuple[str, Model]]:
             yield own.report_path_of(f"{own.name}.{each.name}"), each
 
 
-def _unsaid(remark: Caption, said: CodeCaptions, language: str) -> Iterator[Item]:
+def _missing_in_code(remark: Caption, code_captions: CodeCaptions, language: str) -> Iterator[Item]:
     """Yield a text for people that the code does not have, or has in one of its languages only."""
     texts = caption_texts(remark.text)
-    missing = {culture: text for culture, text in texts.items() if not said.has(text)}
+    missing = {culture: text for culture, text in texts.items() if not code_captions.has(text)}
     if not missing:
         return
     if len(missing) < len(texts):

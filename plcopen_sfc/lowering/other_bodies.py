@@ -151,7 +151,7 @@ def _action_named(pou: Pou, name: str) -> Action:
 
 
 _LEAVING = (n.Return, n.Goto, n.Label)
-"""Statements that mean something else in another text."""
+"""Statements that would leave the text around them."""
 
 
 def with_actions_inside(pou: Pou, dialect: Dialect) -> Pou:
@@ -206,7 +206,7 @@ def _called_alone(node: n.Node) -> str | None:
     return call.identifier if isinstance(call, n.Name) else None
 
 
-def without_leftovers(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
+def without_unused_parts(original: Pou, lowered: Pou, dialect: Dialect) -> Pou:
     """Return `lowered` without the actions and transitions that only the charts of `original` used.
 
     In IEC 61131-3 they are a part of a chart (6.7.4.2, 6.7.3): nothing else can call them, and textual declarations

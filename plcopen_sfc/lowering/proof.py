@@ -107,7 +107,7 @@ def _groups(operated: Sequence[str]) -> list[list[str]]:
 
 _LEAST_LIMIT = 0.1
 _STATES = 20_000
-"""What is searched in seconds to minutes, according to the size of the chart."""
+"""States that are searched in seconds to minutes, according to the size of the chart."""
 
 
 class ProofOptions(NamedTuple):

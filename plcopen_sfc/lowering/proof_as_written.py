@@ -1,7 +1,7 @@
-"""Proving code that was written to a file, as the tool that the file is for sees it.
+"""Comparison of the code in a file with its chart, as the tool of the file reads it.
 
-What a format has no place for, our writers carry in comments and data of their own, and our readers take it from there.
-So code may be whole when it is read back and yet not be in the file for anybody else.
+Writers of this package keep what a format has no place for in comments and extension data, and its readers restore it
+from there. So code can be complete when it is read back, although no other tool would find it in the file.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def refuse_comments(report: ConversionReport, pou: str) -> None:
     for item in report.with_outcome(Outcome.EXTENSION_DATA, Outcome.NOT_EXECUTED):
         if item.what in ("network", "body") and item.path == f"POU {pou}":
             raise LoweringError(
-                f"a network would stand in a comment only: {item.why}",
+                f"a network would only be in a comment: {item.why}",
                 location=Location(path=item.path),
                 hint="Structured text can hold it: --language ST.",
             )
@@ -106,7 +106,7 @@ def _carried(lowered: LoweredPou, seen: Project, whole: Project, why: str) -> Lo
     shown = "; ".join(places[:_NAMED]) + (f"; and {len(places) - _NAMED} more" if len(places) > _NAMED else "")
     to_text = lowered.language != "ST"
     return LoweringError(
-        f"a part of the code would stand in comments or data of ours only, which its tool does not read: {why}. "
+        f"a part of the code would only be in comments or extension data, which its tool does not read: {why}. "
         f"It would not see {shown}",
         location=Location(path=lowered.name),
         hint="Structured text can hold it: --language ST."

@@ -210,7 +210,7 @@ def test_code_in_a_comment_is_no_code(cli: Cli, plant: Path, monkeypatch: pytest
     monkeypatch.setattr(lad_fbd_networks, "write_flgnet", nothing)
     done = cli("lower", "plant.xml", "out.xml", "--to", "simaticml", "--as", "fup")
     assert done.code == 2
-    assert "would stand in a comment only: TIA Portal has no such element: an output variable" in done.err
+    assert "would only be in a comment: TIA Portal has no such element: an output variable" in done.err
     assert not (plant / "out.xml").exists()
 
 

@@ -19,7 +19,7 @@ from tests.semantics.charts.test_grafcet import action, seed_chain
 
 FORMS = [("flipflop", "FBD"), ("flipflop", "LD"), ("flipflop", "ST"), ("case", "ST"), ("bits", "ST")]
 PROFILES = [ONCE, SHORT]
-EVENT = "cannot stand in a block of their own: conditions of transitions ask for"
+EVENT = "cannot be in a block of their own: conditions of transitions ask for"
 
 
 def seed() -> m.Pou:

@@ -392,7 +392,7 @@ def test_networks_have_no_loops() -> None:
     ("options", "message"),
     [
         ({"modes": ("enable",)}, "operating modes of their own"),
-        ({"actions": "block"}, "cannot stand in a block of their own"),
+        ({"actions": "block"}, "cannot be in a block of their own"),
         ({"reset_actions": True}, "only R of the chart ends it"),
         ({"style": "classic"}, "no classic style"),
     ],
@@ -405,7 +405,7 @@ def test_options_that_sequencers_do_not_have_are_refused(options: dict[str, Any]
 @pytest.mark.parametrize(
     ("action", "message"),
     [
-        (act("P"), "does not say what P does"),
+        (act("P"), "has no rule for the qualifier P"),
         (act("ON", "S9", "S1"), "no step"),
         (act("CU", "n"), "needs an event"),
         (act("D"), "needs a time"),

@@ -79,7 +79,7 @@ def test_qualifiers_that_nothing_defines_are_refused() -> None:
     assert chart is not None
     association = m.ActionAssociation(id=chart.new_id(), target="Q1", qualifier="DL", duration="T#1s")
     chart.steps[0].actions.append(association)
-    with pytest.raises(LoweringError, match="does not say what DL does"):
+    with pytest.raises(LoweringError, match="has no rule for the qualifier DL"):
         verdict(pou, Construction.BITS, Language.ST)
 
 

@@ -42,7 +42,7 @@ def test_actions_that_stand_in_comments_are_no_code() -> None:
     assert proved(project, lowered, "codesys").kind is VerdictKind.PROVEN
     for target in ("scl", "simaticml"):
         lowered = lower(project, "case", target=target, verify=False)
-        with pytest.raises(LoweringError, match=r"comments or data of ours only.*POU Ablauf / actions") as caught:
+        with pytest.raises(LoweringError, match=r"comments or extension data.*POU Ablauf / actions") as caught:
             proved(project, lowered, target)
         assert caught.value.location.path == "Ablauf"
 
@@ -89,7 +89,7 @@ def test_what_only_we_read_proves_nothing(style: str) -> None:
     whole = text.replace("FUNCTION_BLOCK Ablauf", f"{pragma}\nFUNCTION_BLOCK Ablauf")
     assert sfc.loads(whole.encode()).pous[0].body == meant
     seen = sfc.loads(whole.encode(), as_tool=True)
-    with pytest.raises(LoweringError, match=r"comments or data of ours only.*POU Ablauf / text"):
+    with pytest.raises(LoweringError, match=r"comments or extension data.*POU Ablauf / text"):
         prove_written(resolve(project), lowered, seen, lambda: sfc.loads(whole.encode()))
 
 

@@ -207,7 +207,7 @@ class _Execution:
             ended = self._memory.falling(self._texts.with_suffix(action.name, "end"), driven, statements)
             statements += self._memory.conditional("", ended, [assignment(action.target, FALSE)])
             statements += self._memory.conditional("", driven, [assignment(action.target, TRUE)])
-        self._code.add(self._texts.action(action.name), statements, self._said(action))
+        self._code.add(self._texts.action(action.name), statements, self._captions(action))
 
     def _decide(self, action: ActionSource, control: SequentialControlCode, statements: list[Statement]) -> None:
         """Write a variable where its associations decide on it."""
@@ -266,23 +266,23 @@ class _Execution:
         title = self._texts.action(action.name)
         if not self._verbatim or not action.statements or not has_comments(action.text):
             acting = self._memory.conditional(f"{action.name}_A", executed, action.statements)
-            self._code.add(title, [*before, *acting], self._said(action))
+            self._code.add(title, [*before, *acting], self._captions(action))
             return
         lines = print_node(n.Statements(tuple(before)), self._source.dialect).splitlines()
         lines.append(f"IF {print_node(executed, self._source.dialect)} THEN")
         lines += [f"    {line}".rstrip() for line in dedent(action.text).strip("\n").splitlines()]
-        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"]), self._said(action)))
+        self._code.networks.append(TextNetwork(title, "\n".join([*lines, "END_IF;"]), self._captions(action)))
 
     def explain(self, action: ActionSource) -> None:
         """Append the comments of an action that does nothing."""
-        lines = comment_lines(self._said(action))
+        lines = comment_lines(self._captions(action))
         lines += dedent(action.text).strip("\n").splitlines() if has_comments(action.text) else []
         if self._verbatim and lines:
             self._code.networks.append(TextNetwork(self._texts.action(action.name), "\n".join(lines)))
 
-    def _said(self, action: ActionSource) -> str:
+    def _captions(self, action: ActionSource) -> str:
         """Return the comments of an action and of its associations."""
-        return self._texts.said(action.comment, *(use.comment for use in action.uses))
+        return self._texts.captions(action.comment, *(use.comment for use in action.uses))
 
     # -- whether it matters
 

@@ -1,4 +1,4 @@
-"""The drive block: the actions of a chain in a function block of their own, which gets the step flags."""
+"""Drive block: the actions of a sequence in a function block of their own, which gets the step flags."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class DriveSignal(NamedTuple):
 
 
 class DriveBlock:
-    """Function block that executes actions of one sequence, whose code is `chain`, with a memory like `memory`.
+    """Function block that executes actions of one sequence, whose code is `caller`, with a memory like `memory`.
 
     Lower actions with its own `code` and `memory`, then call `finish`. `signals` are expressions that become inputs, as
     flags of steps do. The variables of the sequence that actions read and write are passed on; other names are global.
@@ -44,16 +44,16 @@ class DriveBlock:
     def __init__(
         self,
         source: ChartSource,
-        chain: LoweredCode,
+        caller: LoweredCode,
         memory: Memory,
         *,
         wanted: str,
         signals: Mapping[Expression, DriveSignal],
         beside: Iterable[Statement] = (),
     ) -> None:
-        self.code = chain.beside()
+        self.code = caller.beside()
         self.memory = type(memory)(self.code)
-        self._source, self._chain, self._wanted = source, chain, wanted
+        self._source, self._caller, self._wanted = source, caller, wanted
         self._signals = signals
         self._owned = OwnVariables(source, beside)
         self._given: dict[Expression, n.Name] = {}
@@ -70,11 +70,11 @@ class DriveBlock:
         self._replace_signals()
         if self.code.needs_flat_statements:
             flatten(self.code, self._source.pou.variables())
-        flags = self._chain.flags
+        flags = self._caller.flags
         named = {name.identifier for name in self._names()}
         seen = [v for v in flags.external if v.name in named] if flags is not None else []
         self.name = free_name(f"{self._source.pou.name}_{self._wanted}", surroundings)
-        instance = self._chain.declare(self._wanted, DerivedType(name=self.name))
+        instance = self._caller.declare(self._wanted, DerivedType(name=self.name))
         arguments = [n.Argument(value, n.Name(name.identifier)) for value, name in self._given.items()]
         sections: dict[SectionKind, list[Variable]] = {SectionKind.INPUT: self.code.inputs}
         for name, variable in self._passed().items():
@@ -83,7 +83,7 @@ class DriveBlock:
             initial = variable.initial if is_output else None
             passed = Variable(name=name, type=variable.type, initial=initial, comment=variable.comment)
             sections.setdefault(kind, []).append(passed)
-            arguments.append(n.Argument(self._chain.naming.local(name), n.Name(name), output=is_output))
+            arguments.append(n.Argument(self._caller.naming.local(name), n.Name(name), output=is_output))
         sections |= {SectionKind.EXTERNAL: seen, SectionKind.LOCAL: self.code.variables}
         self.interface.sections = [VariableSection(kind=kind, variables=vs) for kind, vs in sections.items() if vs]
         arguments.sort(key=lambda argument: argument.output)
@@ -92,7 +92,7 @@ class DriveBlock:
     def _replace_signals(self) -> None:
         """Write inputs in the place of `signals`, and of outputs of instances outside."""
         own = {system: block for block, system in S7_INSTANCES.items()}
-        kinds = {v.name.casefold(): v.type for v in (*self._source.pou.variables(), *self._chain.variables)}
+        kinds = {v.name.casefold(): v.type for v in (*self._source.pou.variables(), *self._caller.variables)}
 
         def replaced(node: n.Node) -> n.Node:
             match node:
@@ -116,15 +116,15 @@ class DriveBlock:
                 statements = tuple(transform(statement, replaced) for statement in network.statements)
                 self.code.networks[place] = replace(network, statements=statements)
 
-    def _input(self, said: Expression, wanted: str, comment: str, kind: DataType = BOOL) -> n.Name:
-        if said not in self._given:
-            self._given[said] = self.code.declare_input(self.code.naming.fresh(wanted), comment, kind)
-        return self._given[said]
+    def _input(self, given: Expression, wanted: str, comment: str, kind: DataType = BOOL) -> n.Name:
+        if given not in self._given:
+            self._given[given] = self.code.declare_input(self.code.naming.fresh(wanted), comment, kind)
+        return self._given[given]
 
     def _passed(self) -> dict[str, Variable]:
         """Return the variables of the sequence that the actions name, in the order of their declaration."""
         pou = self._source.pou
-        declared = [*pou.variables(), *self._chain.inputs, *self._chain.constants, *self._chain.variables]
+        declared = [*pou.variables(), *self._caller.inputs, *self._caller.constants, *self._caller.variables]
         own = {v.name.casefold() for v in (*self.code.variables, *self.code.inputs)}
         named = {name.identifier.casefold() for name in self._names()} - own
         for action in pou.actions:
@@ -133,7 +133,7 @@ class DriveBlock:
         found = {v.name: v for v in declared if v.name.casefold() in named}
         for variable in found.values():
             kind = variable.type
-            if isinstance(kind, DerivedType) and kind.name.casefold() not in self._chain.known_types:
+            if isinstance(kind, DerivedType) and kind.name.casefold() not in self._caller.known_types:
                 self._refuse(f"{variable.name} is an instance of a function block, which stays in its POU")
         return found
 

@@ -91,7 +91,7 @@ def _drawn(
         for sheet in drawn.body.networks:
             if code.tool is Tool.S7:  # where ladders end with their coils
                 sheet.nodes = [node for node in sheet.nodes if not isinstance(node, RightPowerRail)]
-            sheet.title = code.said(network.title)
+            sheet.title = code.caption(network.title)
             sheet.comment = network.comment or None
             found.append(sheet)
     if code.one_sheet:

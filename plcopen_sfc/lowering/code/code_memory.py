@@ -31,7 +31,7 @@ class Memory(ABC):
     """
 
     has_instances: ClassVar[bool] = False
-    """Whether flip-flops keep a value of their own besides their `flag`, which is FALSE at the start."""
+    """True if flip-flops keep a value of their own besides their `flag`, which is FALSE at the start."""
 
     def __init__(self, code: LoweredCode) -> None:
         self.ends: list[Statement] = []

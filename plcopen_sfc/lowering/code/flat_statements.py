@@ -1,4 +1,4 @@
-"""IF and CASE for networks: what must be decided is decided first, as bits; then each statement waits for its bit."""
+"""IF and CASE as statements for networks: conditions become bits first, then each statement is executed by its bit."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from plcopen_sfc.model.types import (
 )
 
 StepValue: TypeAlias = Callable[[int], n.Expression]
-"""What stands for something of a step, given by its index in the net."""
+"""Expression for something of a step, given by its index in the net."""
 
 
 @dataclass(frozen=True)
@@ -87,18 +87,18 @@ class LoweredCode:
         if isinstance(kind, DerivedType):
             kind = self.naming.system_type(kind)
         value = SimpleValue(text=initial) if initial is not None else None
-        self.variables.append(Variable(name=name, type=kind, initial=value, comment=self.said(comment)))
+        self.variables.append(Variable(name=name, type=kind, initial=value, comment=self.caption(comment)))
         return self.naming.local(name)
 
-    def said(self, text: str) -> Text | None:
+    def caption(self, text: str) -> Text | None:
         """Return a title or comment as text of the model, if there is any."""
         return MultilingualText(texts={self.culture: text}) if text and self.culture else text or None
 
     def declare_constant(self, wanted: str, kind: DataType, value: str, comment: str) -> n.Name:
         """Declare a local constant that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
-        said = self.said(comment)
-        self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=said))
+        text = self.caption(comment)
+        self.constants.append(Variable(name=name, type=kind, initial=SimpleValue(text=value), comment=text))
         return self.naming.local(name)
 
     @property
@@ -115,7 +115,7 @@ class LoweredCode:
     def declare_flag(self, wanted: str, *, initial: bool, comment: str) -> n.Expression:
         """Declare the flag of a step in its place, and return the expression that reads it."""
         if self.flags is not None:
-            return self.flags.declare(wanted, self.naming, initial=initial, comment=self.said(comment))
+            return self.flags.declare(wanted, self.naming, initial=initial, comment=self.caption(comment))
         return self.declare(wanted, initial="TRUE" if initial else None, comment=comment)
 
     def first_scan_pulse(self) -> n.Name:
@@ -142,7 +142,7 @@ class LoweredCode:
 
     def declare_input(self, name: str, comment: str, kind: DataType = BOOL, *, at_rest: bool | None = None) -> n.Name:
         """Declare an input of this very name; `at_rest` is its value while it is not used."""
-        self.inputs.append(Variable(name=name, type=kind, comment=self.said(comment)))
+        self.inputs.append(Variable(name=name, type=kind, comment=self.caption(comment)))
         if at_rest is not None:
             self.at_rest[name] = at_rest
         return self.naming.local(name)
@@ -150,7 +150,7 @@ class LoweredCode:
     def declare_output(self, wanted: str, comment: str) -> n.Name:
         """Declare a Boolean output that is called `wanted`, if that is free, and return its name."""
         name = self.naming.fresh(wanted)
-        self.outputs.append(Variable(name=name, type=BOOL, comment=self.said(comment)))
+        self.outputs.append(Variable(name=name, type=BOOL, comment=self.caption(comment)))
         return self.naming.local(name)
 
     def add(

@@ -52,7 +52,7 @@ class RegionEncoding(ScanSchedule):
 
     def declare_states(self, source: ChartSource) -> None:
         """Declare a state variable for each region, at the start that of its initial step or of no step."""
-        self._refuse_rivals(source)
+        self._refuse_firing_together(source)
         self._regions = self.structure(source)
         self.names = StateNames(source, self._regions, self.code, self.rules, self.surroundings)
         self.states = StateVariables(self._regions, self.names, self.texts, source.dialect)
@@ -72,10 +72,10 @@ class RegionEncoding(ScanSchedule):
         """Append one scan, as the chart has it."""
         for machine in self.machines:
             if self._must_wait(machine):
-                self.states.let_wait(machine)
+                self.states.add_following_state(machine)
         super().exact()
 
-    def choose(self) -> None:
+    def choose_transitions(self) -> None:
         """Append the CASE of each region with the transitions of each step."""
         self.code.add(self.texts.transitions, list(self._computed_bits()))
         self._declare_again()
@@ -108,11 +108,11 @@ class RegionEncoding(ScanSchedule):
         chosen = n.Case(selected, tuple(branches))
         self.code.add(self.texts.selection, [when(selecting, *ended, chosen)])
 
-    def move(self) -> None:
+    def change_situation(self) -> None:
         """Append the assignments of following states, where these had to wait."""
-        waiting = [machine for machine in self.machines if self.states.waits(machine)]
+        waiting = [machine for machine in self.machines if self.states.has_following(machine)]
         restart = [when(self.init, *map(self.states.set_back, waiting))] if self.init is not None and waiting else []
-        self.code.add(self.texts.moves, [*restart, *self.states.moves()])
+        self.code.add(self.texts.moves, [*restart, *self.states.following_assignments()])
 
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any state will be another one, or a step is left and entered at once."""
@@ -140,12 +140,12 @@ class RegionEncoding(ScanSchedule):
             )
         return found
 
-    def _refuse_rivals(self, source: ChartSource) -> None:
-        rival = firing_together(source.net, self.profile)
-        if rival is not None:
+    def _refuse_firing_together(self, source: ChartSource) -> None:
+        other = firing_together(source.net, self.profile)
+        if other is not None:
             raise LoweringError(
-                f"a CASE cannot hold rivals that fire together under the profile {self.profile.name}",
-                location=Location(path=f"{source.pou.name} / transition {rival.path}"),
+                f"a CASE cannot hold competing transitions that fire together under the profile {self.profile.name}",
+                location=Location(path=f"{source.pou.name} / transition {other.path}"),
                 hint="Step bits can.",
             )
 
@@ -174,13 +174,13 @@ class RegionEncoding(ScanSchedule):
         if not self.blocking:
             return case
         blocked = disjunction(self.blocking)
-        if self.states.waits(machine) or self.init is None:  # it is set back where it changes
+        if self.states.has_following(machine) or self.init is None:  # it is set back where it changes
             head = [f"IF {self.text(negation(blocked))} THEN"]
         else:
             head = [f"IF {self.text(blocked)} THEN", INDENT + self.text(self.states.set_back(machine)), "ELSE"]
         return [*head, *(INDENT + line for line in case), "END_IF;"]
 
-    # -- transitions whose rivals are tried in another CASE
+    # -- transitions that compete with those of another CASE
 
     def _needing_bits(self, source: ChartSource) -> list[int]:
         """Return joins with competing transitions, with these, and joins whose condition needs statements before it."""
@@ -195,7 +195,7 @@ class RegionEncoding(ScanSchedule):
     def _computed_bits(self) -> Iterator[Statement]:
         for index, bit in self._bits.items():
             transition = self.net.transitions[index]
-            free = [negation(self._bits[rival]) for rival in transition.rivals if rival in self._bits]
+            free = [negation(self._bits[other]) for other in transition.rivals if other in self._bits]
             free += [negation(each) for each in self.blocking]
             enabled = self._enabled(transition)
             yield from self.prepared(index, conjunction([enabled, *free]))
@@ -310,7 +310,7 @@ class CaseEncoding(RegionEncoding):
         for action, use in used:
             acting = self._acting(action, use)
             acts += acting
-            done += [*comment_lines(self.texts.said(action.comment, use.comment)), *acting]
+            done += [*comment_lines(self.texts.captions(action.comment, use.comment)), *acting]
         if done:
             lines.append(f"{INDENT}// {self.texts.actions}")
             lines += [INDENT + line for text in done for line in text.splitlines()]

@@ -244,11 +244,11 @@ class StateVariables:
         """Return the end of the names of a region's variables: its first step, nothing for the first region."""
         return "" if region.index == 0 else self._net.steps[self.regions.first_step(region)].path
 
-    def let_wait(self, machine: RegionState) -> None:
+    def add_following_state(self, machine: RegionState) -> None:
         """Give a region a second variable, which its CASE writes and which becomes valid later."""
         self._next[machine.region.index] = self._declared(machine.region, following=True)
 
-    def waits(self, machine: RegionState) -> bool:
+    def has_following(self, machine: RegionState) -> bool:
         """Return True if a region has a second variable."""
         return self.following(machine) != machine.state
 
@@ -268,9 +268,9 @@ class StateVariables:
         """Return the assignment that restarts a region."""
         return assignment(self.following(machine), self.names.start(machine.region))
 
-    def moves(self) -> list[Statement]:
+    def following_assignments(self) -> list[Statement]:
         """Return the assignments of the following states."""
-        return [assignment(m.state, self.following(m)) for m in self.machines if self.waits(m)]
+        return [assignment(m.state, self.following(m)) for m in self.machines if self.has_following(m)]
 
     # -- text
 

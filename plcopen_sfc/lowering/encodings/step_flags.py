@@ -24,7 +24,7 @@ from plcopen_sfc.lowering.code.boolean_logic import (
 from plcopen_sfc.lowering.code.lowered_code import CodeNetwork
 from plcopen_sfc.lowering.lowering_options import OperatingMode
 from plcopen_sfc.lowering.reading.chart_source import ChartSource
-from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_rivals, firing_together
+from plcopen_sfc.lowering.schedule.scan_schedule import ScanSchedule, exclusive_transitions, firing_together
 from plcopen_sfc.semantics.net import NetStep, NetTransition
 from plcopen_sfc.semantics.profile import ScanOrder
 
@@ -63,12 +63,12 @@ class StepFlagEncoding(ScanSchedule):
         return conjunction(self.flags[i] for i in transition.sources)
 
     def select(self) -> None:
-        """Append nothing: `move` does it."""
+        """Append nothing: `change_situation` does it."""
 
-    def choose(self) -> None:
+    def choose_transitions(self) -> None:
         """Append a bit for each transition: enabled, condition TRUE, and no competing transition before it fires."""
         parts: list[CodeNetwork] = []
-        rivals = exclusive_rivals(self.net, self.profile)
+        rivals = exclusive_transitions(self.net, self.profile)
         for transition in self.net.transitions:
             statements: list[Statement] = []
             enabled = [self.enabled(transition)]
@@ -125,7 +125,7 @@ class StepBitEncoding(StepFlagEncoding):
         """Return the comment of a flag with the captions of the step, which has no network of its own."""
         return self.texts.described_flag(step.step, step.path)
 
-    def move(self) -> None:
+    def change_situation(self) -> None:
         """Append all resets, then all sets, then selection and restart, which override the transitions."""
         resets: list[Statement] = []
         sets: list[Statement] = []
@@ -155,7 +155,7 @@ class FlipFlopEncoding(StepFlagEncoding):
     by the step before and the condition, reset by the step behind. It differs from the chart; see docs/lowering.md.
     """
 
-    def move(self) -> None:
+    def change_situation(self) -> None:
         """Append a network for each step."""
         for step in self.net.steps:
             entering, leaving = self.net.entering[step.index], self.net.leaving[step.index]
@@ -223,7 +223,7 @@ class FlipFlopEncoding(StepFlagEncoding):
             reset = [*reset, others]
         if self.init is not None:
             set_, reset = ([self.init, *set_], reset) if initial else (set_, [*reset, self.init])
-            if initial and reset and guarded:  # transitions of the last scan, when nobody wanted to start anew yet
+            if initial and reset and guarded:  # transitions of the last scan, chosen before the restart
                 reset = [conjunction([disjunction(reset), negation(self.init)])]
         flag = self.flags[step.index]
         statements: list[Statement] = [*before]

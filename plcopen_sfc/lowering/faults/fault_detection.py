@@ -66,7 +66,7 @@ def _watch(code: LoweredCode, source: ChartSource, flags: Mapping[str, Expressio
     statements: list[n.Statement] = []
     names: dict[int, str] = {}
     for transition in source.net.transitions:
-        condition = _told(source.conditions[transition.index], flags)
+        condition = _with_flags(source.conditions[transition.index], flags)
         if condition is None:
             continue
         enabled = [flags[source.net.steps[i].path.casefold()] for i in transition.sources]
@@ -77,7 +77,7 @@ def _watch(code: LoweredCode, source: ChartSource, flags: Mapping[str, Expressio
     return names
 
 
-def _told(condition: Expression, flags: Mapping[str, Expression]) -> Expression | None:
+def _with_flags(condition: Expression, flags: Mapping[str, Expression]) -> Expression | None:
     """Return the condition with flags for the step variables in it; None where it has other data of a step."""
 
     def flag(node: n.Node) -> n.Node:
@@ -225,7 +225,7 @@ def _blocked_loop(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]
     if scan.restarted:
         return
     for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
-        if any(scan.wanted >> rival & 1 for rival in transition.rivals):
+        if any(scan.wanted >> other & 1 for other in transition.rivals):
             continue
         for target in indexes(transition.post & ~transition.pre & ~scan.before & ~scan.after):
             if transition.pre & facts.following[target]:
@@ -247,10 +247,10 @@ def _duplicated(facts: ChartFacts, scan: ObservedScan) -> Iterator[FaultPlace]:
         return
     entered = scan.after & ~scan.before
     for transition in (facts.net.transitions[t] for t in indexes(scan.wanted)):
-        for rival in (facts.net.transitions[t] for t in transition.rivals if scan.wanted >> t & 1):
-            mine, theirs = transition.post & ~rival.post, rival.post & ~transition.post
+        for other in (facts.net.transitions[t] for t in transition.rivals if scan.wanted >> t & 1):
+            mine, theirs = transition.post & ~other.post, other.post & ~transition.post
             if mine & entered and theirs & entered:
-                source = next(indexes(transition.pre & rival.pre))
+                source = next(indexes(transition.pre & other.pre))
                 yield facts.names(source, next(indexes(theirs & entered)), next(indexes(mine & entered)))
 
 
@@ -337,7 +337,7 @@ FLIP_FLOP_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.NOT_STARTED: _not_started,
     FaultKind.NOT_STABLE: _not_stable,
 }
-"""What can be wrong with a chain of flip-flops."""
+"""Faults that a sequence of flip-flops can have."""
 
 CASE_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.GAP: _gap,
@@ -348,4 +348,4 @@ CASE_RULES: Mapping[FaultKind, Rule] = {
     FaultKind.LATE: _late,
     FaultKind.NOT_STABLE: _not_stable,
 }
-"""What can be wrong with a CASE whose branches hold their actions."""
+"""Faults that a CASE can have whose branches hold the actions."""

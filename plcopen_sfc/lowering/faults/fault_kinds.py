@@ -1,4 +1,4 @@
-"""Faults of textbook chains: what they are, and what a report says of those that one chart has."""
+"""Faults of textbook sequences, and the report on those of one chart."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class FaultKind(Enum):
     )
     BLOCKED_LOOP = (
         "LOW103",
-        "two steps that lead to each other block the chain",
+        "two steps that lead to each other block the sequence",
         "The step before it is the step behind it too, and resets it in the scan in which it is to be set.",
     )
     INIT_EMPTIES = (
@@ -47,8 +47,8 @@ class FaultKind(Enum):
     )
     DUPLICATED = (
         "LOW105",
-        "a selection activates several of its legs",
-        "The conditions of two legs are TRUE together, and nothing gives way to the other.",
+        "a selection activates several of its branches",
+        "The conditions of two branches are TRUE together, and nothing gives way to the other.",
     )
     LOST = (
         "LOW106",
@@ -73,7 +73,7 @@ class FaultKind(Enum):
     SHIFTED = (
         "LOW202",
         "an output is off in a scan in which its step is active",
-        "The actions of a step stand before its transition: they begin a scan after it has become active, and are "
+        "The actions of a step come before its transition: they begin a scan after it has become active, and are "
         "reset in the scan in which it ends.",
     )
     SWALLOWED = (
@@ -88,7 +88,7 @@ class FaultKind(Enum):
     )
     INIT_IGNORED = (
         "LOW205",
-        "the chain goes on while it is initialised",
+        "the sequence goes on while it is initialised",
         "The transition of the initial step is tried in the same scan.",
     )
     LATE = (

@@ -1,8 +1,8 @@
-"""Finding the faults of a textbook chain: a search of all that the code can do, for the shortest inputs that show one.
+"""Search for the faults of a textbook sequence: the shortest inputs that show each of them.
 
-The code is searched alone, breadth first, with every value of the inputs that it reads. What a transition wants at the
-beginning of a scan is seen by variables that are put before a copy of the code. The chart is run afterwards, with the
-inputs that were found.
+The state space of the code is searched alone, breadth first, with every value of the inputs that it reads. Variables
+before a copy of the code show which transitions want to fire at the beginning of a scan. The chart is run afterwards,
+with the inputs that were found.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from plcopen_sfc.semantics.subjects import Subject
 __all__ = ["find_faults"]
 
 _SCANS = 6_000
-"""Scans of one search, and those of going through the steps; a chain of four steps needs some hundred."""
+"""Scans of one search, and those of going through the steps; a sequence of four steps needs some hundred."""
 
 _CALM_SCANS = 20_000
 _WORK = 4_000_000

@@ -38,13 +38,13 @@ def no_case(source: ChartSource, profile: Profile) -> str:
     if objection:
         return objection
     if source.grafcet is not None and source.grafcet.ruled:
-        return "some of its charts rule others"
+        return "some of its charts force or enclose others"
     for transition in source.net.transitions:
         if set(transition.sources) & set(transition.targets):
             return f"transition {transition.path} leads back to its own step"
-        for rival in transition.rivals if profile.rivals is not Rivals.PRIORITY else ():
-            if not exclude(source.conditions[rival], source.conditions[transition.index], source.dialect):
-                first = source.net.transitions[rival].path
+        for other in transition.rivals if profile.rivals is not Rivals.PRIORITY else ():
+            if not exclude(source.conditions[other], source.conditions[transition.index], source.dialect):
+                first = source.net.transitions[other].path
                 return f"the conditions of {first} and {transition.path} do not exclude each other"
     return ""
 
@@ -140,7 +140,7 @@ class GrafcetFlipFlops(FlipFlopEncoding):
     concurrency: Concurrency
     first: Expression | None = None
 
-    def move(self) -> None:
+    def change_situation(self) -> None:
         """Append a network for each step, those of forced charts behind those of the charts above them."""
         below = {step: ruling for ruling in self.ruled for step in ruling.steps}
         for step in self.net.steps:
@@ -214,20 +214,20 @@ class EvolvingEncoding(Protocol):
 class EvolvingStepFlags:
     """Step flags and bits of transitions."""
 
-    def __init__(self, chain: StepFlagEncoding) -> None:
-        self._chain = chain
+    def __init__(self, encoding: StepFlagEncoding) -> None:
+        self._encoding = encoding
         self._olds: dict[int, n.Name] = {}
 
     def before(self, step: int) -> Expression:
         """Return a copy of the flag."""
         if step not in self._olds:
-            name = self._chain.texts.flag_name(self._chain.net.steps[step].step)
-            self._olds[step] = self._chain.code.declare(self._chain.texts.with_suffix(name, "old"))
+            name = self._encoding.texts.flag_name(self._encoding.net.steps[step].step)
+            self._olds[step] = self._encoding.code.declare(self._encoding.texts.with_suffix(name, "old"))
         return self._olds[step]
 
     def remembered(self) -> list[Statement]:
         """Return the copies of flags that are in use."""
-        return [assignment(old, self._chain.flags[step]) for step, old in sorted(self._olds.items())]
+        return [assignment(old, self._encoding.flags[step]) for step, old in sorted(self._olds.items())]
 
     def signals(self) -> dict[Expression, DriveSignal]:
         """Return none: all of them are variables."""
@@ -235,24 +235,24 @@ class EvolvingStepFlags:
 
     def fired(self, transition: int) -> Expression:
         """Return the bit of the transition."""
-        return self._chain.fired[transition]
+        return self._encoding.fired[transition]
 
     def moving(self) -> Expression:
         """Return the disjunction of the bits."""
-        return disjunction(self._chain.fired)
+        return disjunction(self._encoding.fired)
 
 
 class EvolvingCaseState:
     """State of a CASE, in which no transition leads back to its own step."""
 
-    def __init__(self, chain: GrafcetCase) -> None:
-        self._chain = chain
-        self._state = chain.machines[0].state
+    def __init__(self, encoding: GrafcetCase) -> None:
+        self._encoding = encoding
+        self._state = encoding.machines[0].state
         self._old: n.Name | None = None
 
     def before(self, step: int) -> Expression:
         """Return a comparison of a copy of the state."""
-        return equal(self._copy(), self._chain.names.step(step))
+        return equal(self._copy(), self._encoding.names.step(step))
 
     def remembered(self) -> list[Statement]:
         """Return the copy of the state, if it is in use."""
@@ -262,8 +262,8 @@ class EvolvingCaseState:
         """Return the comparisons of the copy."""
         if self._old is None:
             return {}
-        flags = ((self.before(s.index), self._chain.texts.flag_name(s.step)) for s in self._chain.net.steps)
-        return {before: DriveSignal(self._chain.texts.with_suffix(flag, "old"), "") for before, flag in flags}
+        flags = ((self.before(s.index), self._encoding.texts.flag_name(s.step)) for s in self._encoding.net.steps)
+        return {before: DriveSignal(self._encoding.texts.with_suffix(flag, "old"), "") for before, flag in flags}
 
     def fired(self, transition: int) -> Expression:  # noqa: ARG002
         """Return FALSE: no code asks where steps are not left and entered at once."""
@@ -275,7 +275,7 @@ class EvolvingCaseState:
 
     def _copy(self) -> n.Name:
         if self._old is None:
-            code = self._chain.code
+            code = self._encoding.code
             kind = next(v.type for v in code.variables if v.name == self._state.identifier)
             self._old = code.declare(code.texts.with_suffix(self._state.identifier, "old"), kind)
         return self._old

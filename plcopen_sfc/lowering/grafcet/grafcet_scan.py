@@ -58,44 +58,46 @@ _INDENT = "    "
 
 
 class GrafcetScan:
-    """Schedule of one scan with one evolution, or with evolutions up to stability, for the chart of `chain`."""
+    """Schedule of one scan with one evolution, or with evolutions up to stability, for the chart of `encoding`."""
 
-    def __init__(self, chain: StepFlagEncoding | GrafcetCase) -> None:
-        self._chain = chain
-        self._code, self._texts, self._net = chain.code, chain.texts, chain.net
-        assert chain.source.grafcet is not None  # noqa: S101  # it was read so
-        active = [chain.active(step.index) for step in self._net.steps]
-        self._terms = TermCode(chain.source.grafcet, self._code, self._texts, active)
-        chain.source = chain.source.changed(lambda tree: transform(tree, self._terms.named))
-        assert chain.source.grafcet is not None  # noqa: S101
-        self._grafcet: GrafcetSource = chain.source.grafcet
-        self._concurrency = Concurrency(chain.source, chain.profile)
+    def __init__(self, encoding: StepFlagEncoding | GrafcetCase) -> None:
+        self._encoding = encoding
+        self._code, self._texts, self._net = encoding.code, encoding.texts, encoding.net
+        assert encoding.source.grafcet is not None  # noqa: S101  # it was read so
+        active = [encoding.active(step.index) for step in self._net.steps]
+        self._terms = TermCode(encoding.source.grafcet, self._code, self._texts, active)
+        encoding.source = encoding.source.changed(lambda tree: transform(tree, self._terms.named))
+        assert encoding.source.grafcet is not None  # noqa: S101
+        self._grafcet: GrafcetSource = encoding.source.grafcet
+        self._concurrency = Concurrency(encoding.source, encoding.profile)
         own = [variable.name for variable in self._code.variables]
-        self.stability = Stability(chain.source, self._terms, active, own, self._concurrency)
-        self._searches = chain.profile.evolution is Evolution.UNTIL_STABLE
+        self.stability = Stability(encoding.source, self._terms, active, own, self._concurrency)
+        self._searches = encoding.profile.evolution is Evolution.UNTIL_STABLE
         self._stable = self._searches and not self.stability.once
         self._evolving: EvolvingEncoding = (
-            EvolvingStepFlags(chain) if isinstance(chain, StepFlagEncoding) else EvolvingCaseState(chain)
+            EvolvingStepFlags(encoding) if isinstance(encoding, StepFlagEncoding) else EvolvingCaseState(encoding)
         )
-        passed = sorted(passed_steps(chain.source.actions)) if self._stable else []
+        passed = sorted(passed_steps(encoding.source.actions)) if self._stable else []
         names = {i: self._texts.flag_name(self._net.steps[i].step) for i in passed}
         self._passed = {i: self._code.declare(self._texts.with_suffix(names[i], "seen")) for i in passed}
         before = self._evolving.before
-        sights = StepViews(chain.active, before, self._fresh)
-        bits = _bits(chain.source) if self._code.drawn else ()
+        sights = StepViews(encoding.active, before, self._fresh)
+        bits = _bits(encoding.source) if self._code.drawn else ()
         self._first: n.Name | None = None
         self._drive, self._drive_of_stored = self._drive_blocks()
-        memory = self._drive_of_stored.memory if self._drive_of_stored is not None else chain.memory
+        memory = self._drive_of_stored.memory if self._drive_of_stored is not None else encoding.memory
         self._stored = StoredActions(self._grafcet.stored, memory, sights, bits)
-        self._ruled = [ForcingCode(chart, chain.active, before, self._reentered) for chart in self._grafcet.ruled]
+        self._ruled = [ForcingCode(chart, encoding.active, before, self._reentered) for chart in self._grafcet.ruled]
 
     def append(self) -> None:
         """Append all networks."""
-        chain, code, texts = self._chain, self._code, self._texts
-        code.add(texts.logic, chain.source.logic)
-        code.add(texts.times, chain.times.calls())  # of steps whose time conditions read
+        encoding, code, texts = self._encoding, self._code, self._texts
+        code.add(texts.logic, encoding.source.logic)
+        code.add(texts.times, encoding.times.calls())  # of steps whose time conditions read
         self._hold()
-        continuous = ContinuousActionCode(self._grafcet.continuous, code, chain.memory, chain.active, chain.times)
+        continuous = ContinuousActionCode(
+            self._grafcet.continuous, code, encoding.memory, encoding.active, encoding.times
+        )
         moves = self._evolving.moving() if self._stable else FALSE  # before it is known what must be remembered
         evolution = self._recorded(lambda: self._evolve(continuous))
         self._start()
@@ -108,63 +110,63 @@ class GrafcetScan:
         else:
             code.networks += evolution
         timers = [call(timer, IN=started, PT=time) for timer, started, time in continuous.timers]
-        code.add(texts.times, [*chain.times.calls(), *timers])
+        code.add(texts.times, [*encoding.times.calls(), *timers])
         self._add_actions()
         events = any(stored.event is not None for stored in self._grafcet.stored)
-        if not self._stable or events or chain.source.actions or chain.source.step_code:
+        if not self._stable or events or encoding.source.actions or encoding.source.step_code:
             code.add(texts.terms, self._terms.times)  # something may have changed since they were last called
-        outputs = replace(chain.source, actions=self._grafcet.continuous)
-        rules = replace(chain.rules, profile=_outputs(chain.profile))
-        add_conditions(outputs, code, chain.memory, chain.active, rules)
+        outputs = replace(encoding.source, actions=self._grafcet.continuous)
+        rules = replace(encoding.rules, profile=_outputs(encoding.profile))
+        add_conditions(outputs, code, encoding.memory, encoding.active, rules)
         if self._drive is None:
-            add_actions(outputs, code, continuous, chain.memory, rules)
+            add_actions(outputs, code, continuous, encoding.memory, rules)
         else:
             add_actions(without_texts(outputs), self._drive.code, continuous, self._drive.memory, rules)
             self._call(self._drive, texts.drive_call)
-        chain.memory.finish(texts.first_scan)
+        encoding.memory.finish(texts.first_scan)
 
     def _add_actions(self) -> None:
         """Append the actions of steps, and those with qualifiers of IEC 61131-3."""
-        chain = self._chain
-        add_changes(chain.source, self._code, chain.memory, chain.active, self._texts)
-        add_main_actions(chain.source, self._code, chain.memory, chain.active, self._texts)
-        add_conditions(chain.source, self._code, chain.memory, self._driving, chain.rules)
-        ending = chain.init if chain.init is not None and chain.rules.reset_actions else FALSE
-        source, code, memory = chain.source, self._code, chain.memory
+        encoding = self._encoding
+        add_changes(encoding.source, self._code, encoding.memory, encoding.active, self._texts)
+        add_main_actions(encoding.source, self._code, encoding.memory, encoding.active, self._texts)
+        add_conditions(encoding.source, self._code, encoding.memory, self._driving, encoding.rules)
+        ending = encoding.init if encoding.init is not None and encoding.rules.reset_actions else FALSE
+        source, code, memory = encoding.source, self._code, encoding.memory
         if self._drive is not None:
             source, code, memory = without_texts(source), self._drive.code, self._drive.memory
-        control = PassingActionCode(code, memory, chain.active, self._seen, ending)
-        add_actions(source, code, control, memory, chain.rules)
+        control = PassingActionCode(code, memory, encoding.active, self._seen, ending)
+        add_actions(source, code, control, memory, encoding.rules)
 
     # -- blocks of their own for actions
 
     def _drive_blocks(self) -> tuple[DriveBlock | None, DriveBlock | None]:
         """Return the block for actions behind the evolutions, and that for stored actions: one block if possible."""
-        chain = self._chain
-        if chain.rules.actions is not ActionPlace.BLOCK:
+        encoding = self._encoding
+        if encoding.rules.actions is not ActionPlace.BLOCK:
             return None, None
-        problem = events_asked_early(chain.source, self._grafcet, chain.active)
+        problem = events_asked_early(encoding.source, self._grafcet, encoding.active)
         if problem:
             raise LoweringError(
-                f"stored actions on events cannot stand in a block of their own: {problem}",
-                location=Location(path=chain.source.pou.name),
+                f"stored actions on events cannot be in a block of their own: {problem}",
+                location=Location(path=encoding.source.pou.name),
                 hint="Leave actions inline.",
             )
         stored = [statement for each in self._grafcet.stored for statement in each.statements]
-        if not self._stable and not asked_in_between(chain.source, self._grafcet, self._net.initial):
-            only = chain.drive_block(self._texts.drive)
+        if not self._stable and not asked_in_between(encoding.source, self._grafcet, self._net.initial):
+            only = encoding.drive_block(self._texts.drive)
             return only, only
-        lasting = (*chain.source.actions, *self._grafcet.continuous)
+        lasting = (*encoding.source.actions, *self._grafcet.continuous)
         others = [*(statement for action in lasting for statement in action.statements)]
         others += [assignment(action.target, TRUE) for action in lasting if action.target is not None]
-        behind = chain.drive_block(self._texts.drive, stored)
-        return behind, chain.drive_block(self._texts.drive_stored, others) if stored else None
+        behind = encoding.drive_block(self._texts.drive, stored)
+        return behind, encoding.drive_block(self._texts.drive_stored, others) if stored else None
 
     def _call(self, drive: DriveBlock, title: str) -> None:
         """Append the call of a block, if there is anything in it."""
-        self._chain.signals |= self._evolving.signals()
+        self._encoding.signals |= self._evolving.signals()
         if drive.code.networks:
-            self._code.add(title, [self._chain.call(drive)])
+            self._code.add(title, [self._encoding.call(drive)])
 
     # -- steps
 
@@ -173,11 +175,11 @@ class GrafcetScan:
         if self._stable:
             return self._passed[step]
         started = self._searches and self._net.initial >> step & 1
-        return disjunction([self._chain.active(step), self._starting() if started else FALSE])
+        return disjunction([self._encoding.active(step), self._starting() if started else FALSE])
 
     def _driving(self, step: int) -> Expression:
         """Return an expression that is TRUE if a step drives its actions in any situation of the scan."""
-        return self._seen(step) if not self._stable or step in self._passed else self._chain.active(step)
+        return self._seen(step) if not self._stable or step in self._passed else self._encoding.active(step)
 
     def _fresh(self, step: int) -> Expression:
         """Return when the evolution before has activated a step; the start activates initial ones."""
@@ -214,8 +216,8 @@ class GrafcetScan:
 
     def _hold(self) -> None:
         """Let no transition of a chart fire while an order holds the chart."""
-        conditions = list(self._chain.source.conditions)
-        preparations = list(self._chain.source.preparations)
+        conditions = list(self._encoding.source.conditions)
+        preparations = list(self._encoding.source.preparations)
         for ruling in self._ruled:
             forced = ruling.forced()
             if is_constant(forced, FALSE):
@@ -225,58 +227,60 @@ class GrafcetScan:
                     i = transition.index
                     conditions[i] = conjunction([conditions[i], negation(forced)])
                     preparations[i] = (when(negation(forced), *preparations[i]),) if preparations[i] else ()
-        self._chain.source = replace(self._chain.source, conditions=tuple(conditions), preparations=tuple(preparations))
+        self._encoding.source = replace(
+            self._encoding.source, conditions=tuple(conditions), preparations=tuple(preparations)
+        )
 
     def _evolve(self, continuous: ContinuousActionCode) -> None:
         """Append one evolution."""
-        chain, code, texts = self._chain, self._code, self._texts
+        encoding, code, texts = self._encoding, self._code, self._texts
         events = self._stored.events()
         happening: list[Statement] = []
         drive = self._drive_of_stored
         if drive is not None:  # which executes them behind the transitions
-            events = [event.named(chain.memory, texts.event, happening) for event in events]
+            events = [event.named(encoding.memory, texts.event, happening) for event in events]
             drive.code.add(texts.start, self._at_the_start() if drive is self._drive else [])
             drive.code.add(texts.events, self._stored.on_events(events))
             drive.code.add(texts.stored, [*self._stored.on_changes(), *self._ended()])
         changes = [*self._stored.on_changes(), *self._ended()] if drive is None else []
         forcing: list[Statement] = []
-        if isinstance(chain, GrafcetFlipFlops):
-            chain.ruled, chain.concurrency = self._ruled, self._concurrency
-            if self._stable and chain.memory.has_instances:
-                chain.first = self._in_first_evolution()
-        elif isinstance(chain, StepFlagEncoding):
-            forcing = [forced_assignments(ruling, chain.flags, self._evolving.before) for ruling in self._ruled]
+        if isinstance(encoding, GrafcetFlipFlops):
+            encoding.ruled, encoding.concurrency = self._ruled, self._concurrency
+            if self._stable and encoding.memory.has_instances:
+                encoding.first = self._in_first_evolution()
+        elif isinstance(encoding, StepFlagEncoding):
+            forcing = [forced_assignments(ruling, encoding.flags, self._evolving.before) for ruling in self._ruled]
         code.add(texts.terms, [*self._terms.times, *self._terms.edges])
         code.add(texts.events, self._stored.on_events(events) if drive is None else happening)
         place = len(code.networks)
-        chain.choose()
-        chain.move()
+        encoding.choose_transitions()
+        encoding.change_situation()
         code.add(texts.forcing, forcing)
         code.add(texts.stored, changes)
         if drive is not None and drive is not self._drive:
             self._call(drive, texts.drive_stored_call)
         code.add(texts.times, self._restarts(continuous))
-        seen = [assignment(flag, disjunction([flag, chain.active(i)])) for i, flag in self._passed.items()]
+        seen = [assignment(flag, disjunction([flag, encoding.active(i)])) for i, flag in self._passed.items()]
         code.add(texts.passed, seen)
         code.add(texts.before, self._evolving.remembered(), place=place)  # known now
         code.add(texts.first_evolution_ends, [assignment(self._first, FALSE)] if self._first is not None else [])
 
     def _ended(self) -> list[Statement]:
         """Return the effect of a restart on what is stored."""
-        chain = self._chain
-        if chain.init is None or not chain.rules.reset_actions:
+        encoding = self._encoding
+        if encoding.init is None or not encoding.rules.reset_actions:
             return []
-        return self._stored.ended(chain.init, indexes(self._net.initial), _bits(chain.source))
+        return self._stored.ended(encoding.init, indexes(self._net.initial), _bits(encoding.source))
 
     def _restarts(self, continuous: ContinuousActionCode) -> list[Statement]:
         """Return the restarts of the times of steps that are left and entered again before the scan ends."""
-        chain = self._chain
+        encoding = self._encoding
         found: list[Statement] = []
         for step in range(len(self._net.steps)):
-            left = negation(chain.active(step)) if self._stable else FALSE
-            again = disjunction([left, self._again(step)]) if chain.times.measures(step) else FALSE
+            left = negation(encoding.active(step)) if self._stable else FALSE
+            again = disjunction([left, self._again(step)]) if encoding.times.measures(step) else FALSE
             if not is_constant(again, FALSE):
-                found += chain.times.restarts(step, again)
+                found += encoding.times.restarts(step, again)
         for timer, started, time in continuous.timers if self._stable else ():
             found.append(when(negation(started), call(timer, IN=FALSE, PT=time)))
         return found
@@ -293,7 +297,7 @@ class GrafcetScan:
         if drive is None:
             statements += self._at_the_start()
         elif drive is not self._drive and self._at_the_start():  # no step was active before
-            statements.append(when(self._starting(), self._chain.drives[0].call))
+            statements.append(when(self._starting(), self._encoding.drives[0].call))
         self._code.add(self._texts.start, statements)
 
     def _at_the_start(self) -> list[Statement]:
@@ -323,7 +327,7 @@ class GrafcetScan:
             again = conjunction([moving, n.Operation(n.Operator.LESS, (number, self._most))])
             last.append(counted)
         first, *others = evolution
-        assert isinstance(first, CodeNetwork)  # noqa: S101  # text stands in text only
+        assert isinstance(first, CodeNetwork)  # noqa: S101  # only code in ST has text networks
         code.networks += [replace(first, statements=(n.Label(label), *first.statements)), *others]
         code.add(texts.stability, last)
         code.add(texts.next_evolution_title, [when(again, n.Goto(label, "GOTO"))])
@@ -338,11 +342,11 @@ class GrafcetScan:
 
     @property
     def _most(self) -> Expression:
-        return n.Literal(str(self._chain.profile.max_evolutions))
+        return n.Literal(str(self._encoding.profile.max_evolutions))
 
     def _loop(self, evolution: Sequence[CodeNetwork | TextNetwork], moves: Expression) -> None:
         """Repeat an evolution until no transition fires any more."""
-        texts, dialect = self._texts, self._chain.source.dialect
+        texts, dialect = self._texts, self._encoding.source.dialect
         moving = self._code.declare(texts.moving, comment=texts.moving_comment)
         goes_on = assignment(moving, moves)
         inside = [*evolution, CodeNetwork("", (goes_on,))]
@@ -372,11 +376,11 @@ def _outputs(profile: Profile) -> Profile:
     return replace(profile, boolean_targets=BooleanTargets.ALWAYS, final_scan=False, action_order=ActionOrder.FIRST_USE)
 
 
-def add_grafcet(chain: ScanSchedule) -> None:
+def add_grafcet(encoding: ScanSchedule) -> None:
     """Lower a GRAFCET in an encoding. Raises `LoweringError` for what it cannot express."""
-    path = Location(path=chain.source.pou.name)
-    if not isinstance(chain, StepFlagEncoding | GrafcetCase):
+    path = Location(path=encoding.source.pou.name)
+    if not isinstance(encoding, StepFlagEncoding | GrafcetCase):
         raise LoweringError(
             "a GRAFCET is not lowered to several CASEs", location=path, hint="Step bits can hold every chart."
         )
-    GrafcetScan(chain).append()
+    GrafcetScan(encoding).append()

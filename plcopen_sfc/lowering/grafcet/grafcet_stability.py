@@ -31,7 +31,7 @@ class Concurrency:
 
     def __init__(self, source: ChartSource, profile: Profile) -> None:
         self._net = source.net
-        together = profile.rivals is Rivals.ALL and not _rivals_exclude_each_other(source)
+        together = profile.rivals is Rivals.ALL and not _competing_exclude_each_other(source)
         self._rivals = Rivals.ALL if together else Rivals.PRIORITY
         ruled = source.grafcet.ruled if source.grafcet is not None else ()
         self._parts = [_Part(source.net, steps, ruled, self._rivals) for steps in _parts(source.net)]
@@ -81,12 +81,12 @@ def exclude(one: Expression, other: Expression, dialect: Dialect) -> bool:
         return True
     names = [{node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name)} for tree in (one, other)]
     if not names[0] & names[1]:
-        return False  # each of them can be TRUE, or nobody could tell
+        return False  # each of them can be TRUE, or the prover did not decide
     return bool(exclusive(print_node(one, dialect), print_node(other, dialect), dialect=dialect).answer)
 
 
-def _rivals_exclude_each_other(source: ChartSource) -> bool:
-    pairs = ((t.index, rival) for t in source.net.transitions for rival in t.rivals)
+def _competing_exclude_each_other(source: ChartSource) -> bool:
+    pairs = ((t.index, other) for t in source.net.transitions for other in t.rivals)
     return all(exclude(source.conditions[a], source.conditions[b], source.dialect) for a, b in pairs)
 
 
@@ -218,7 +218,7 @@ class Stability:
         except CycleError:
             return None
         length: dict[int, int] = {}
-        for index in order:  # those that follow stand before
+        for index in order:  # followers come before those they follow
             length[index] = 1 + max((length[u] for u in followers[index]), default=0)
         return max(length.values(), default=0)
 

@@ -57,7 +57,7 @@ class BlockCommands:
         return self._edges[name]
 
     @property
-    def told(self) -> str:
+    def mode_comment(self) -> str:
         """Return the comment on the mode, where there are several."""
         return self._texts.mode_comment if self._mode is not None else ""
 

@@ -84,16 +84,16 @@ def several_steps(source: GraphSource, profile: Profile) -> str:
                 return f"step {step.path} switches steps off: {row.name}"
     if on_by_hand(source):
         return f"{ON_BY_HAND} can switch on a step while another one is active"
-    rival = firing_together(source.net, profile)
-    if rival is not None:
-        return f"transition {rival.path} fires together with its rivals under the profile {profile.name}"
+    other = firing_together(source.net, profile)
+    if other is not None:
+        return f"transition {other.path} fires together with competing transitions under the profile {profile.name}"
     loops = (t.path for t in source.net.transitions if set(t.sources) & set(t.targets))
     if source.skips and (loop := next(loops, None)) is not None:
         return f"steps can be skipped, and transition {loop} leads back to its own step"
     return ""
 
 
-def with_hands_off(source: GraphSource) -> GraphSource:
+def without_switching_by_hand(source: GraphSource) -> GraphSource:
     """Return the same without the switching of steps by hand."""
     return replace(source, parameters={k: v for k, v in source.parameters.items() if k != ON_BY_HAND})
 
@@ -122,7 +122,9 @@ class RegionSequencer(Sequencer):
         if isinstance(regions, str):
             hint = "Step bits can hold every sequencer."
             if on_by_hand(self.source):
-                hint += f" Where nobody operates {ON_BY_HAND}, leave it at rest: at_rest=['{ON_BY_HAND}'], --at-rest."
+                hint += (
+                    f" Where {ON_BY_HAND} is never operated, leave it inactive: at_rest=['{ON_BY_HAND}'], --at-rest."
+                )
             raise LoweringError(
                 f"a CASE holds one active step, and that is not so here: {regions}",
                 location=Location(path=self.source.pou.name),
@@ -297,7 +299,7 @@ class RegionSequencer(Sequencer):
             transition = self.net.transitions[index]
             name = self.texts.transition_name(self.net, transition)
             self._bits[index] = self.code.declare(name, comment=self.texts.transition_of(transition.path))
-            free = [negation(self._bits[rival]) for rival in transition.rivals if rival in self._bits]
+            free = [negation(self._bits[other]) for other in transition.rivals if other in self._bits]
             enabled = [self.active(i) for i in transition.sources]
             if self._before[index]:
                 statements.append(when(conjunction([*enabled, self.evolves()]), *self._before[index]))
@@ -339,7 +341,7 @@ class RegionSequencer(Sequencer):
         machines = self.states.machines
         for machine in machines:
             if self._must_wait(machine):
-                self.states.let_wait(machine)
+                self.states.add_following_state(machine)
         for machine in machines:
             case = self.states.case(machine, self._leaving, self._joining)
             if not is_constant(self._guard, TRUE):
@@ -355,7 +357,7 @@ class RegionSequencer(Sequencer):
         off = self.commands.edge("OFF_SQ")
         none = [assignment(self.states.following(machine), self.states.names.none) for machine in machines]
         self.code.add(self.own_texts.off, [when(off, *none)] if not is_constant(off, FALSE) else [])
-        self.code.add(self.texts.moves, self.states.moves())
+        self.code.add(self.texts.moves, self.states.following_assignments())
 
     def _must_wait(self, machine: RegionState) -> bool:
         """Return True if code between its CASE and the step change reads or writes the state of a region."""

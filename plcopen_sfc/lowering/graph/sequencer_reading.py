@@ -140,7 +140,7 @@ def _at_rest(source: GraphSource, wanted: Collection[str]) -> GraphSource:
     unknown = sorted(names - {*OPERATING, _ALL})
     if unknown:
         raise LoweringError(
-            f"{unknown[0]} does not operate sequencers, so it cannot be at rest",
+            f"{unknown[0]} does not operate sequencers, so it cannot be an inactive input",
             hint=f"These do: {', '.join(OPERATING)}.",
         )
     resting = {
@@ -168,7 +168,7 @@ class _Reader(TextReader):
             self.refuse("S7-GRAPH has no macro-steps, enclosing steps and forcing orders", "")
         settings = chart.graph_settings
         if settings is not None and (unknown := sorted(filter(self._declares, _NOT_KNOWN))):
-            self.refuse(f"the profile does not say what the parameters {', '.join(unknown)} do", "")
+            self.refuse(f"the profile has no rule for the parameters {', '.join(unknown)}", "")
         before = [s for p in chart.permanent_pre for s in self.statements(p.body, "permanent operations before")]
         logic = self.logic()
         conditions = [self._stated(t.chart, t.transition.condition, f"transition {t.path}") for t in net.transitions]
@@ -231,7 +231,7 @@ class _Reader(TextReader):
         event = model.event if model.event is not ActionEvent.C else None
         interlock = model.interlock or model.event is ActionEvent.C
         if qualifier not in self._profile.qualifiers:
-            self.refuse(f"the profile {self._profile.name} does not say what {qualifier} does", path)
+            self.refuse(f"the profile {self._profile.name} has no rule for the qualifier {qualifier}", path)
         if model.kind is not None or model.forcing is not None:
             self.refuse("S7-GRAPH has no actions of GRAFCET", path)
         if model.negated or step.step.negated or model.condition is not None:

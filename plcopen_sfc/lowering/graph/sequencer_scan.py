@@ -1,7 +1,7 @@
 """One cycle of a sequencer as structured text, in the order of S7-GRAPH.
 
-Permanent operations, commands, interlocks and supervisions, step change, events, actions, outputs, permanent
-operations. What the block does not declare and what nobody asks for makes no code.
+Permanent instructions, commands, interlocks and supervisions, step change, events, actions, outputs, permanent
+instructions. Parameters and step data without a use make no code.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ class Sequencer(ABC):
     def add_switched(self, actions: SequencerActions) -> None:
         """Append the effect of actions that switch steps on and off."""
 
-    def tells(self) -> dict[str, Expression]:
+    def active_steps(self) -> dict[str, Expression]:
         """Return expressions that are TRUE while a step is active, by its path."""
         return {step.path: self.active(step.index) for step in self.net.steps}
 
@@ -146,7 +146,7 @@ class Sequencer(ABC):
         """Insert edges before all code that reads them; which ones these are is only known at the end."""
         rest = self.code.networks[place:]
         del self.code.networks[place:]
-        self.code.add(self.own_texts.commands, self.commands.statements(), self.commands.told)
+        self.code.add(self.own_texts.commands, self.commands.statements(), self.commands.mode_comment)
         self.code.networks += rest
 
     # -- texts

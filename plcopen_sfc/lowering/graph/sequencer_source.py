@@ -88,7 +88,7 @@ class GraphSource(ChartSource):
 
 
 QUANTITIES = frozenset("X T U T_MAX T_WARN SNO S1 S0 L1 L0 V1 V0 A1 R1 LS LA VS VA".split())
-"""What can be asked of a step."""
+"""Data that texts can ask of a step."""
 
 _COMPARING = frozenset(
     {

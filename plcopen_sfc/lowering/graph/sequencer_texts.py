@@ -1,4 +1,4 @@
-"""What lowered sequencers say to their readers besides what all lowered code says, in English or German."""
+"""Titles, comments and names of lowered sequencers, besides those of all lowered code, in English and German."""
 
 from __future__ import annotations
 

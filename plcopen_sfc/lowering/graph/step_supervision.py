@@ -32,7 +32,7 @@ INTERLOCK = ("LS", "LA", "L1", "L0")
 SUPERVISION = ("VS", "VA", "V1", "V0", "A1")
 
 Resolve = Callable[[Any, CyclePhase], Any]
-"""Makes of a text what stands for it in lowered code: the same, with other names for the data of steps."""
+"""Gives a text with variables of the code in the place of step data."""
 
 
 @dataclass(frozen=True)

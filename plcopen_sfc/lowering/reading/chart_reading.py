@@ -1,4 +1,4 @@
-"""Reading a chart for lowering: what is not understood completely is refused here, nothing is guessed."""
+"""Reading of a chart for lowering: what is not understood completely is refused, nothing is guessed."""
 
 from __future__ import annotations
 
@@ -227,7 +227,7 @@ class _Reader(TextReader):
             self.refuse(f"actions of kind {association.kind} are not lowered yet", path)
         qualifier = Qualifier.N if association.qualifier is Qualifier.NONE else association.qualifier
         if qualifier not in self._profile.qualifiers:
-            self.refuse(f"the profile {self._profile.name} does not say what {qualifier} does", path)
+            self.refuse(f"the profile {self._profile.name} has no rule for the qualifier {qualifier}", path)
         duration = self.expression(association.duration, path) if association.duration else None
         if qualifier.needs_duration and duration is None:
             self.refuse(f"{qualifier} needs a time", path)

@@ -180,13 +180,13 @@ class StepStatements:
 
 @dataclass(frozen=True)
 class HoldingOperand:
-    """Operand that keeps a condition from its value: `text` names it, `stands` is TRUE while it does.
+    """Operand that keeps a condition from its value: `text` names it, `holds` is TRUE while it does.
 
     `value` is that of the operand meanwhile.
     """
 
     text: str
-    stands: n.Expression
+    holds: n.Expression
     value: bool
 
 
@@ -234,7 +234,7 @@ class ChartSource:
             return tuple(change(node) for node in nodes)
 
         def watched(watch: StepTimeLimit) -> StepTimeLimit:
-            reasons = tuple(replace(reason, stands=change(reason.stands)) for reason in watch.reasons)
+            reasons = tuple(replace(reason, holds=change(reason.holds)) for reason in watch.reasons)
             return replace(watch, time=change(watch.time), reasons=reasons)
 
         code = [replace(c, entry=each(c.entry), main=each(c.main), exit=each(c.exit)) for c in self.step_code]

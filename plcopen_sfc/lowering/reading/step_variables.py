@@ -129,7 +129,7 @@ def _asked_when_inactive(source: ChartSource, timed: Callable[[Node], int | None
         ask((*code.entry, *code.main), [code.step])
         ask(code.exit)
     for watch in source.watches:
-        ask([watch.time, *(reason.stands for reason in watch.reasons)], [watch.step])
+        ask([watch.time, *(reason.holds for reason in watch.reasons)], [watch.step])
     return found
 
 
@@ -170,7 +170,7 @@ class _StepVariables:
                 return disjunction(self._active(i) for i in indexes(bits))
             case n.Name(name) if (bits := self._flags.get(name.casefold())) is not None:
                 return disjunction(self._active(i) for i in indexes(bits))
-            case n.Unary(Operator.NOT, n.Operation() as inner):  # nobody writes that without parentheses
+            case n.Unary(Operator.NOT, n.Operation() as inner):  # NOT a AND b is never written so: it is NOT (a AND b)
                 return negation(inner)
         return node
 

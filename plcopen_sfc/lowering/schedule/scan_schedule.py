@@ -1,4 +1,4 @@
-"""Which rivals exclude each other, and which fire together."""
+"""Schedule of a scan: the parts of a lowered chart in the order of its execution profile, whatever the encoding."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from plcopen_sfc.semantics.profile import ActionControl as Control
 from plcopen_sfc.semantics.profile import Profile, ScanOrder
 
 
-def exclusive_rivals(net: Net, profile: Profile) -> list[tuple[int, ...]]:
+def exclusive_transitions(net: Net, profile: Profile) -> list[tuple[int, ...]]:
     """Return for each transition the competing ones tried before it that keep it from firing when they fire."""
     if profile.rivals is Rivals.PRIORITY:
         return [transition.rivals for transition in net.transitions]
@@ -39,7 +39,7 @@ def exclusive_rivals(net: Net, profile: Profile) -> list[tuple[int, ...]]:
 
 def firing_together(net: Net, profile: Profile) -> NetTransition | None:
     """Return the first transition that can fire although a competing one before it does; None if there is none."""
-    exclusive = exclusive_rivals(net, profile)
+    exclusive = exclusive_transitions(net, profile)
     return next((t for t in net.transitions if exclusive[t.index] != t.rivals), None)
 
 
@@ -53,9 +53,9 @@ def refuse_classic(source: ChartSource, what: str, path: str = "") -> NoReturn:
 class ScanSchedule(ABC):
     """Schedule of one scan: its parts in the order of the execution profile, appended to `code`.
 
-    An encoding has an expression for each active step (`active`) and changes the situation (`choose`, `move`). `init`:
-    the condition that sets the sequence back, whatever was chosen, unless it `forgets` that. `blocking`: no transition
-    fires meanwhile.
+    An encoding has an expression for each active step (`active`) and changes the situation (`choose_transitions`,
+    `change_situation`). `init`: the condition that sets the sequence back, whatever was chosen, unless it `forgets`
+    that. `blocking`: no transition fires meanwhile.
     """
 
     def __init__(
@@ -103,11 +103,11 @@ class ScanSchedule(ABC):
         """Return an expression that is TRUE if a step, given by its index in the net, is active."""
 
     @abstractmethod
-    def choose(self) -> None:
+    def choose_transitions(self) -> None:
         """Append the networks that decide which transitions fire."""
 
     @abstractmethod
-    def move(self) -> None:
+    def change_situation(self) -> None:
         """Append the networks that change the situation as the transitions want it, if choosing does not."""
 
     @abstractmethod
@@ -116,7 +116,7 @@ class ScanSchedule(ABC):
 
     @abstractmethod
     def select(self) -> None:
-        """Append the selection of a step as the only active one, where `move` does not do that."""
+        """Append the selection of a step as the only active one, where `change_situation` does not do that."""
 
     def chosen(self) -> Sequence[n.Name]:
         """Return the variables that keep, from one scan to the next, which transitions fire."""
@@ -126,7 +126,7 @@ class ScanSchedule(ABC):
     def any_fires(self) -> Expression:
         """Return an expression that is TRUE if any transition fires, when it has been chosen which ones do."""
 
-    def tells(self) -> dict[str, Expression]:
+    def active_steps(self) -> dict[str, Expression]:
         """Return expressions that are TRUE between two scans while a step is active, by its path."""
         return {step.path: self.active(step.index) for step in self.net.steps}
 
@@ -138,18 +138,18 @@ class ScanSchedule(ABC):
         if self.profile.order is ScanOrder.ACTIONS_FIRST:
             self.sfc_flags.begin(self.times)
             self.forgets = self.sfc_flags.forget(self.chosen())
-            self.move()  # what was chosen in the last scan
+            self.change_situation()  # what was chosen in the last scan
             place = len(self.code.networks)
             self.code.add(self.texts.times, times)
             self.add_actions()
             self.sfc_flags.end(place, self.times, [drive.call for drive in self.drives])
             self.sfc_flags.before_transitions()
-            self.choose()
+            self.choose_transitions()
             self.sfc_flags.report_transition(self.any_fires)
         else:
             self.code.add(self.texts.times, times)
-            self.choose()
-            self.move()
+            self.choose_transitions()
+            self.change_situation()
             restarts = [s for step, when in self.reentered().items() for s in self.times.restarts(step, when)]
             self.code.add(self.texts.times, [*restarts, *times])
             self.add_actions()

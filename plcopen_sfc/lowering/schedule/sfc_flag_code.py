@@ -81,7 +81,7 @@ class ErrorTable:
         for number, reason in enumerate(reasons):
             name = n.Literal(string_literal(reason.text, self._dialect))
             place = [free] if number > int(_LAST.text) else []
-            found.append(when(conjunction([reason.stands, *place]), *self._written(name, reason.value)))
+            found.append(when(conjunction([reason.holds, *place]), *self._written(name, reason.value)))
         return [*found, *self._rest()]
 
     def emptied(self) -> list[Statement]:
@@ -291,7 +291,7 @@ class SfcFlagCode:
         for reason in watch.reasons:
             bar = _function("SEL", empty, self._text("|"), _EMPTY)
             longer = _function("CONCAT", _function("CONCAT", analyzation, bar), self._text(reason.text))
-            found += self._memory.conditional("", reason.stands, [assignment(analyzation, longer)])
+            found += self._memory.conditional("", reason.holds, [assignment(analyzation, longer)])
         return found
 
     # -- parts
