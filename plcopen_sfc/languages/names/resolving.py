@@ -142,15 +142,13 @@ class Resolver:
         if len(found) > 1 and reference.access:
             having = [d for d in found if self._may_have(d, reference.access)]
             found = having or found
-        ranks = _RANKS.get(reference.role, _VALUE_RANKS)
         if reference.role is Role.VALUE and reference.access.casefold() in _STEP_VARIABLES:
             certain = [d for d in found if d.kind is not Kind.STEP and self._has(d, reference.access)]
             steps = [d for d in found if d.kind is Kind.STEP]
             if not certain and steps and len(found) > len(steps):
                 return Meaning(doubt="a step and a variable have this name", candidates=tuple(found))
             found = certain or found
-        best = min(ranks.get(d.kind, _LAST) for d in found)
-        found = [d for d in found if ranks.get(d.kind, _LAST) == best]
+        found = preferred(found, reference.role)
         if len(found) > 1:
             return Meaning(doubt="several things have this name", candidates=tuple(found))
         return self._of_external(found[0], site)
@@ -223,9 +221,7 @@ class Resolver:
         for level in self._members(type_):
             found = [d for d in level.named(name) if d.kind is not Kind.TRANSITION]
             if found:
-                found = self._without_step_variables(found)
-                best = min(_VALUE_RANKS.get(d.kind, _LAST) for d in found)
-                found = [d for d in found if _VALUE_RANKS.get(d.kind, _LAST) == best]
+                found = preferred(self._without_step_variables(found), Role.VALUE)
                 if len(found) > 1:
                     return Meaning(doubt="several things have this name", candidates=tuple(found))
                 return self._of_external(found[0], Site(place=found[0].pou.place if found[0].pou is not None else ""))
@@ -430,6 +426,22 @@ def fitting(found: Sequence[Declaration], role: Role) -> list[Declaration]:
     return [d for d in found if d.kind is not Kind.TRANSITION]
 
 
+def preferred(found: Sequence[Declaration], role: Role) -> list[Declaration]:
+    """Return those of several declarations in one scope that a name in this role means: one, if that can be told."""
+    if role is Role.ACTION:
+        found = [d for d in found if _is_callable(d)] or found
+    ranks = _RANKS.get(role, _VALUE_RANKS)
+    best = min(ranks.get(d.kind, _LAST) for d in found)
+    return [d for d in found if ranks.get(d.kind, _LAST) == best]
+
+
+def _is_callable(declaration: Declaration) -> bool:
+    holder = declaration.holder
+    if isinstance(holder, Pou):
+        return holder.kind is not PouKind.FUNCTION_BLOCK
+    return not isinstance(holder, t.Variable) or not isinstance(holder.type, t.ElementaryType | t.StringType)
+
+
 _STEP_VARIABLES = frozenset({"x", "t"})
 """The members of a step (IEC 61131-3: ``S.X``, ``S.T``; CODESYS: ``S.x``, ``S.t``)."""
 _MOST_ALIASES = 20
@@ -438,14 +450,28 @@ _LAST = 9
 _VALUE_RANKS = {
     Kind.VARIABLE: 0,
     Kind.MEMBER: 0,
+    Kind.DATA_BLOCK: 0,
     Kind.ENUM_VALUE: 1,
     Kind.INSTANCE: 1,
     Kind.STEP: 2,
     Kind.METHOD: 3,
     Kind.ACTION: 3,
+    Kind.GLOBAL_LIST: 4,
+    Kind.POU: 5,
+    Kind.DATA_TYPE: 6,
+    Kind.NAMESPACE: 7,
 }
 _RANKS = {
-    Role.ACTION: {Kind.ACTION: 0, Kind.METHOD: 0, Kind.VARIABLE: 1, Kind.INSTANCE: 2, Kind.POU: 3, Kind.STEP: 4},
+    Role.ACTION: {
+        Kind.ACTION: 0,
+        Kind.METHOD: 0,
+        Kind.VARIABLE: 1,
+        Kind.DATA_BLOCK: 1,
+        Kind.POU: 2,
+        Kind.INSTANCE: 3,
+        Kind.STEP: 4,
+    },
     Role.TRANSITION: {Kind.TRANSITION: 0, Kind.VARIABLE: 1},
     Role.TYPE: {Kind.POU: 0, Kind.DATA_TYPE: 0},
 }
+"""Which of several things of one name is meant: that with the lowest number."""

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from plcopen_sfc.errors import Location, SimulationError
 from plcopen_sfc.languages.names.declarations import Declaration, Kind, Level
+from plcopen_sfc.languages.names.pieces import Role
+from plcopen_sfc.languages.names.resolving import preferred
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression
 from plcopen_sfc.languages.st.nodes import Quoting
@@ -25,17 +27,19 @@ if TYPE_CHECKING:
     from plcopen_sfc.semantics.programs.runtime import Processor
     from plcopen_sfc.semantics.programs.units import Unit
 
-_RANKS = {
-    Kind.VARIABLE: 0,
-    Kind.DATA_BLOCK: 0,
-    Kind.INSTANCE: 1,
-    Kind.ENUM_VALUE: 1,
-    Kind.GLOBAL_LIST: 2,
-    Kind.POU: 3,
-    Kind.DATA_TYPE: 4,
-    Kind.NAMESPACE: 5,
-}
-_CALL_RANKS = _RANKS | {Kind.POU: 0, Kind.VARIABLE: 1, Kind.DATA_BLOCK: 1}
+_GLOBAL = frozenset(
+    {
+        Kind.VARIABLE,
+        Kind.DATA_BLOCK,
+        Kind.INSTANCE,
+        Kind.ENUM_VALUE,
+        Kind.GLOBAL_LIST,
+        Kind.POU,
+        Kind.DATA_TYPE,
+        Kind.NAMESPACE,
+    }
+)
+_VALUES = frozenset({Kind.VARIABLE, Kind.DATA_BLOCK, Kind.INSTANCE, Kind.ENUM_VALUE})
 
 
 class Scope:
@@ -148,7 +152,7 @@ class Scope:
         for level in self.outer():
             declarations = level.named(name.identifier)
             if declarations:
-                return self._global(declarations, _CALL_RANKS if called else _RANKS, name.identifier)
+                return self._global(declarations, Role.ACTION if called else Role.VALUE, name.identifier)
         return Unknown(name.identifier)
 
     def _local(self, key: str, cells: str) -> Place | Code | None:
@@ -177,13 +181,12 @@ class Scope:
             self.library.parameters[id(field)] = key
         return Place(cells, str(field.slot), field.type, field.name, key, key, field=field, input=is_input)
 
-    def _global(self, declarations: list[Declaration], ranks: Mapping[Kind, int], name: str) -> Any:
-        known = [d for d in declarations if d.kind in ranks]
+    def _global(self, declarations: list[Declaration], role: Role, name: str) -> Any:
+        known = [d for d in declarations if d.kind in _GLOBAL]
         if not known:
             return Unknown(name)
-        best = min(ranks[d.kind] for d in known)
-        chosen = [d for d in known if ranks[d.kind] == best]
-        if len({id(d.holder) for d in chosen}) > 1 and best <= 1:
+        chosen = preferred(known, role)
+        if len({id(d.holder) for d in chosen}) > 1 and chosen[0].kind in _VALUES:
             near = [d for d in chosen if d.path.casefold() == name.casefold()]
             if len(near) != 1:
                 paths = ", ".join(d.path for d in chosen)
