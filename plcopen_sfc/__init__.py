@@ -16,6 +16,7 @@ from importlib import import_module
 from importlib.resources import files
 from typing import Any
 
+from plcopen_sfc.operations import Operation, provide
 from plcopen_sfc.version import __version__ as __version__
 
 
@@ -42,3 +43,26 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(_exports())
+
+
+def _rename() -> Operation:
+    from plcopen_sfc.refactor.rename import rename  # noqa: PLC0415  # brings the parser with it
+
+    return rename
+
+
+def _rename_step() -> Operation:
+    from plcopen_sfc.refactor.rename import rename_step  # noqa: PLC0415
+
+    return rename_step
+
+
+def _locations_of() -> Operation:
+    from plcopen_sfc.documents.sources import locations_of  # noqa: PLC0415  # brings the formats with it
+
+    return locations_of
+
+
+provide("rename", _rename)
+provide("rename_step", _rename_step)
+provide("locations_of", _locations_of)

@@ -9,7 +9,6 @@ from pydantic import Field, PrivateAttr
 
 from plcopen_sfc.collector import collector_paused
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
-from plcopen_sfc.model import operations
 from plcopen_sfc.model.base import Carried, Element, Model
 from plcopen_sfc.model.body import SfcBody
 from plcopen_sfc.model.dialect import Dialect
@@ -20,6 +19,7 @@ from plcopen_sfc.model.sfc import SfcNetwork
 from plcopen_sfc.model.text import Text
 from plcopen_sfc.model.types import DataTypeDeclaration, Variable
 from plcopen_sfc.model.variables import AccessSection, ConfigSection, VariableSection
+from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
     from plcopen_sfc.diagnostics import Diagnostic
@@ -282,7 +282,8 @@ class Project(Owned, Element):
         where there is no such thing, or the new name is no name or would mean something else somewhere. See
         `plcopen_sfc.refactor.rename`.
         """
-        return operations.rename(self, path, new)
+        result: RenameResult = provided("rename")(self, path, new)
+        return result
 
     def locations_of(self, paths: Iterable[str]) -> list[Location]:
         """Where objects stand in the files of the project, by their paths: ``POU Main / step S3``.
@@ -290,7 +291,8 @@ class Project(Owned, Element):
         Each place has the path, and the file and line as far as they are known: those of what is around the object
         where the format tells no more.
         """
-        return operations.locations_of(self, paths)
+        places: list[Location] = provided("locations_of")(self, paths)
+        return places
 
     def objects(self) -> Iterator[ProjectObject]:
         """The objects that have files of their own in some tools; what others need comes first."""

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from pydantic import Field
 
 from plcopen_sfc.errors import Location, ModelError, check_argument, nearest
-from plcopen_sfc.model import operations
 from plcopen_sfc.model.actions import ActionAssociation, Monitoring, SymbolAccess
 from plcopen_sfc.model.base import Element, ElementId, Model
 from plcopen_sfc.model.conditions import Condition
@@ -23,6 +22,7 @@ from plcopen_sfc.model.late import LateElement
 from plcopen_sfc.model.network import Node
 from plcopen_sfc.model.owners import Owned
 from plcopen_sfc.model.text import Text
+from plcopen_sfc.operations import provided
 
 if TYPE_CHECKING:
     from plcopen_sfc.model.body import Body
@@ -422,7 +422,8 @@ class SfcNetwork(LateElement):
         name is no name or would mean something else somewhere. The result lists what was changed, and places of which
         nobody can tell what they mean: these stay as they are. See `plcopen_sfc.refactor.rename`.
         """
-        return operations.rename_step(self, old, new)
+        result: RenameResult = provided("rename_step")(self, old, new)
+        return result
 
     def _claim(self, name: str) -> None:
         check_argument(name, str, "the name of a step is a text")

@@ -1,0 +1,49 @@
+"""The model stands on nothing above it, and its methods that need more find it."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BELOW = {"collector", "diagnostics", "errors", "model", "operations"}
+
+
+def named_modules(tree: ast.AST) -> Iterator[str]:
+    """Modules of the package that code names: in imports of any kind, or in strings; not those for type checkers."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+            continue
+        if isinstance(node, ast.ImportFrom):
+            yield node.module or ""
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and " " not in node.value:
+            yield node.value
+        yield from named_modules(node)
+
+
+def test_no_module_of_the_model_names_a_higher_layer():
+    modules = sorted((ROOT / "plcopen_sfc" / "model").glob("*.py"))
+    assert len(modules) > 10
+    for path in [*modules, ROOT / "plcopen_sfc" / "operations.py"]:
+        for name in named_modules(ast.parse(path.read_text(encoding="utf-8"))):
+            if name.startswith("plcopen_sfc."):
+                assert name.split(".")[1] in BELOW, f"{path.name} names {name}"
+
+
+def test_methods_of_higher_layers_work_where_only_the_model_was_imported():
+    script = """
+import sys
+from plcopen_sfc.model import SfcNetwork
+chart = SfcNetwork()
+chart.add_step("S1", initial=True)
+print("plcopen_sfc.refactor.rename" in sys.modules)
+chart.rename_step("S1", "Init")
+print(chart.steps[0].name)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True, cwd=ROOT)
+    assert done.stdout.split() == ["False", "Init"]
